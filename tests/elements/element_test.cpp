@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "own_process.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -237,7 +238,7 @@ std::vector<uint8_t> visible(const std::string& text, const std::vector<uint8_t>
 int largest_difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
   if (a.size() != b.size()) return 256;
   int largest = 0;
-  for (size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+  for (size_t i = 0; i < a.size(); ++i) update_max(largest, std::abs(a[i] - b[i]));
   return largest;
 }
 

@@ -9,6 +9,7 @@
 #include "flat_file.hpp"
 #include "png_file.hpp"
 #include "tests/temporary_folder.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::bench {
 namespace {
@@ -71,8 +72,8 @@ TEST(Png, ReadsTheCommittedTruth) {
   double worst = 0, brightest = 0;
   for (std::size_t i = 0; i < input.data.size(); ++i) {
     const double product = double(reflectance.data[i]) * 2 * shading.data[i];
-    worst = std::max(worst, std::abs(std::min(product, 1.0) - input.data[i]));
-    brightest = std::max(brightest, double(input.data[i]));
+    update_max(worst, std::abs(std::min(product, 1.0) - input.data[i]));
+    update_max(brightest, double(input.data[i]));
   }
   EXPECT_LT(worst, 0.02);  // two 8-bit codes at the curve's steep end
   EXPECT_GT(brightest, 0.3);

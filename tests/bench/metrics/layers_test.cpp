@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "metrics.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::bench {
 namespace {
@@ -120,7 +121,7 @@ TEST(Layers, OneLayersScaleIsFreeAndItsKnownColorCounts) {
   double squares = 0;
   for (const float v : truth.data) squares += double(v) * double(v);
   double peak = 0;
-  for (const float v : truth.data) peak = std::max(peak, double(v));
+  for (const float v : truth.data) update_max(peak, double(v));
   EXPECT_NEAR(colored.mse, squares / double(truth.data.size()) / (peak * peak) / 7, 1e-5);
   EXPECT_GT(colored.dssim, 0.01);
 }

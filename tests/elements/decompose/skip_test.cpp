@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "tests/elements/element_test.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -170,7 +171,7 @@ TEST_P(SkipError, BoundsTheErrorAndMoreSkipsMore) {
     guint64 skipped = 0;  // tiles
     size_t k = 0;
     for (const auto& frame : mixed_video()) {
-      worst = std::max(worst, log_difference(harness.process(frame), wanted[k++]));
+      update_max(worst, log_difference(harness.process(frame), wanted[k++]));
       GstElement* element = harness.find(name);
       const bool kept = stat<gboolean>(element, "reused", G_TYPE_BOOLEAN);
       const guint tiles = stat<guint>(element, "tiles", G_TYPE_UINT);

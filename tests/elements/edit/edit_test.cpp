@@ -7,6 +7,7 @@
 #include "gst/base/meta/inverse_layers_meta.h"
 #include "tests/elements/element_test.hpp"
 #include "tests/srgb.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -38,7 +39,7 @@ int half_difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b
   int largest = a.size() == b.size() ? 0 : 256;
   for (size_t i = 0; i < std::min(a.size(), b.size()); ++i)
     if ((static_cast<int>(i / 4) % width >= width / 2) == right)
-      largest = std::max(largest, std::abs(a[i] - b[i]));
+      update_max(largest, std::abs(a[i] - b[i]));
   return largest;
 }
 
@@ -153,7 +154,7 @@ TEST(Recolor, AClusterIsRecoloredByItsIndex) {
   const auto apart = [&](std::array<int, 3> a, std::array<int, 3> b) {
     const auto one = chromaticity(a), other = chromaticity(b);
     float most = 0;
-    for (size_t c = 0; c < 3; ++c) most = std::max(most, std::abs(one[c] - other[c]));
+    for (size_t c = 0; c < 3; ++c) update_max(most, std::abs(one[c] - other[c]));
     return most;
   };
   float red = 1, blue = 1;

@@ -9,6 +9,7 @@
 #include "gst/base/meta/inverse_layers_meta.h"
 #include "tests/elements/element_test.hpp"
 #include "tests/srgb.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -187,7 +188,7 @@ TEST_F(Split, MaskPadSendsTheSelection) {
   for (size_t n = 0; n < mask.size(); ++n) {
     ASSERT_NEAR(mask[n], srgb_code(layer[4 * n]) * 255, 0.51);
     smallest = std::min(smallest, layer[4 * n]);
-    largest = std::max(largest, layer[4 * n]);
+    update_max(largest, layer[4 * n]);
   }
   EXPECT_LT(smallest, 0.1f);
   EXPECT_GT(largest, 0.9f);

@@ -10,6 +10,7 @@
 #include "lime_fixture.hpp"
 #include "tests/kernels/environment/normal_map_file.hpp"
 #include "tests/temporary_folder.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -245,8 +246,7 @@ TEST_F(LimeLight, PreviewShowsTheEstimatedMaterial) {
     for (int x = 0; x < kWidth; ++x) {
       const size_t at = 4 * (size_t{kWidth} * y + x);
       int largest = 0;
-      for (size_t c = 0; c < 4; ++c)
-        largest = std::max(largest, std::abs(out[at + c] - frame[at + c]));
+      for (size_t c = 0; c < 4; ++c) update_max(largest, std::abs(out[at + c] - frame[at + c]));
       const bool corner = x >= kWidth - 35 && y >= kHeight - 35;
       if (!corner) {
         ASSERT_EQ(largest, 0) << x << ", " << y;

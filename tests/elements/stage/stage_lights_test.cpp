@@ -6,6 +6,7 @@
 #include "stage/controllers/sacn_receiver.hpp"
 #include "stage_fixture.hpp"
 #include "tests/stage/serial_controller.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -51,7 +52,7 @@ bool shows(sacn::Receiver& receiver, const LightProgram& program, StepKind kind)
     const auto seen = patch.colors(receiver.levels());
     float off = 0;
     for (size_t i = 0; i < wanted.size(); ++i)
-      for (size_t c = 0; c < 3; ++c) off = std::max(off, std::abs(seen[i][c] - wanted[i][c]));
+      for (size_t c = 0; c < 3; ++c) update_max(off, std::abs(seen[i][c] - wanted[i][c]));
     if (off < 0.51F / 255) return true;
     g_usleep(500);
   }

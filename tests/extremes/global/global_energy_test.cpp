@@ -9,6 +9,7 @@
 #include <random>
 
 #include "global_picture.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::extremes {
 namespace {
@@ -66,8 +67,8 @@ TEST(GlobalEnergy, FallsAsFarAsTheStepsPromise) {
       for (size_t k = 1; k < energy.size(); ++k) {
         const double before = energy[k - 1].total(), after = energy[k].total();
         const double penalty = static_cast<double>(energy[k].non_negativity);
-        worst = std::max(worst, after / before - 1);
-        beyond = std::max(beyond, (after - penalty) / before - 1);
+        update_max(worst, after / before - 1);
+        update_max(beyond, (after - penalty) / before - 1);
       }
       printf("  %-10s %-15s %10.4g to %10.4g, a step up by %.1e, beyond the penalty %.1e\n",
              picture, setting.name, energy.front().total(), energy.back().total(), worst, beyond);
@@ -125,7 +126,7 @@ TEST(GlobalEnergy, DoesNotRiseWhereLightSpansDecades) {
       double worst = 0;
       for (size_t k = 1; k < energy.size(); ++k) {
         const double penalty = static_cast<double>(energy[k].non_negativity);
-        worst = std::max(worst, (energy[k].total() - penalty) / energy[k - 1].total() - 1);
+        update_max(worst, (energy[k].total() - penalty) / energy[k - 1].total() - 1);
       }
       printf(
           "  %-10s %d samples, search %d: %10.4g to %10.4g, a step up by %.1e, %d of 24 steps "

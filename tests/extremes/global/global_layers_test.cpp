@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "global_picture.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::extremes {
 namespace {
@@ -28,7 +29,7 @@ class GlobalLayerCounts : public testing::Test {
     double worst = 0;
     for (size_t i = 0; i < got.light.size(); i += 4)
       for (size_t c = 0; c < 3; ++c)
-        worst = std::max(worst, std::abs(static_cast<double>(got.light[i + c]) - 1));
+        update_max(worst, std::abs(static_cast<double>(got.light[i + c]) - 1));
     return worst;
   }
   static GlobalLayers with_colors(const std::vector<Rgb>& colors, const Pixels& frame) {
@@ -132,8 +133,8 @@ TEST_F(GlobalLayerCounts, ParallelLayersShareTheirLight) {
     double apart = 0, model = 0;
     for (size_t i = 0; i < picture.size(); i += 4) {
       for (size_t k = 1; k < count; ++k)
-        apart = std::max(apart, std::abs(static_cast<double>(got.shares[k / 4][i + k % 4]) -
-                                         static_cast<double>(got.shares[0][i])));
+        update_max(apart, std::abs(static_cast<double>(got.shares[k / 4][i + k % 4]) -
+                                   static_cast<double>(got.shares[0][i])));
       for (size_t c = 0; c < 3; ++c)
         model += std::pow(
             static_cast<double>(got.intrinsic[i + c] * got.intrinsic[i + 3] * got.light[i + c] -

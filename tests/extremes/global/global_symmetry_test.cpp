@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "global_picture.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::extremes {
 namespace {
@@ -41,7 +42,7 @@ Apart apart(const GlobalLayers& one, const GlobalLayers& other) {
   size_t count = 0;
   const auto add = [&](double d) {
     result.rms += d * d;
-    result.most = std::max(result.most, std::abs(d));
+    update_max(result.most, std::abs(d));
     ++count;
   };
   const auto log_of = [](float v) { return std::log(std::max(static_cast<double>(v), 1e-6)); };

@@ -10,6 +10,7 @@
 #include "methods.hpp"
 #include "tests/extremes/problems/grid_problem.hpp"
 #include "tests/reference/intrinsic/intrinsic_decomposition.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::extremes {
 namespace {
@@ -52,7 +53,7 @@ Apart apart(const Pixels& one, const Pixels& other) {
     const double d = std::log(std::max(static_cast<double>(one[i]), 1e-6)) -
                      std::log(std::max(static_cast<double>(other[i]), 1e-6));
     result.rms += d * d / static_cast<double>(one.size());
-    result.most = std::max(result.most, std::abs(d));
+    update_max(result.most, std::abs(d));
   }
   result.rms = std::sqrt(result.rms);
   return result;
@@ -128,9 +129,8 @@ TEST_F(Symmetry, MirroredSystemsHaveMirroredSolutions) {
   double worst = 0, most = 0;
   for (uint32_t y = 0; y < extent.height; ++y)
     for (uint32_t x = 0; x < extent.width; ++x) {
-      worst = std::max(worst,
-                       std::abs(one[system.at(x, y)] - other[system.at(extent.width - 1 - x, y)]));
-      most = std::max(most, std::abs(one[system.at(x, y)]));
+      update_max(worst, std::abs(one[system.at(x, y)] - other[system.at(extent.width - 1 - x, y)]));
+      update_max(most, std::abs(one[system.at(x, y)]));
     }
   EXPECT_LT(worst, 1e-5 * most);
 }

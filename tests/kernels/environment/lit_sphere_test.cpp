@@ -11,6 +11,7 @@
 #include "common/error.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
 #include "tests/reference/environment/lit_sphere.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -98,14 +99,14 @@ class LitSphereTest : public GpuTest {
     double d_error = 0, s_error = 0, d_top = 0, s_top = 0;
     // Probes may miss the peak of a narrow highlight.
     for (size_t i = 0; i < s.size(); ++i)
-      if (i % 4 < 3) s_top = std::max(s_top, double{s[i]});
+      if (i % 4 < 3) update_max(s_top, double{s[i]});
     for (const Probe& probe : probes(side, 19)) {
       const auto expected = reference::shade(map, probe.normal, shininess, rotation);
       for (size_t c = 0; c < 3; ++c) {
-        d_error = std::max(d_error, std::fabs(d[4 * probe.pixel + c] - expected.diffuse[c]));
-        s_error = std::max(s_error, std::fabs(s[4 * probe.pixel + c] - expected.specular[c]));
-        d_top = std::max(d_top, expected.diffuse[c]);
-        s_top = std::max(s_top, expected.specular[c]);
+        update_max(d_error, std::fabs(d[4 * probe.pixel + c] - expected.diffuse[c]));
+        update_max(s_error, std::fabs(s[4 * probe.pixel + c] - expected.specular[c]));
+        update_max(d_top, expected.diffuse[c]);
+        update_max(s_top, expected.specular[c]);
       }
     }
     return {d_error / d_top, s_error / s_top};
@@ -168,8 +169,8 @@ TEST_F(LitSphereTest, TheRimUnderLightFromBehindIsSmooth) {
     for (const Probe& probe : probes(side, 5)) {
       if (probe.normal[2] > .5) continue;
       const double expected = reference::shade(map, probe.normal, s).specular[0];
-      error = std::max(error, std::fabs(got[4 * probe.pixel] - expected));
-      top = std::max(top, expected);
+      update_max(error, std::fabs(got[4 * probe.pixel] - expected));
+      update_max(top, expected);
     }
     EXPECT_LT(error, .12 * top) << "shininess " << s;
   }

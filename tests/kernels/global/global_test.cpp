@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "global_fixture.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 
@@ -168,11 +169,11 @@ TEST_F(GlobalTest, LightIsGrayIfItsAmountIsUnknown) {
     expect_agreement(got, expected, "trust " + std::to_string(trust));
     float color = 0;
     for (size_t i = 0; i < got.light.size(); ++i)
-      if (i % 4 != 3) color = std::max(color, std::abs(got.light[i] - 1));
+      if (i % 4 != 3) update_max(color, std::abs(got.light[i] - 1));
     EXPECT_TRUE(trust > 0 || color < 1e-5F) << color;
     EXPECT_TRUE(trust < 1 || color > 0.05F) << color;
     smallest = std::min(smallest, got.found.confidence);
-    largest = std::max(largest, got.found.confidence);
+    update_max(largest, got.found.confidence);
   }
   EXPECT_LT(smallest, 0.01F);
   EXPECT_GT(largest, 0.03F);

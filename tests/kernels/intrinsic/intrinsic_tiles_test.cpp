@@ -4,6 +4,7 @@
 #include "intrinsic_fixture.hpp"
 #include "kernels/image/format/changed_tiles.hpp"
 #include "kernels/image/format/convert.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -72,8 +73,7 @@ Apart apart(Extent extent, const Pixels& one, double scale, const Pixels& other,
     sums[tile] += d;
     counts[tile] += 1;
   }
-  for (size_t i = 0; i < sums.size(); ++i)
-    apart.tile = std::max(apart.tile, std::abs(sums[i] / counts[i]));
+  for (size_t i = 0; i < sums.size(); ++i) update_max(apart.tile, std::abs(sums[i] / counts[i]));
   apart.rms = std::sqrt(apart.rms / static_cast<double>(extent.pixels()));
   return apart;
 }
@@ -175,7 +175,7 @@ TEST_F(IntrinsicTilesTest, AStaticBackgroundIsReusedAndStaysNearTheWholeSolve) {
       if (i % 4 < 3) {
         ASSERT_NEAR(got[i] * got[i | 3], frame[i], 1e-5) << "R S must be I, frame " << k;
       }
-    worst = std::max(worst, apart(got, want));
+    update_max(worst, apart(got, want));
     worst_scale = std::max(
         worst_scale, static_cast<double>(std::abs(some.findings().scale - whole.findings().scale)));
     if (listed(some)) {

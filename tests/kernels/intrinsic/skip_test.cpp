@@ -3,6 +3,7 @@
 #include "intrinsic_fixture.hpp"
 #include "kernels/intrinsic/resolution/layer_distance.hpp"
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -197,8 +198,8 @@ TEST_F(SkipTest, AnotherResolutionStartsFromTheFirstsResult) {
       }
       for (const float value : now[0]) ASSERT_TRUE(std::isfinite(value));
       if (i >= 10) {
-        largest = std::max(largest, apart(now[0], before[0]));
-        most_anew = std::max(most_anew, apart(now[1], before[1]));
+        update_max(largest, apart(now[0], before[0]));
+        update_max(most_anew, apart(now[1], before[1]));
         if (crosses) {
           EXPECT_LT(apart(now[0], before[0]), 0.01) << name_of(extent) << " at " << i;
         }

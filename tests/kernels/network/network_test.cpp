@@ -9,6 +9,7 @@
 #include "network_builder.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
 #include "tests/reference/network/network.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 
@@ -59,7 +60,7 @@ class NetworkTest : public GpuTest {
       const Pixels got = download(network.output(o));
       ASSERT_GE(got.size(), 4 * network::elements_of(want.shape));
       double largest = 0;
-      for (const double v : want.data) largest = std::max(largest, std::fabs(v));
+      for (const double v : want.data) update_max(largest, std::fabs(v));
       for (uint32_t c = 0; c < want.shape.channels; ++c)
         for (uint32_t y = 0; y < want.shape.height; ++y)
           for (uint32_t x = 0; x < want.shape.width; ++x)

@@ -10,6 +10,7 @@
 #include "kernels/environment/lit_sphere.hpp"
 #include "kernels/raster/rasterizer.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -325,7 +326,7 @@ TEST(MeshTest, PreparesBadMeshes) {
   float reach = 0;
   for (size_t i = 0; i < 4; ++i) {
     const auto &p = mesh.positions[i], &n = mesh.normals[i];
-    reach = std::max(reach, std::hypot(p[0], p[1], p[2]));
+    update_max(reach, std::hypot(p[0], p[1], p[2]));
     EXPECT_NEAR(std::hypot(n[0], n[1], n[2]), 1, 1e-5);
     EXPECT_GT(p[0] * n[0] + p[1] * n[1] + p[2] * n[2], 0) << "outwards";
   }

@@ -3,6 +3,7 @@
 // subjects that are known.
 #include "common/error.hpp"
 #include "reflectance_field_fixture.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -65,7 +66,7 @@ TEST_F(CosineLobeTest, ALambertianSphereShowsItsNormals) {
       });
       pair.add(a, b);
       normals.push_back(n);
-      plain = std::max(plain, degrees(reference::mean_direction(a, b, 0), n));
+      update_max(plain, degrees(reference::mean_direction(a, b, 0), n));
     }
   CosineLobe method = lobe_method(pair.extent());
   const Found got = find(method, pair);
@@ -73,9 +74,9 @@ TEST_F(CosineLobeTest, ALambertianSphereShowsItsNormals) {
   for (size_t i = 0; i < normals.size(); ++i) {
     const auto lobe = found(got.full, got.lobes, i);
     const double off = degrees(lobe.direction, normals[i]);
-    worst = std::max(worst, off);
+    update_max(worst, off);
     mean += off / static_cast<double>(normals.size());
-    exponent = std::max(exponent, std::fabs(lobe.exponent - 1));
+    update_max(exponent, std::fabs(lobe.exponent - 1));
   }
   RecordProperty("degrees_uncorrected", std::to_string(plain));
   RecordProperty("degrees_worst", std::to_string(worst));
@@ -134,7 +135,7 @@ TEST_F(CosineLobeTest, TheTableOfMomentsIsTheSolution) {
       for (double& x : v) x *= size;
       const Vec3 seen = reference::seen_mean(v, stage);
       const Vec3 back = moments->even(seen, seen);
-      for (size_t k = 0; k < 3; ++k) worst = std::max(worst, std::fabs(back[k] - v[k]));
+      for (size_t k = 0; k < 3; ++k) update_max(worst, std::fabs(back[k] - v[k]));
     }
     EXPECT_LT(worst, count == 92 ? .05 : .01) << count;
   }

@@ -9,6 +9,7 @@
 
 #include "tests/kernels/gpu_fixture.hpp"
 #include "tests/reference/solve/scale_normalization.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -119,7 +120,7 @@ TEST_F(ScaleNormalizationTest, WhatStaysInViewKeepsItsReflectance) {
                                                            {-0.1 - 0.01 * k, false}, k > 0)) +
                                 view.solver_scale;
       if (k == 0) first = brightness;
-      worst = std::max(worst, std::abs(brightness - first));
+      update_max(worst, std::abs(brightness - first));
     }
     EXPECT_LT(worst, 0.02) << shot.name;
   }

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "global_thesis_fixture.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 
@@ -133,7 +134,7 @@ TEST_F(GlobalThesisTest, RefinementAgreesWithReference) {
       for (size_t k = 0; k < count; ++k) {
         for (size_t c = 0; c < 3; ++c) {
           EXPECT_NEAR(after[k][c], expected[k][c], 1e-3) << count << " colors, color " << k;
-          change = std::max(change, std::abs(after[k][c] - before[k][c]));
+          update_max(change, std::abs(after[k][c] - before[k][c]));
         }
       }
       EXPECT_GT(change, 1e-4);
@@ -347,7 +348,7 @@ TEST_F(GlobalThesisTest, ACutDiscardsTheSceneAndBlocksNoFrame) {
     float steady = 0;
     for (size_t t = 0; t < seen.size(); ++t) {
       EXPECT_EQ(seen[t].cut, fraction > 0 && t == kCut) << t;
-      if (t != kCut) steady = std::max(steady, seen[t].change);
+      if (t != kCut) update_max(steady, seen[t].change);
     }
     if (fraction == 0) {
       EXPECT_EQ(seen[kCut + 3].keyframes, 5);

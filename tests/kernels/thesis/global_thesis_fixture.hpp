@@ -7,6 +7,7 @@
 #include "kernels/thesis/chapter5/global_thesis.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
 #include "tests/reference/thesis/global_thesis_params.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 
@@ -112,7 +113,7 @@ class GlobalThesisTest : public GpuTest {
           expected.decompose(image, targets_of(method, extent), layers);
       double worst = 0;
       for (size_t i = 0; i < x.data.size(); ++i)
-        worst = std::max(worst, std::abs(got.data[i] - x.data[i]));
+        update_max(worst, std::abs(got.data[i] - x.data[i]));
       worst_ = worst;
       solution_ = got.data;
       const double reference_energy = expected.energy(x).total();

@@ -8,6 +8,7 @@
 
 #include "global_thesis_fixture.hpp"
 #include "kernels/thesis_chapter5_solve_scale_step.spv.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 
@@ -149,7 +150,7 @@ TEST_F(GlobalThesisTest, SamplesRaiseTheRestOfTheEnergyByLittleInAll) {
   double highest = 0;
   for (size_t k = 1; k < trace.size(); ++k) {
     const double rest = without_samples(trace[k]) - static_cast<double>(trace[k].non_negativity);
-    highest = std::max(highest, rest / start);
+    update_max(highest, rest / start);
     EXPECT_LE(rest, std::max(without_samples(trace[k - 1]), 1.05 * start) * (1 + 2e-5))
         << "step " << k;
   }

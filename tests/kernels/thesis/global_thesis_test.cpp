@@ -4,6 +4,7 @@
 
 #include "global_thesis_fixture.hpp"
 #include "kernels/thesis/chapter5/quality_levels.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 
@@ -91,8 +92,7 @@ TEST_F(GlobalThesisTest, EveryParameterReachesTheSolution) {
     compare(extent, params, frames, kRoom);
     ASSERT_EQ(solution_.size(), plain.size());
     double change = 0;
-    for (size_t i = 0; i < plain.size(); ++i)
-      change = std::max(change, std::abs(solution_[i] - plain[i]));
+    for (size_t i = 0; i < plain.size(); ++i) update_max(change, std::abs(solution_[i] - plain[i]));
     EXPECT_GT(change, 30 * worst_ + 5e-5);
     printf("  %s changes the solution by %.2e\n", name, change);
   }
@@ -103,8 +103,7 @@ TEST_F(GlobalThesisTest, EveryParameterReachesTheSolution) {
   params.log_floor = 0.3f;
   compare(extent, params, frames, {});
   double change = 0;
-  for (size_t i = 0; i < bare.size(); ++i)
-    change = std::max(change, std::abs(solution_[i] - bare[i]));
+  for (size_t i = 0; i < bare.size(); ++i) update_max(change, std::abs(solution_[i] - bare[i]));
   EXPECT_GT(change, 30 * worst_ + 5e-5) << "log_floor";
   printf("  log_floor changes the solution by %.2e\n", change);
 }

@@ -6,6 +6,7 @@
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
 #include "tests/reference/thesis/thesis_params.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -83,7 +84,7 @@ class ThesisTest : public GpuTest {
       double worst = 0;
       for (size_t n = 0; n < x.size(); ++n) {
         for (size_t c = 0; c < 3; ++c) {
-          worst = std::max(worst, std::abs(got[4 * n + c] - x.data[n][c] - scale));
+          update_max(worst, std::abs(got[4 * n + c] - x.data[n][c] - scale));
         }
       }
       worst_ = worst;
@@ -208,8 +209,7 @@ TEST_F(ThesisTest, EveryParameterReachesTheSolution) {
     compare(extent, params, frames);
     ASSERT_EQ(solution_.size(), plain.size());
     double change = 0;
-    for (size_t i = 0; i < plain.size(); ++i)
-      change = std::max(change, std::abs(solution_[i] - plain[i]));
+    for (size_t i = 0; i < plain.size(); ++i) update_max(change, std::abs(solution_[i] - plain[i]));
     EXPECT_GT(change, 30 * worst_ + 1e-4);
     printf("  %s changes r by %.2e\n", name, change);
   }
@@ -315,7 +315,7 @@ TEST_F(ThesisTest, LayersMultiplyToTheInputWhereTheDataTermBinds) {
     for (size_t c = 0; c < 3; ++c) {
       const double model = static_cast<double>(got[4 * n + c]) * got[4 * n + 3];
       const double input = std::max(static_cast<double>(pixels[4 * n + c]), 1e-3);
-      worst = std::max(worst, std::abs(model - input));
+      update_max(worst, std::abs(model - input));
     }
   }
   EXPECT_LT(worst, 0.02);

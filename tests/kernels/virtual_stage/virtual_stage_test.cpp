@@ -11,6 +11,7 @@
 #include "kernels/virtual_stage/virtual_head.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
 #include "tests/reference/virtual_stage/virtual_head.hpp"
+#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -43,7 +44,7 @@ reference::Vec3 vec(const Pixels& pixels, size_t i) {
 
 double largest_difference(const reference::Vec3& a, const reference::Vec3& b) {
   double largest = 0;
-  for (size_t c = 0; c < 3; ++c) largest = std::max(largest, std::abs(a[c] - b[c]));
+  for (size_t c = 0; c < 3; ++c) update_max(largest, std::abs(a[c] - b[c]));
   return largest;
 }
 
@@ -320,7 +321,7 @@ TEST(CameraSchedule, RatesAreWhatTheySay) {
     dropped += fate.dropped, duplicated += fate.duplicated;
     late += fate.shift > .31;
     smallest = std::min(smallest, fate.shift);
-    most = std::max(most, fate.shift);
+    update_max(most, fate.shift);
   }
   EXPECT_NEAR(dropped, 2000, 150);
   EXPECT_NEAR(duplicated, 1000, 110);

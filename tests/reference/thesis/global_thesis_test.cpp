@@ -9,6 +9,8 @@
 #include <limits>
 #include <random>
 
+#include "tests/update_max.hpp"
+
 namespace inverse::reference {
 namespace {
 
@@ -128,7 +130,7 @@ TEST(GlobalThesisReference, RightHandSideIsHalfTheGradientOfEveryTerm) {
                                   global_energy(scene, behind, samples, params).total()) /
                                  (2 * step);
           const double analytic = -2 * system.b.data[i];
-          largest = std::max(largest, std::abs(analytic));
+          update_max(largest, std::abs(analytic));
           EXPECT_NEAR(numeric, analytic, 2e-5 * (params.*weight + std::abs(analytic)))
               << name << ", " << layers << " layers, p " << p << ", unknown " << i % x.unknowns;
         }
