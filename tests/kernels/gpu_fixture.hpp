@@ -74,8 +74,8 @@ class OnANewDevice : public Fixture {
   void SetUp() override {
     this->shared_device().reset();
     Fixture::SetUp();
-    if (this->device->kernels_used() > 0)
-      GTEST_SKIP() << "another test holds the device: run these alone, --gtest_filter=*WarmUp.*";
+    ASSERT_EQ(this->device->kernels_used(), 0U)
+        << "the device is still in use: a test leaks it, or run these alone (*WarmUp.*)";
   }
 };
 

@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -13,6 +14,7 @@
 #include <optional>
 #include <random>
 #include <sstream>
+#include <system_error>
 #include <thread>
 
 #include "common/error.hpp"
@@ -80,6 +82,7 @@ class Olad {
     const std::string web = std::to_string(http_), rpc = std::to_string(rpc_);
     const std::string log = folder_ / "log";
     pid_ = fork();
+    if (pid_ < 0) throw std::system_error(errno, std::generic_category(), "fork");
     if (pid_ == 0) {
       if (!freopen(log.c_str(), "w", stderr) || !freopen("/dev/null", "r", stdin)) _exit(126);
       const std::string config = folder_.path();

@@ -181,6 +181,9 @@ TEST_P(SkipError, BoundsTheErrorAndMoreSkipsMore) {
                 " tiles skipped\n",
                 name.c_str(), error, worst, skipped);
     EXPECT_LE(worst, std::atof(error)) << error;
+    if (std::atof(error) >= 0.1) {
+      EXPECT_GT(skipped, 1000U) << error;
+    }
     EXPECT_LE(skipped, before) << error;
     before = skipped;
   }

@@ -40,7 +40,7 @@ TEST(CameraClock, FollowsAClockThatDrifts) {
     }
     EXPECT_LT(worst, 1e6);  // a millisecond
     EXPECT_EQ(clock.jumps(), 0U);
-    EXPECT_NEAR(clock.correction_ppm(), -ppm, 400);
+    EXPECT_NEAR(clock.correction_ppm(), -ppm, 30);
   }
 }
 

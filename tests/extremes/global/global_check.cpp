@@ -62,14 +62,14 @@ std::optional<std::string> far_from_reference(const Lab& lab, const Case& one,
     apart.push_back(0);
     for (const double d : off) apart.back() += (d - mean) * (d - mean) / 3;
   }
-  // Empty bins between two base colors may go to either, and pixels in them are far apart then:
-  // the nearer half.
+  // An empty bin between two base colors may go to either; the few pixels in it then differ. The
+  // nearest nine tenths are compared.
   std::sort(apart.begin(), apart.end());
-  apart.resize((apart.size() + 1) / 2);
+  apart.resize((9 * apart.size() + 9) / 10);
   double sum = 0;
   for (const double d : apart) sum += d;
   const double rms = std::sqrt(sum / static_cast<double>(apart.size()));
-  if (rms < 2e-4) return {};
+  if (rms < 1e-4) return {};
   return at("rms distance of the light's color to the reference, log units", 0, 0, rms);
 }
 
