@@ -91,12 +91,12 @@ void change_width(const GValue* from, GValue* to, Change change) {
   if (range || G_VALUE_HOLDS_INT(from)) {
     const int low = range ? gst_value_get_int_range_min(from) : g_value_get_int(from);
     const int high = range ? gst_value_get_int_range_max(from) : low;
-    const auto [least, most] = change(low, high);
-    g_value_init(to, least < most ? GST_TYPE_INT_RANGE : G_TYPE_INT);
-    if (least < most)
-      gst_value_set_int_range(to, least, most);
+    const auto [smallest, largest] = change(low, high);
+    g_value_init(to, smallest < largest ? GST_TYPE_INT_RANGE : G_TYPE_INT);
+    if (smallest < largest)
+      gst_value_set_int_range(to, smallest, largest);
     else
-      g_value_set_int(to, least);
+      g_value_set_int(to, smallest);
   } else if (GST_VALUE_HOLDS_LIST(from)) {
     g_value_init(to, GST_TYPE_LIST);
     for (guint i = 0; i < gst_value_list_get_size(from); ++i) {
@@ -229,10 +229,10 @@ GstCaps* transform_side_by_side(GstPadDirection direction, GstCaps* caps, GstCap
     gst_caps_unref(narrow);
     return result;
   }
-  constexpr int kMost = 32767;
+  constexpr int kMaxSize = 32767;
   const auto range = [n](int low, int high) {
-    return std::pair{std::min(low, kMost / n) * n,
-                     high > (kMost - n + 1) / n ? kMost : high * n + n - 1};
+    return std::pair{std::min(low, kMaxSize / n) * n,
+                     high > (kMaxSize - n + 1) / n ? kMaxSize : high * n + n - 1};
   };
   // Where one width goes out, who may choose is to choose what can be divided: that is first.
   GstCaps* wide = with_widths(caps, [n, range](int low, int high) {
@@ -240,8 +240,8 @@ GstCaps* transform_side_by_side(GstPadDirection direction, GstCaps* caps, GstCap
                        : range(low, high);
   });
   GstCaps* rest = with_widths(caps, [range](int low, int high) {
-    auto [least, most] = range(low, high);
-    return std::pair{low == high ? std::min(least + 1, most) : least, most};
+    auto [smallest, largest] = range(low, high);
+    return std::pair{low == high ? std::min(smallest + 1, largest) : smallest, largest};
   });
   GstCaps *layers = gst_caps_new_empty(), *plain = gst_caps_new_empty();
   for (guint i = 0; i < gst_caps_get_size(templates); ++i) {

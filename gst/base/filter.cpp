@@ -70,7 +70,7 @@ GstStateChangeReturn change_state(GstElement* element, GstStateChange transition
     return GST_STATE_CHANGE_FAILURE;
   // Before streaming starts again and frees what is left.
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED) {
-    element_of(element).context().settle();
+    element_of(element).context().wait_for_neighbor();
     if (!element_of(element).restart()) return GST_STATE_CHANGE_FAILURE;
   }
   const GstStateChangeReturn result =

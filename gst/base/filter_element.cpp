@@ -176,7 +176,7 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
     if (!out_layers_)
       output_ = carries_images(out) ? make_image_output(out_info_)
                                     : std::make_unique<FrameOutput>(out_info_);
-    if (in_images_ || carries_images(out)) context_.look();
+    if (in_images_ || carries_images(out)) context_.find_neighbor();
     if (carries_images(out)) images_device_ = context_.for_images();
     // Layers and images say with the first frame where they lie.
     if (!in_layers_ && !in_images_) configure(device_for(nullptr));

@@ -18,7 +18,7 @@ PropertyTable<Params> light_properties() {
                 "it if a cast remains"),
       tuning(number<P>("typical-amount", &P::typical, 0.05f, 2.f,
                        "Amount assumed for a scene whose colors do not determine it")),
-      tuning(number<P>("trust", &P::trust, 0.f, 100.f,
+      tuning(number<P>("measurement-weight", &P::measurement_weight, 0.f, 100.f,
                        "Weight of the scene's colors against typical-amount; 0 = not used, "
                        "indirect light is gray")),
       number<P>(

@@ -34,15 +34,15 @@ PropertyTable<Params> own_properties() {
       tuning(number<P>("pcg-iterations", &P::pcg_iterations, 1, 256,
                        "Conjugate gradient steps for each (5.7.1)")),
       number<P>("base-colors", &P::clusters, 1, static_cast<int>(kMaxBases),
-                "Number of chromaticity clusters to look for; duplicates are removed (5.5.1)"),
+                "Number of chromaticity clusters to find; duplicates are removed (5.5.1)"),
       choice<P>("propose", &P::propose, "GstGlobalIntrinsicThesisPropose",
                 {{static_cast<int>(RegionProposals::Mode::off), "off",
                   "Only clicks mark regions (5.5.2)"},
                  {static_cast<int>(RegionProposals::Mode::report), "report",
-                  "Tell by message which regions seem to be taken for the wrong color"},
+                  "Post a message for each region whose base color seems wrong"},
                  {static_cast<int>(RegionProposals::Mode::correct), "correct",
                   "Mark them as well, with the color that they seem to have"}},
-                "What to do with regions whose base color looks wrong because of strong indirect "
+                "What to do with regions whose base color seems wrong because of strong indirect "
                 "light"),
       text<P>("marks", &P::marks,
               "Regions to mark once, as positions x,y in pixels with spaces between"),
@@ -70,7 +70,7 @@ PropertyTable<Params> own_properties() {
           number<P>("refine-rounds", &P::refine_rounds, 0, 100,
                     "Refinements of the base colors after a start, a cut or the action refine, at "
                     "most, one a frame; 0 = none")),
-      tuning(number<P>("refine-settled", &P::refine_settled, 0.f, 1.f,
+      tuning(number<P>("refine-tolerance", &P::refine_tolerance, 0.f, 1.f,
                        "They end where no channel of a base color changes by more")),
       tuning(
           number<P>("cut-fraction", &P::cut_fraction, 0.f, 1.f,
@@ -330,7 +330,7 @@ class GlobalThesisMethod final : public DecompositionMethod {
                                                   G_TYPE_INT, wanted, "used", G_TYPE_INT,
                                                   most_colors_, nullptr));
   }
-  /// Frames of another size may follow. What is lost is told with the next one.
+  /// Frames of another size may follow. Lost regions are reported with the next frame.
   void forget_regions() {
     flushed();
     if (!regions_) return;

@@ -98,7 +98,7 @@ class MethodSettings final : public DecomposerSettings {
   FrameSettings next(RateController& controller) override {
     P next = parameters_.snapshot();
     const size_t top = levels_.top(next.quality);
-    controller.aim({next.target_fps, next.latency_budget}, top);
+    controller.set_goal({next.target_fps, next.latency_budget}, top);
     if (controller.level() != top)
       next = parameters_.snapshot(levels_.levels[controller.level()].set);
     next.derive();

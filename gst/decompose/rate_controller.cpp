@@ -30,7 +30,7 @@ RateController::RateController(std::span<const double> costs)
       top_(level_),
       trial_wait_(costs.size(), kTrialWait) {}
 
-void RateController::aim(const Goal& goal, size_t top) {
+void RateController::set_goal(const Goal& goal, size_t top) {
   const bool starts = goal.on() && !goal_.on();
   goal_ = goal;
   top_ = std::min(top, costs_.size() - 1);

@@ -16,7 +16,7 @@ namespace inverse {
 /// It goes down at once (when the median of the last frames is too long, as far as need be), and up
 /// slowly: one level, once the level above had room for a while for all but the slowest of them.
 /// Where a level that it went up to turns out too slow it waits twice as long before it tries
-/// that one again, so that it settles below what does not fit instead of swinging around it. A
+/// that one again, so that it converges below what does not fit instead of oscillating around it. A
 /// single slow frame moves nothing. Knows neither clock nor GStreamer: times come from the caller,
 /// in seconds that never go back. Not thread-safe.
 class RateController {
@@ -42,7 +42,7 @@ class RateController {
 
   /// What to hold from now on, and the best level that it may choose. Without a goal that is the
   /// level; a new goal starts there.
-  void aim(const Goal& goal, size_t top);
+  void set_goal(const Goal& goal, size_t top);
   size_t level() const { return level_; }
   const Report& report() const { return report_; }
 

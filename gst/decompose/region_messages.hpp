@@ -8,7 +8,7 @@
 
 namespace inverse {
 
-/// What globalintrinsicthesis has to tell of marked regions, as element messages
+/// Element messages of globalintrinsicthesis about marked regions
 /// (docs/reference/elements/globalintrinsicthesis.md); all but what became of a click waits for the
 /// next frame.
 class RegionMessages {
@@ -18,10 +18,10 @@ class RegionMessages {
   void lost(const std::vector<MarkedRegions::Lost>& lost) {
     lost_.insert(lost_.end(), lost.begin(), lost.end());
   }
-  /// Nothing of what the scene before told counts any more, but regions that were lost.
+  /// Forgets the messages of the previous scene, except for lost regions.
   void forget();
   bool empty() const { return corrected_.empty() && proposed_.empty() && lost_.empty(); }
-  /// Tells all of it, once.
+  /// Posts all of them, once.
   void post(FrameContext& frame);
   /// A click was taken in as this region, 0: refused.
   static void post_marked(FrameContext& frame, int x, int y, int region);

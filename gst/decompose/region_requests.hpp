@@ -29,7 +29,7 @@ class RegionRequests {
 
   void add(const Click& click) {
     std::lock_guard lock(mutex_);
-    // What nobody looks at for so long is no click on a picture any more.
+    // A click that waits this long refers to an old picture: drop it.
     if (waiting_.clicks.size() < kMaxClicks) waiting_.clicks.push_back(click);
   }
   void refine() {

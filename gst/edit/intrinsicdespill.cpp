@@ -60,17 +60,17 @@ class DespillElement final : public Filter {
   void process(FrameContext& frame) override {
     const Params params = parameters_.snapshot();
     if (!(params.strength > 0)) return;
-    std::array<float, 3> aim = linear_color(params.tint_color);
-    const float mean = (aim[0] + aim[1] + aim[2]) / 3;
-    for (float& channel : aim) channel = mean > 0 ? channel * params.keep / mean : params.keep;
+    std::array<float, 3> target = linear_color(params.tint_color);
+    const float mean = (target[0] + target[1] + target[2]) / 3;
+    for (float& channel : target) channel = mean > 0 ? channel * params.keep / mean : params.keep;
     const PlanePtr& mask = frame.layers[Role::mask];
     const Plane* matte = params.use_mask && mask ? mask.get() : nullptr;
     const LightEdit::Key key{linear_color(params.key_color), params.tolerance, params.softness};
     if (params.layer >= 0)
-      edit_->change(frame.commands, frame.layers, static_cast<uint32_t>(params.layer), aim,
+      edit_->change(frame.commands, frame.layers, static_cast<uint32_t>(params.layer), target,
                     params.strength, matte);
     else
-      edit_->change(frame.commands, frame.layers, key, aim, params.strength, matte);
+      edit_->change(frame.commands, frame.layers, key, target, params.strength, matte);
     frame.commands.stage("despill");
   }
 

@@ -68,7 +68,7 @@ class RecolorElement final : public Filter {
   void release() override {
     recolor_.reset();
     copies_ = {};
-    told_ = false;
+    reported_ = false;
   }
   void reset() override { recolor_->reset(); }
 
@@ -78,7 +78,7 @@ class RecolorElement final : public Filter {
     params.target = linear_color(params.target_color);
     // Frames in black and white have no base colors either, but others of that video may.
     if (params.base >= 0 && !frame.layers[Role::bases] && !frame.layers.global() &&
-        !std::exchange(told_, true))
+        !std::exchange(reported_, true))
       frame.warnings.push_back("base-color=" + std::to_string(params.base) +
                                " selects nothing, as this video comes without base colors; put "
                                "globalintrinsic or globalintrinsicthesis in the place of the "
@@ -114,7 +114,7 @@ class RecolorElement final : public Filter {
  private:
   Parameters<Params> parameters_{table()};
   std::optional<Recolor> recolor_;
-  bool told_ = false;  // that there are no base colors
+  bool reported_ = false;  // that there are no base colors
   /// The clusters of a frame, for its stats.
   struct Copy {
     gpu::BufferPtr colors;

@@ -184,7 +184,7 @@ void instance_init(GTypeInstance* instance, gpointer klass) {
   gst_pad_set_chain_function(sink, chain);
   gst_pad_set_event_function(sink, sink_event);
   gst_pad_set_query_function(sink, sink_query);
-  GST_PAD_SET_ACCEPT_TEMPLATE(sink);  // what a source pad cannot pass on is told by name
+  GST_PAD_SET_ACCEPT_TEMPLATE(sink);  // negotiation names the source pad that refuses
   self->split = new SplitElement(element, sink);
   gst_element_add_pad(element, sink);
 }

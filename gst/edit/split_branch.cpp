@@ -106,7 +106,7 @@ void SplitBranch::negotiate(const GstCaps* layers, const SplitParams& params) {
                     " in the place of the decomposer before it");
   if (layer_ >= SplitLayer::direct && !of_material && !carries_kind(layers, kGlobalLayers))
     throw Error(ErrorKind::unsupported,
-                "these layers do not tell direct light from indirect, as pad " + name() +
+                "these layers do not separate direct light from indirect, as pad " + name() +
                     " of intrinsicsplit is to send it; put globalintrinsic in the place of the "
                     "decomposer before it");
   GstCaps* ours = caps_for(layer_, layers);
@@ -144,9 +144,9 @@ void SplitBranch::choose_pool(GstCaps* caps) {
   // Where nobody answers, the query stays as it is, and a pool of our own does.
   gst_pad_peer_query(pad_, query);
   GstBufferPool* pool = nullptr;
-  guint size = 0, least = 0, most = 0;
+  guint size = 0, min_buffers = 0, max_buffers = 0;
   if (gst_query_get_n_allocation_pools(query) > 0)
-    gst_query_parse_nth_allocation_pool(query, 0, &pool, &size, &least, &most);
+    gst_query_parse_nth_allocation_pool(query, 0, &pool, &size, &min_buffers, &max_buffers);
   const bool strides = gst_query_find_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr);
   gst_query_unref(query);
   const guint needed = MAX(size, static_cast<guint>(GST_VIDEO_INFO_SIZE(&info_)));
@@ -154,7 +154,8 @@ void SplitBranch::choose_pool(GstCaps* caps) {
     if (own) pool = gst_video_buffer_pool_new();
     if (!pool) continue;
     GstStructure* config = gst_buffer_pool_get_config(pool);
-    gst_buffer_pool_config_set_params(config, caps, needed, own ? 0 : least, own ? 0 : most);
+    gst_buffer_pool_config_set_params(config, caps, needed, own ? 0 : min_buffers,
+                                      own ? 0 : max_buffers);
     if (strides) gst_buffer_pool_config_add_option(config, GST_BUFFER_POOL_OPTION_VIDEO_META);
     if (gst_buffer_pool_set_config(pool, config) && gst_buffer_pool_set_active(pool, TRUE)) {
       pool_ = pool;

@@ -122,7 +122,7 @@ bool SplitElement::start(SplitBranch& branch) {
 }
 
 bool SplitElement::negotiate(SplitBranch& branch) {
-  // An error is told once: who pushes on after it asks again with every buffer.
+  // An error is reported once. An upstream that ignores it asks again with every buffer.
   if (branch.refused && !gst_pad_needs_reconfigure(branch.pad())) return false;
   branch.refused = !guarded(element_, [&] { branch.negotiate(caps_, parameters_.snapshot()); });
   return !branch.refused;
@@ -164,7 +164,7 @@ gboolean SplitElement::sink_event(GstEvent* event) {
   const auto all = branches();
   switch (GST_EVENT_TYPE(event)) {
     case GST_EVENT_STREAM_START:
-      // Every pad is a stream of its own; start() tells it so, with the event that is stored on
+      // Every pad is a stream of its own; start() says so, with the event that is stored on
       // the sink pad when the next one comes.
       for (const BranchPtr& branch : all) branch->stream_started = false;
       gst_event_unref(event);
@@ -209,7 +209,7 @@ GstCaps* SplitElement::sink_caps(GstCaps* filter) {
     GstCaps* back =
         transform_caps(taken, template_caps(Flow::layers_or_pixels, kAllLayers), nullptr);
     GstCaps* both = gst_caps_intersect_full(result, back, GST_CAPS_INTERSECT_FIRST);
-    // A pad that nothing suits is told by name when it is negotiated.
+    // Negotiation reports a pad without a suitable format by name.
     if (gst_caps_is_empty(both)) std::swap(both, result);
     for (GstCaps* caps : {sends, taken, back, result}) gst_caps_unref(caps);
     result = both;
@@ -294,7 +294,7 @@ void SplitElement::draw(GstBuffer* buffer, const std::vector<BranchPtr>& all,
   std::vector<bool> drawn(all.size());
   for (size_t i = 0; i < all.size(); ++i) {
     SplitBranch& branch = *all[i];
-    if (branch.flow == GST_FLOW_EOS) continue;  // nobody looks at it any more
+    if (branch.flow == GST_FLOW_EOS) continue;  // its downstream is finished
     branch.flow = gst_pad_is_linked(branch.pad()) ? GST_FLOW_OK : GST_FLOW_NOT_LINKED;
     if (branch.flow != GST_FLOW_OK) continue;
     if (branch.layer() == SplitLayer::mask && !layers.material() && !tools_.compose)

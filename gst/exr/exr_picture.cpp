@@ -41,17 +41,17 @@ auto read(const std::string& name, Act act) {
 
 }  // namespace
 
-ExrPicture::ExrPicture(const std::string& path, std::string name, int64_t most)
+ExrPicture::ExrPicture(const std::string& path, std::string name, int64_t max_side)
     : path_(path), name_(std::move(name)) {
   read(name_, [&] {
     const Imf::InputFile file(path_.c_str());
     const Imath::Box2i window = file.header().dataWindow();
     const int64_t width = int64_t{window.max.x} - window.min.x + 1;
     const int64_t height = int64_t{window.max.y} - window.min.y + 1;
-    if (width < 1 || height < 1 || width > most || height > most)
+    if (width < 1 || height < 1 || width > max_side || height > max_side)
       throw Error(ErrorKind::file, name_ + " is " + std::to_string(width) + "x" +
                                        std::to_string(height) + "; pictures have up to " +
-                                       std::to_string(most) + " pixels along a side");
+                                       std::to_string(max_side) + " pixels along a side");
     channels_of(file.header(), name_);
     extent_ = {static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
   });

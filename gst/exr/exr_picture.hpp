@@ -12,9 +12,9 @@ namespace inverse {
 class ExrPicture {
  public:
   /// Opens it. Throws Error(file), which begins with `name`, where the file cannot be read, is
-  /// larger than `most` pixels along a side, or has neither the channels R, G, B nor Y (those that
-  /// it has are named).
-  ExrPicture(const std::string& path, std::string name, int64_t most);
+  /// larger than `max_side` pixels along a side, or has neither the channels R, G, B nor Y (those
+  /// that it has are named).
+  ExrPicture(const std::string& path, std::string name, int64_t max_side);
 
   Extent extent() const { return extent_; }
   /// RGB, row by row from the top left, as stored: values may be negative, infinite or no number. A

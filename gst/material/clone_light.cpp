@@ -10,7 +10,7 @@
 namespace inverse {
 namespace {
 
-/// The light that a meta tells.
+/// The light in a meta.
 Environment environment_of(const GstMaterialMeta& meta) {
   const Extent extent{meta.environment_width, meta.environment_height};
   gsize bytes = 0;
@@ -25,7 +25,7 @@ Environment environment_of(const GstMaterialMeta& meta) {
 void CloneLight::start(const std::string& file, std::string& warning) {
   warning.clear();
   given_.reset();
-  told_.reset();
+  stream_environment_.reset();
   estimated_.reset();
   if (!file.empty()) given_.emplace(load_environment(file, warning));
 }
@@ -38,9 +38,11 @@ void CloneLight::begin(LitSphere& sphere) {
 }
 
 void CloneLight::take(const GstMaterialMeta* meta, LitSphere& sphere) {
-  // Maps are large to compare: what is the same object is not looked at.
-  if (given_ || !meta || !meta->environment || meta->environment == told_.get()) return;
-  told_.reset(g_bytes_ref(meta->environment));  // kept, so that no other has its address
+  // Maps are large to compare, so a map that is the same object counts as unchanged.
+  if (given_ || !meta || !meta->environment || meta->environment == stream_environment_.get())
+    return;
+  stream_environment_.reset(
+      g_bytes_ref(meta->environment));  // a reference, so that no other map gets its address
   estimated_ = environment_of(*meta);
   choose(sphere);
 }

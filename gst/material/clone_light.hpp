@@ -12,7 +12,7 @@
 
 namespace inverse {
 
-/// The light on a cloned object: a file's, else what the stream tells, else a studio's.
+/// The light on a cloned object: from a file, else from the stream, else of a studio.
 class CloneLight {
  public:
   /// Before a stream: reads the file, if one is named. Throws Error as load_environment; `warning`
@@ -34,9 +34,9 @@ class CloneLight {
 
   const Environment studio_ = Environment::studio();
   std::optional<PrefilteredLight> given_;  // by a file, which may be large: what is needed of it
-  std::unique_ptr<GBytes, Unref> told_;    // by the stream
-  std::optional<Environment> estimated_;   // the same
-  std::optional<Environment> light_;       // that the object is lit by where no file gives it
+  std::unique_ptr<GBytes, Unref> stream_environment_;  // the environment of the last meta
+  std::optional<Environment> estimated_;               // the same
+  std::optional<Environment> light_;  // that the object is lit by where no file gives it
   const char* from_ = "studio";
 };
 

@@ -28,13 +28,13 @@ enum class LightNormals { none, silhouette };
 struct Params : LimeMaterial::Params {
   LimeShow show = LimeShow::diffuse;
   std::string models;
-  bool tell_light = false;
+  bool measure_light = false;
   LightNormals normals = LightNormals::silhouette;
   std::string normal_map, environment_location;
   float preview_size = 0.3F;
 
   bool asks_for_light() const {
-    return tell_light || show == LimeShow::preview || !environment_location.empty();
+    return measure_light || show == LimeShow::preview || !environment_location.empty();
   }
 };
 
@@ -74,7 +74,7 @@ const PropertyTable<Params>& table() {
               "Skip networks and drawing if object or picture stay the same"),
       tuning(number<P>("recheck", &P::recheck, 1, 1000,
                        "Interval of new estimates for an object at rest, frames")),
-      flag<P>("light", &P::tell_light,
+      flag<P>("light", &P::measure_light,
               "Estimate the light around the object, for GstMaterialMeta and save-environment"),
       choice<P>("normals", &P::normals, "GstInverseLightNormals",
                 {{static_cast<int>(LightNormals::none), "none", "None: light needs normal-map"},
@@ -139,7 +139,7 @@ class LimeElement final : public Filter {
       GST_CAT_INFO_OBJECT(log().category, log().object, "read normals of %s",
                           params.normal_map.c_str());
     }
-    told_.reset();
+    reported_.reset();
     written_ = true;  // until there is a frame
   }
 
@@ -216,7 +216,7 @@ class LimeElement final : public Filter {
                       light = method_->light() ? light_bytes_ : nullptr](GstBuffer* buffer) {
       attach(buffer, object, light.get());
     };
-    const State state{method_->news(), params.show, params.preview_size};
+    const State state{method_->message_count(), params.show, params.preview_size};
     const bool again = frame.repeated && held_ && held_->state == state;
     past_[frame.number] = {number, again};
     if (!again) {
@@ -250,7 +250,7 @@ class LimeElement final : public Filter {
   /// What that which goes out depends on, beside the frame: where it is the same for a frame that
   /// is the one before, so is what goes out.
   struct State {
-    uint64_t news;
+    uint64_t message_count;
     LimeShow show;
     float preview_size;
     bool operator==(const State&) const = default;
@@ -388,15 +388,15 @@ class LimeElement final : public Filter {
     light_ = light;
   }
 
-  /// A message when an object comes or goes, and when its material is another than was told.
+  /// A message when an object comes or goes, and when its material differs from the reported one.
   void report_material(FrameContext& frame) {
     const LimeMaterial::Object& object = method_->object();
     const bool known = object.known();
-    if (known == told_.has_value() && (!known || near(object.material, *told_))) return;
+    if (known == reported_.has_value() && (!known || near(object.material, *reported_))) return;
     if (known)
-      told_ = object.material;
+      reported_ = object.material;
     else
-      told_.reset();
+      reported_.reset();
     StructurePtr message(gst_structure_new_empty("material"));
     describe_object(message.get(), known ? object : LimeMaterial::Object{});
     frame.messages.push_back(std::move(message));
@@ -408,7 +408,7 @@ class LimeElement final : public Filter {
     if (!normal_map_ || !method_->lacks_normals() || std::exchange(bare_, true)) return;
     frame.warnings.push_back(
         params.normal_map +
-        " has no normals where the object is, so that it tells nothing of the light; is it of this "
+        " has no normals where the object is, so that no light can be estimated; is it of this "
         "camera and this object?");
   }
 
@@ -430,12 +430,12 @@ class LimeElement final : public Filter {
   std::optional<PlanePool> planes_;
   std::optional<Held> held_;  // of the frame before
   gpu::FrameRing<Past> past_;
-  std::optional<Material> told_;
+  std::optional<Material> reported_;
 
   std::shared_ptr<gpu::Device> device_;
   std::shared_ptr<const Environment> published_light_;  // what the next two are of
   std::shared_ptr<GBytes> light_bytes_;                 // for metas
-  std::vector<std::string> warnings_;         // of the files, to be told with the first frame
+  std::vector<std::string> warnings_;                   // of the files, posted with the first frame
   bool bare_ = false;                         // it was said that the object has no normals
   mutable std::mutex light_mutex_;            // of what follows, up to the next blank line
   std::shared_ptr<const Environment> light_;  // the last one since the start, for files

@@ -109,7 +109,7 @@ class CloneElement final : public Filter {
 
   void start() override {
     const Params params = parameters_.snapshot();
-    looked_ = false;
+    checked_stream_ = false;
     mesh_.reset();  // files may be others than at the last start
     warnings_.clear();
     std::string warning;
@@ -123,14 +123,15 @@ class CloneElement final : public Filter {
                                                             : params.environment_location.c_str());
     seen_.reset();
     warned_ = timeless_ = false;
-    told_size_ = false;
+    reported_size_ = false;
   }
 
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     sphere_.emplace(device);
     insertion_.emplace(device, extent);
     insertion_->set_mesh(*mesh_);
-    if (device->is_cpu() && mesh_->triangles() > kManyTriangles && !std::exchange(told_size_, true))
+    if (device->is_cpu() && mesh_->triangles() > kManyTriangles &&
+        !std::exchange(reported_size_, true))
       warnings_.push_back(parameters_.snapshot().mesh + " has " +
                           std::to_string(mesh_->triangles()) + " triangles, which \"" +
                           device->name() +
@@ -177,8 +178,9 @@ class CloneElement final : public Filter {
       if (!warned_) frame.warnings.push_back(error.what());
       warned_ = true;
     }
-    // limematerial tells something with every frame, also where there is no object.
-    if (params.source == MaterialFrom::stream && frame.in && !std::exchange(looked_, true) && !meta)
+    // limematerial attaches a meta to every frame, also if it finds no object.
+    if (params.source == MaterialFrom::stream && frame.in &&
+        !std::exchange(checked_stream_, true) && !meta)
       frame.warnings.emplace_back(
           "source=stream, but the frames bring no material: put limematerial before this element, "
           "and nothing that crops, pads or turns the picture between them; source=properties draws "
@@ -195,27 +197,27 @@ class CloneElement final : public Filter {
     const PlanePtr& plane = frame.layers[Role::input];  // nobody else's: it goes no further
     insertion_->record(frame.commands, *plane, placed(frame, params), *sphere_);
     frame.picture = {plane};
-    told_[frame.number] = {*shown_, material_from_, light_.from(), insertion_->drawn(),
-                           insertion_->shadows()};
+    reported_[frame.number] = {*shown_, material_from_, light_.from(), insertion_->drawn(),
+                               insertion_->shadows()};
   }
 
   void describe(GstStructure* stats, uint64_t number) const override {
-    const Told& told = told_[number];
-    const Surface& surface = told.surface;
+    const Drawn& drawn = reported_[number];
+    const Surface& surface = drawn.surface;
     const auto real = [](float v) { return static_cast<gdouble>(v); };
     gst_structure_set(stats, "triangles", G_TYPE_UINT64,
                       static_cast<guint64>(mesh_ ? mesh_->triangles() : 0), "drawn", G_TYPE_UINT64,
-                      told.drawn, "shadows", G_TYPE_UINT64, told.shadows, "material", G_TYPE_STRING,
-                      told.material_from, "light", G_TYPE_STRING, told.light_from, "diffuse-red",
-                      G_TYPE_DOUBLE, real(surface.diffuse[0]), "diffuse-green", G_TYPE_DOUBLE,
-                      real(surface.diffuse[1]), "diffuse-blue", G_TYPE_DOUBLE,
+                      drawn.drawn, "shadows", G_TYPE_UINT64, drawn.shadows, "material",
+                      G_TYPE_STRING, drawn.material_from, "light", G_TYPE_STRING, drawn.light_from,
+                      "diffuse-red", G_TYPE_DOUBLE, real(surface.diffuse[0]), "diffuse-green",
+                      G_TYPE_DOUBLE, real(surface.diffuse[1]), "diffuse-blue", G_TYPE_DOUBLE,
                       real(surface.diffuse[2]), "specular", G_TYPE_DOUBLE, real(surface.specular),
                       "shininess", G_TYPE_DOUBLE, real(surface.shininess), nullptr);
   }
 
  private:
   /// What stats say of a frame.
-  struct Told {
+  struct Drawn {
     Surface surface;
     const char *material_from = "", *light_from = "";
     uint64_t drawn = 0, shadows = 0;
@@ -237,15 +239,15 @@ class CloneElement final : public Filter {
 
   /// The material of this frame.
   Surface material(const GstMaterialMeta* meta, const Params& params) {
-    const bool told = meta && meta->found && meta->averaged > 0;
-    if (told) {
+    const bool measured = meta && meta->found && meta->averaged > 0;
+    if (measured) {
       seen_ = Surface{};
       std::copy_n(meta->diffuse, 3, seen_->diffuse.begin());
       seen_->specular = meta->specular;
       seen_->shininess = meta->shininess;
     }
     surface_is_set_ = params.source == MaterialFrom::properties || !seen_;
-    material_from_ = surface_is_set_ ? "properties" : told ? "stream" : "held";
+    material_from_ = surface_is_set_ ? "properties" : measured ? "stream" : "held";
     if (!surface_is_set_) return *seen_;
     return {linear_color(params.diffuse), params.specular, params.shininess};
   }
@@ -270,13 +272,13 @@ class CloneElement final : public Filter {
   Parameters<Params> parameters_{table()};
   std::optional<Mesh> mesh_;
   CloneLight light_;
-  std::optional<Surface> seen_;  // what the stream told last
+  std::optional<Surface> seen_;  // the last surface of the stream
   std::optional<Surface> shown_;
-  std::vector<std::string> warnings_;  // of the files, to be told with the first frame
-  bool told_size_ = false;             // that the mesh is large
+  std::vector<std::string> warnings_;  // of the files, posted with the first frame
+  bool reported_size_ = false;         // that the mesh is large
   bool warned_ = false;                // of light that is none
-  bool timeless_ = false;              // it was told that frames have no time
-  bool looked_ = false;                // whether the stream brings a material, once
+  bool timeless_ = false;              // reported that frames have no time
+  bool checked_stream_ = false;        // whether the stream brings a material, once
   std::mutex mouse_mutex_;
   Extent extent_;                // of frames
   bool held_ = false;            // the mouse's button is down
@@ -284,7 +286,7 @@ class CloneElement final : public Filter {
   const char* material_from_ = "properties";
   std::optional<LitSphere> sphere_;
   std::optional<Insertion> insertion_;
-  gpu::FrameRing<Told> told_;  // by the frame's number
+  gpu::FrameRing<Drawn> reported_;  // by the frame's number
 };
 
 }  // namespace

@@ -142,7 +142,7 @@ class RelightElement final : public Filter {
       GST_CAT_INFO_OBJECT(log().category, log().object, "light program \"%s\": %s",
                           program_.c_str(), program.name.c_str());
     }
-    told_of_stage_ = told_of_gray_ = false;
+    reported_stage_ = reported_gray_ = false;
     model_ = params.model;
     models_.reset();  // files may be others
     if (model_ == Relighting::Model::network) {
@@ -263,7 +263,7 @@ class RelightElement final : public Filter {
     if (method_) method_->set_environment(map_);
   }
 
-  /// Another file while playing: one that cannot be read is told once, and the light stays.
+  /// Another file while playing: one that cannot be read is reported once, and the light stays.
   void take_environment(FrameContext& frame, const Params& params) {
     const bool asked = params.environment != asked_;
     asked_ = params.environment;
@@ -275,10 +275,10 @@ class RelightElement final : public Filter {
     if (pending_warning_) frame.warnings.push_back(*std::exchange(pending_warning_, {}));
   }
 
-  /// Layers were looked at by who made them.
+  /// Layers were checked by the element that made them.
   void check_colors(FrameContext& frame) {
-    if (!frame.gray || told_of_gray_) return;
-    told_of_gray_ = true;
+    if (!frame.gray || reported_gray_) return;
+    reported_gray_ = true;
     frame.warnings.emplace_back(kGrayGradients);
   }
 
@@ -290,15 +290,15 @@ class RelightElement final : public Filter {
       throw Error(ErrorKind::unsupported,
                   "frames show one step of a light program each, not the two gradients; set "
                   "assemble=pairs on lightstagesync");
-    if (told_of_stage_ || lit_by_this_stage(*meta)) return;
-    told_of_stage_ = true;
+    if (reported_stage_ || lit_by_this_stage(*meta)) return;
+    reported_stage_ = true;
     frame.warnings.push_back("frames were lit by " + std::to_string(meta->lights) +
                              " lights that are not where the " + std::to_string(gradient_.size()) +
                              " of \"" + program_ +
                              "\" are; set program to the one that lightstagesync has");
   }
 
-  /// Gradients tell where lights are.
+  /// Gradients give the directions of lights.
   bool lit_by_this_stage(const GstLightStageMeta& meta) const {
     if (meta.lights != gradient_.size() || !meta.colors) return false;
     gsize size = 0;
@@ -388,7 +388,7 @@ class RelightElement final : public Filter {
   Parameters<Params> parameters_{table()};
   std::string program_;
   std::vector<LightColor> gradient_;  // of the program's lights
-  bool told_of_stage_ = false, told_of_gray_ = false;
+  bool reported_stage_ = false, reported_gray_ = false;
   std::shared_ptr<const RelightStage> stage_;
   Relighting::Model model_{};  // that it was started with, whatever is set since
   std::optional<RelightModels> models_;

@@ -17,6 +17,7 @@
 layout(constant_id = 1) const uint kBy = 0u;
 const uint kBySurface = 0u, kByKey = 1u, kByIndex = 2u, kByClustersSurface = 3u, kByBasesSurface = 4u;
 const int kMaxBases = 16;
+const int kMaxClusters = 16;  // Palette::kMaxClusters
 PLANE_IN(0, bases);
 PLANE_IN(1, model);      // R.rgb, S before any edit
 PLANE_IN(2, selection);  // x = 0…1
@@ -27,7 +28,7 @@ PLANE_OUT(6, change);  // b' − b, with all reflections
 PLANE_IN(7, light);    // before any edit
 layout(push_constant) uniform Push {
   vec4 key;  // linear RGB; w = tolerance
-  vec4 aim;  // a; w = strength
+  vec4 target;  // a; w = strength
   uvec2 size;
   float fall_off;  // 1 / softness
   int index;
@@ -45,7 +46,7 @@ void main() {
   vec3 key = push.key.rgb;
   if (kBy == kByClustersSurface) {
     int chosen = int(FETCH(keys, push.index).w);  // the cluster it was merged into; −1: it has no pixels
-    key = chosen < 0 ? vec3(0.0) : exp(FETCH(keys, kMaxBases + chosen).rgb);
+    key = chosen < 0 ? vec3(0.0) : exp(FETCH(keys, kMaxClusters + chosen).rgb);
   }
   if (kBy == kByBasesSurface) key = FETCH(keys, 0).rgb;
   if (by_surface) {
@@ -55,14 +56,14 @@ void main() {
       int n = int(at.y * push.size.x + at.x);
       vec4 own = finite(FETCH(model, n));
       vec3 c = chroma(own.rgb);
-      float sent = min(mean3(own.rgb) * own.w, kLargest), least = 3.4e38;
+      float sent = min(mean3(own.rgb) * own.w, kLargest), nearest2 = 3.4e38;
       int nearest = -1;
       for (int k = 0; k < kMaxBases; ++k) {
         vec4 b = finite(FETCH(model_bases, k));
         vec3 off = c - chroma(b.rgb);
         float distance2 = dot(off, off);
-        if (b.w > 0.0 && distance2 < least) {
-          least = distance2;
+        if (b.w > 0.0 && distance2 < nearest2) {
+          nearest2 = distance2;
           nearest = k;
         }
       }
@@ -98,8 +99,8 @@ void main() {
     } else {
       w = k == push.index ? 1.0 : 0.0;
     }
-    vec3 to = b.w > 0.0 ? min(s * push.aim.rgb, vec3(kLargest)) : b.rgb;
-    vec3 delta = push.aim.w * w * (to - b.rgb);
+    vec3 to = b.w > 0.0 ? min(s * push.target.rgb, vec3(kLargest)) : b.rgb;
+    vec3 delta = push.target.w * w * (to - b.rgb);
     STORE(edited, k, vec4(b.rgb + delta, b.w));
     STORE(change, k, vec4(again * delta, 0.0));
   }

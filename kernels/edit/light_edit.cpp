@@ -33,13 +33,13 @@ LightEdit::LightEdit(const std::shared_ptr<gpu::Device>& device, Extent extent)
       change_(gpu::Buffer::create(device, gpu::Element::vec4, kMaxBases)) {}
 
 void LightEdit::repaint(gpu::Commands& commands, Layers& layers, const Surfaces& surfaces,
-                        const std::array<float, 3>& aim, float strength) {
+                        const std::array<float, 3>& target, float strength) {
   const uint32_t by = surfaces.by_base        ? Bases::kByBasesSurface
                       : surfaces.cluster >= 0 ? Bases::kByClustersSurface
                                               : Bases::kBySurface;
   run(commands, layers, by,
       {.key = color_and(surfaces.key, 0),
-       .aim = color_and(aim, limited(strength, 0, 1)),
+       .target = color_and(target, limited(strength, 0, 1)),
        .size = layers.extent,
        .fall_off = 0,
        .index = surfaces.by_base ? 0 : surfaces.cluster},
@@ -47,10 +47,10 @@ void LightEdit::repaint(gpu::Commands& commands, Layers& layers, const Surfaces&
 }
 
 void LightEdit::change(gpu::Commands& commands, Layers& layers, const Key& key,
-                       const std::array<float, 3>& aim, float strength, const Plane* matte) {
+                       const std::array<float, 3>& target, float strength, const Plane* matte) {
   run(commands, layers, Bases::kByKey,
       {.key = color_and(key.color, limited(key.tolerance, 0, kLargest)),
-       .aim = color_and(aim, limited(strength, 0, 1)),
+       .target = color_and(target, limited(strength, 0, 1)),
        .size = layers.extent,
        .fall_off = 1 / limited(key.softness, kHardestEdge, kLargest),
        .index = 0},
@@ -58,10 +58,10 @@ void LightEdit::change(gpu::Commands& commands, Layers& layers, const Key& key,
 }
 
 void LightEdit::change(gpu::Commands& commands, Layers& layers, uint32_t base,
-                       const std::array<float, 3>& aim, float strength, const Plane* matte) {
+                       const std::array<float, 3>& target, float strength, const Plane* matte) {
   run(commands, layers, Bases::kByIndex,
       {.key = {0, 0, 0, 0},
-       .aim = color_and(aim, limited(strength, 0, 1)),
+       .target = color_and(target, limited(strength, 0, 1)),
        .size = layers.extent,
        .fall_off = 0,
        .index = static_cast<int32_t>(base < kMaxBases ? base : kMaxBases)},

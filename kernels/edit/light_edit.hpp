@@ -11,13 +11,11 @@ namespace inverse {
 
 /// Changes base colors of indirect light and thereby the color of light everywhere:
 ///
-///   b'_k = b_k + strength · w_k · (s_k · aim − b_k)        L' = max(L + matte Σ_k t_k (b'_k −
+///   b'_k = b_k + strength · w_k · (s_k · target − b_k)        L' = max(L + matte Σ_k t_k (b'_k −
 ///   b_k), 0)
 ///
-/// (bases.comp, retint.comp). Reflectance and S stay. Changed light of recolored surfaces is
-/// reflected again and again: L changes by 1 / (1 − p) as much, p the share of bounced light in the
-/// frame.
-/// share of the frame's light that bounced.
+/// (bases.comp, retint.comp). Reflectance and S stay. Recolored surfaces reflect the changed light
+/// again: L changes 1 / (1 − p) times as much, p the share of bounced light in the frame.
 class LightEdit {
  public:
   /// Surfaces that were repainted.
@@ -42,18 +40,18 @@ class LightEdit {
 
   LightEdit(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// Records that surfaces now have the color `aim`. `layers` must be global and have a model;
+  /// Records that surfaces now have the color `target`. `layers` must be global and have a model;
   /// planes that others hold are not written.
   void repaint(gpu::Commands& commands, Layers& layers, const Surfaces& surfaces,
-               const std::array<float, 3>& aim, float strength);
-  /// Records that base colors become `aim` times their mean: a gray of 1 keeps their brightness and
-  /// removes their color, 0 removes their light. The x of `matte`, if given, is the place of the
-  /// change; the base colors themselves then stay.
+               const std::array<float, 3>& target, float strength);
+  /// Records that base colors become `target` times their mean: a gray of 1 keeps their brightness
+  /// and removes their color, 0 removes their light. The x of `matte`, if given, is the place of
+  /// the change; the base colors themselves then stay.
   void change(gpu::Commands& commands, Layers& layers, const Key& key,
-              const std::array<float, 3>& aim, float strength, const Plane* matte);
+              const std::array<float, 3>& target, float strength, const Plane* matte);
   /// The same for one base color, 0…kMaxBases − 1.
   void change(gpu::Commands& commands, Layers& layers, uint32_t base,
-              const std::array<float, 3>& aim, float strength, const Plane* matte);
+              const std::array<float, 3>& target, float strength, const Plane* matte);
 
  private:
   using Push = shaders::edit_bases::Push;

@@ -25,7 +25,7 @@ constexpr double kLevelVariance = 100, kColorVariance = .1;
 constexpr float kCertain = 0.05F;
 constexpr double kBlack = 1e-4;     // light, linear, that is none
 constexpr float kBrightest = 1e6F;  // radiance
-constexpr double kDark = 0.03;      // albedo from which diffuse light says nothing of the lamps'
+constexpr double kDark = 0.03;      // albedo below which diffuse light does not measure the lamps
 
 double mean3(const std::array<double, 3>& v) { return (v[0] + v[1] + v[2]) / 3; }
 
@@ -37,7 +37,7 @@ bool finite(const EnvironmentFit::Point& p) {
 }
 
 /// Points at the outline contain background, and their normals are the least accurate.
-float trust(float facing) {
+float facing_weight(float facing) {
   const float t = std::clamp((facing - 0.05F) / 0.25F, 0.0F, 1.0F);
   return t * t * (3 - 2 * t);
 }
@@ -147,7 +147,7 @@ void EnvironmentFit::add(std::span<const Point> points, const Params& params) {
     const auto [x, y, z] = p.normal;
     if (!(z > 0) || !finite(p)) continue;
     ++used;
-    const float weight = trust(z);
+    const float weight = facing_weight(z);
     if (!p.clipped && weight > 0) {
       const Terms terms = harmonics(x, y, z);
       std::array<float, kTerms> f;

@@ -19,7 +19,6 @@ struct GridWindow {
 /// outline, height √u. Exact for a sphere. An ellipse with half axes a and b becomes an ellipsoid
 /// with third half axis √(2 a²b² / (a² + b²)); a long cylinder is √2 times too deep. Concavities,
 /// edges and flat faces are not recovered.
-/// long cylinder √2 times too deep; dents, edges and flat faces are not seen at all.
 /// `mask` has one byte per point, row by row, `side` x `side`, not 0 on the object. Points outside
 /// of `window` are unknown: the surface continues there. Returns one normal per point, none outside
 /// of the mask.

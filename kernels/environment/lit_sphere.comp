@@ -5,10 +5,10 @@
 #include "lit_sphere.glsl"
 
 // Radiance of a surface for each normal n of a table (thesis Eq. 6.1-6.3, k = 1/pi, viewer v = +z, far away):
-// D(n) = 1/pi ∫_{w·n>0} (w·n) E(w) dw           a sum over cells of the light
+//   D(n) = 1/pi ∫_{w·n>0} (w·n) E(w) dw
 //   S(n) = 1/pi ∫_{w·n>0} (h·n)^s E(w) dw         h halfway between w and v
-// S of broad lobes is a sum over the same cells, of others
-//        = 8/(s+1) · mean of (v·h) E(reflect(v,h)) over h drawn from (s+1)/(2 pi) (h·n)^s, as dw = 4 (v·h) dh
+// D, and S of broad lobes, are sums over cells of the light. S of narrow lobes is a mean over samples (dw = 4 (v·h) dh):
+//   S(n) = 8/(s+1) · mean of (v·h) E(reflect(v,h)) over h drawn from (s+1)/(2 pi) (h·n)^s
 PLANE_IN(0, cells);    // flux and mean direction by turns
 PLANE_IN(1, light);    // levels of the map, one after the other
 PLANE_IN(2, samples);  // h around +z; w = level for v·h = 1

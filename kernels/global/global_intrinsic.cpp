@@ -39,8 +39,8 @@ GlobalIntrinsic::Params within_ranges(GlobalIntrinsic::Params params) {
   clamp(params.neutral, 0.0F, 100.0F);
   clamp(params.typical, 0.05F, 2.0F);
   clamp(params.spread, 0.05F, 10.0F);
-  clamp(params.trust, 0.0F, 100.0F);
-  clamp(params.full_trust, 0.01F, 10.0F);
+  clamp(params.measurement_weight, 0.0F, 100.0F);
+  clamp(params.full_spread, 0.01F, 10.0F);
   clamp(params.base_colors, 1, Model::kSlots);
   clamp(params.least_share, 0.0F, 0.5F);
   clamp(params.same_color, 0.0F, 10.0F);
@@ -153,7 +153,7 @@ LightPlanner::Plan GlobalIntrinsic::plan_light(const Params& params, const Frame
 uint32_t GlobalIntrinsic::planes_needed(const Params& params) const {
   uint32_t slots = static_cast<uint32_t>(params.base_colors);
   // Colors keep their slots, and new ones take the lowest: the last frame that is sure to be done
-  // tells the number. Until it does, light of a new color counts to the others.
+  // has the number. Until then, light of a new color counts to the others.
   if (frames_ >= reports_.size()) slots = report(recorded_ - reports_.size()).slots();
   return std::clamp((slots + 3) / 4, 1U, kIndirectPlanes);
 }
@@ -277,8 +277,8 @@ void GlobalIntrinsic::record_tint(gpu::Commands& commands, const PlanePtr& input
                                  .coarse = coarse_,
                                  .factor = factor_,
                                  .white_level = params.scale.white_level,
-                                 .trust = kTrust,
-                                 .trust_tint = kTrustTint},
+                                 .residual_sigma = kResidualSigma,
+                                 .tint_sigma = kTintSigma},
                                 fours_of(extent_));
   commands.stage("divide-tint");
 }

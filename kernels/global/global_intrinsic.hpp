@@ -52,9 +52,9 @@ class GlobalIntrinsic {
     float neutral = 1.5F;
     /// Its prior: median, and standard deviation of ln.
     float typical = 0.5F, spread = 0.65F;
-    /// Weight of the measurement against the prior, reached if chroma spreads by full_trust (log
+    /// Weight of the measurement against the prior, reached if chroma spreads by full_spread (log
     /// units) or more; proportionally less below.
-    float trust = 8, full_trust = 0.35F;
+    float measurement_weight = 8, full_spread = 0.35F;
     /// Maximum number of base colors, 1…16.
     int base_colors = 16;
     /// Minimum share of the frame of a base color, 0…0.5; distance of chroma (log units) up to

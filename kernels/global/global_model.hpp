@@ -10,7 +10,7 @@ namespace inverse::global_model {
 
 using Model = shaders::global_scene_weigh;
 inline constexpr uint64_t kUsable = 16 * Model::SCENE_TINT + 8;  // bytes into the scene's buffer
-/// How residuals of chroma are believed (residual.glsl).
-inline constexpr float kTrust = 0.35F, kTrustTint = 0.7F;
+/// Standard deviations of the confidence of a residual of chroma (residual.glsl), log units.
+inline constexpr float kResidualSigma = 0.35F, kTintSigma = 0.7F;
 
 }  // namespace inverse::global_model

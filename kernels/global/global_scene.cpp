@@ -77,8 +77,8 @@ void GlobalIntrinsic::measure_amount(gpu::Commands& commands, const Params& para
                      .neutral = params.neutral,
                      .ln_typical = std::log(params.typical),
                      .spread = params.spread,
-                     .trust = params.trust,
-                     .full_trust = params.full_trust,
+                     .measurement_weight = params.measurement_weight,
+                     .full_spread = params.full_spread,
                      .manual = params.amount,
                      .renew_color = kRenewColor},
                     {});
@@ -187,16 +187,17 @@ void GlobalIntrinsic::make_taps(const Params& params) {
 
 void GlobalIntrinsic::find_residual(gpu::Commands& commands) {
   const gpu::Items points = line_of(grid_.pixels());
-  commands.dispatch(
-      kernels_.label_confidence,
-      {.points = points_,
-       .tints = tints_,
-       .slots = slots_,
-       .scene = scene_,
-       .labels = labels_,
-       .raw = raw_},
-      {.count = static_cast<int32_t>(grid_.pixels()), .trust = kTrust, .trust_tint = kTrustTint},
-      points);
+  commands.dispatch(kernels_.label_confidence,
+                    {.points = points_,
+                     .tints = tints_,
+                     .slots = slots_,
+                     .scene = scene_,
+                     .labels = labels_,
+                     .raw = raw_},
+                    {.count = static_cast<int32_t>(grid_.pixels()),
+                     .residual_sigma = kResidualSigma,
+                     .tint_sigma = kTintSigma},
+                    points);
   const int32_t radius =
       std::max(1, static_cast<int32_t>(std::lround(kWindow * static_cast<float>(grid_.width))));
   for (size_t pass = 0; pass < 3; ++pass)

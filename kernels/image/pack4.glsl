@@ -5,10 +5,9 @@
 // Padding pixels have no edges, no mass and a zero right-hand side, so they stay zero and have no influence. Every
 // kernel writes padding as zero (MASKED). An edge is stored at its left or upper pixel, and is zero if the other one is
 // outside.
-#define QUADS(width) (((width) + 3u) / 4u)
-// Masks of the existing pixels, and of those with a right neighbor.
+#define PACK4(width) (((width) + 3u) / 4u)
+// Mask of the existing pixels.
 #define INSIDE(x, width) lessThan(uvec4(4u * (x)) + uvec4(0, 1, 2, 3), uvec4(width))
-#define HAS_RIGHT(x, width) lessThan(uvec4(4u * (x)) + uvec4(1, 2, 3, 4), uvec4(width))
 #define MASKED(value, which) mix(vec4(0.0), (value), (which))
 // Right and left neighbors of four pixels.
 #define SHIFT_LEFT(pack, next) vec4((pack).yzw, (next).x)

@@ -54,7 +54,7 @@ void LimeMaterial::reset() {
   schedule_.restart();
   light_.forget();
   ++epoch_;
-  ++news_;
+  ++message_count_;
 }
 
 /// Whether the light is requested and normals are available.
@@ -78,7 +78,7 @@ NetworkSchedule::Known LimeMaterial::known(const Params& params, bool still) con
   return known;
 }
 
-void LimeMaterial::look(gpu::Commands& commands, const Plane& frame, Slot& slot) {
+void LimeMaterial::find_object(gpu::Commands& commands, const Plane& frame, Slot& slot) {
   networks_.record_mask(commands, frame, slot.square);
   commands.copy(networks_.probability(), slot.probability, slot.probability->bytes());
   // Layers and material belong to the tracked object alone.
@@ -108,7 +108,7 @@ void LimeMaterial::read_back(gpu::Commands& commands, const gpu::BufferPtr& sour
 void LimeMaterial::take_light(const Slot& slot) {
   light_.take({points(slot.image), points(slot.codes), tracker_.mask(), networks_.side(),
                slot.square, extent_},
-              tracker_.box(), slot.plan.light_anew, normal_map_.get(), fusion_.material(),
+              tracker_.box(), slot.plan.light_anew, normal_map_, fusion_.material(),
               slot.params.light);
 }
 
@@ -134,14 +134,14 @@ void LimeMaterial::record(gpu::Commands& commands, const Plane& frame, const Par
   const NetworkSchedule::Plan plan = slot.plan =
       schedule_.next({params.adaptive, params.recheck}, known(params, still));
   if (!finds_light(params)) {
-    news_ += light_.light() != nullptr;
+    message_count_ += light_.light() != nullptr;
     light_.forget();
   }
-  if (plan.segments) look(commands, frame, slot);
+  if (plan.segments) find_object(commands, frame, slot);
   if (plan.estimates) estimate(commands, slot);
   if (plan.lights) read_back(commands, networks_.codes(), slot.codes);
   if (plan.lights || plan.compares) read_back(commands, networks_.picture(), slot.image);
-  news_ += plan.segments && object_.found;
+  message_count_ += plan.segments && object_.found;
   segmentations_ += plan.segments;
   estimates_ += plan.estimates;
   slot.report = {plan.segments, plan.estimates, segmentations_, estimates_, plan.skipped};
@@ -165,7 +165,7 @@ void LimeMaterial::done(uint64_t number) {
   if (slot.epoch != epoch_ || !slot.plan.segments) return;
   const bool was_found = tracker_.found();
   tracker_.update(points(slot.probability), networks_.side(), 4, slot.square);
-  news_ += was_found || tracker_.found();
+  message_count_ += was_found || tracker_.found();
   if (was_found && (!tracker_.found() || tracker_.jumped())) {
     fusion_.reset();
     have_layers_ = false;

@@ -29,10 +29,9 @@ class LimeMaterial {
  public:
   struct Params {
     MaterialFusion::Params fusion;
-    uint32_t recheck =
-        8;  ///< a resting object with a steady material is looked at every so many frames
-    float steady = 0.02F;       ///< limit of MaterialFusion::steady below which a material is known
-    bool adaptive = true;       ///< false: skip nothing
+    uint32_t recheck = 8;  ///< frames between searches of a resting object with a steady material
+    float steady = 0.02F;  ///< limit of MaterialFusion::steady below which a material is known
+    bool adaptive = true;  ///< false: skip nothing
     bool layers_asked = false;  ///< layers are output with the frame
     bool light_asked = false;   ///< the light is requested
     ObjectLight::Params light;
@@ -93,7 +92,7 @@ class LimeMaterial {
   bool lacks_normals() const { return light_.lacks_normals(); }
   /// Changes whenever layers, object or light may have changed for a reason other than the frame's
   /// content.
-  uint64_t news() const { return news_; }
+  uint64_t message_count() const { return message_count_; }
 
  private:
   struct Slot {
@@ -110,7 +109,7 @@ class LimeMaterial {
   const Slot& slot(uint64_t number) const { return slots_[number]; }
   bool finds_light(const Params& params) const;
   NetworkSchedule::Known known(const Params& params, bool still) const;
-  void look(gpu::Commands& commands, const Plane& frame, Slot& slot);
+  void find_object(gpu::Commands& commands, const Plane& frame, Slot& slot);
   void estimate(gpu::Commands& commands, Slot& slot);
   static void read_back(gpu::Commands& commands, const gpu::BufferPtr& source,
                         gpu::BufferPtr& copy);
@@ -131,7 +130,7 @@ class LimeMaterial {
   CropChange change_;         // since the frame that they are of
   CropChange::Difference changed_;
   NetworkSchedule schedule_;
-  uint64_t recorded_ = 0, epoch_ = 0, news_ = 0;
+  uint64_t recorded_ = 0, epoch_ = 0, message_count_ = 0;
   uint64_t segmentations_ = 0, estimates_ = 0;  // so far
 
   LightHistory light_;

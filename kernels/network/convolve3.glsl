@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A 3 x 3 convolution with zero padding, bias and activation. An invocation computes ROWS pixels, one below the other,
-// of one block of channels; a step reads one column of pixels of one input block: kernel-rules, 16.
+// of one block of channels; a step reads one column of pixels of one input block, so that each input is read once for
+// all rows.
 //
 // Weights: [block] of bias, then [block][input block][column][row][input channel], each a vec4 of the four channels of
 // the result.

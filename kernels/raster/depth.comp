@@ -11,7 +11,7 @@ void main() {
   uvec2 at = pixel_of(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(at, push.size))) return;
   Seen seen[2];
-  look(at, seen);
+  find_visible(at, seen);
   vec4 there[2] = vec4[2](vec4(greaterThan(seen[0].who, ivec4(kNobody))), vec4(greaterThan(seen[1].who, ivec4(kNobody))));
   float count = dot(there[0] + there[1], vec4(1.0));
   float depth = dot(there[0], seen[0].depth) + dot(there[1], seen[1].depth);

@@ -36,7 +36,7 @@ void main() {
   uvec2 at = pixel_of(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(at, push.size))) return;
   Seen seen[2];
-  look(at, seen);
+  find_visible(at, seen);
   // Points of the same triangle are shaded once, at their mean.
   vec4 sum = vec4(0.0);
   int who = largest(seen);

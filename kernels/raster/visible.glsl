@@ -42,7 +42,7 @@ uint meets(int first, int k, vec2 corner) {
   return all(in_reach) ? 1u << k : 0u;
 }
 
-void look(uvec2 at, out Seen seen[2]) {
+void find_visible(uvec2 at, out Seen seen[2]) {
   seen[0] = seen[1] = Seen(vec4(-1e30), ivec4(kNobody));
   uint tile = at.y / push.tile * push.columns + at.x / push.tile;
   vec2 corner = vec2(at);

@@ -77,7 +77,7 @@ void Relighting::forget() {
   fitted_.reset();
   has_features_ = false;
   asked_.reset();
-  looked_.reset();
+  measured_at_.reset();
   retry_ = 0;
   reduction_.clear();
   chosen_.reset();
@@ -101,12 +101,12 @@ void Relighting::record_pair(gpu::Commands& commands, const GradientPair& pair,
   network().record_features(commands, pair);
   commands.stage("features");
   has_features_ = true;
-  const bool due = !asked_ && (!looked_ || number >= *looked_ + kEvery);
+  const bool due = !asked_ && (!measured_at_ || number >= *measured_at_ + kEvery);
   if (!params.adaptive || params.max_error <= 0 || !due) return;
   network().record_responses(commands, *lobe_.full(), stage_->lights(), stage_->share, samples_,
                              responses_);
   commands.stage("samples");
-  asked_ = looked_ = number;
+  asked_ = measured_at_ = number;
 }
 
 void Relighting::take_responses(const Params& params, uint64_t number) {

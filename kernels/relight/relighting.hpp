@@ -100,8 +100,8 @@ class Relighting {
   std::optional<CosineLobe::Params> fitted_;  // of the frame that lobe_ holds
   bool has_features_ = false;
   gpu::BufferPtr samples_, responses_;
-  std::optional<uint64_t> asked_;   // the frame whose responses are on their way
-  std::optional<uint64_t> looked_;  // the frame that was looked at last
+  std::optional<uint64_t> asked_;        // the frame whose responses are on their way
+  std::optional<uint64_t> measured_at_;  // the frame whose light was measured last
   LightReduction reduction_;
   uint64_t version_ = 0;
   Stats stats_;

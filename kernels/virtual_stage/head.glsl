@@ -3,9 +3,7 @@
 // HeadScene.
 //
 // An ellipsoid is four vec4: the rows of M in xyz, which maps an offset from its center c to the unit ball, and c in
-// their w; then its smallest radius, blend k, kind, material. Its distance, to first order (k0 =
-// M p
-// , p from c):
+// their w; then its smallest radius, blend k, kind, material. Its distance, to first order (k0 = |M p|, p from c):
 //   d = k0 (k0 - 1) / |Mᵀ M p|
 // Solids are joined smoothly with those before, carvings are subtracted from them:
 //   smin(a, b) = min(a, b) - h²k/4,  h = max(k - |a - b|, 0) / k        smax(a, -b) = -smin(-a, b)

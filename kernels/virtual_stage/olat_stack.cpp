@@ -13,7 +13,7 @@ namespace inverse {
 namespace {
 
 constexpr uint64_t kWordsPerPixel = 2;
-constexpr size_t kFewLights = 8;  // a sum of so many is made faster than it is looked up
+constexpr size_t kFewLights = 8;  // up to so many, a sum is faster than a lookup
 constexpr size_t kMaxSums = 8;
 constexpr uint64_t kMiB = uint64_t{1} << 20;
 

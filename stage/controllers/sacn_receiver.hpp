@@ -23,7 +23,8 @@ class Universes {
     uint64_t packets = 0;    ///< accepted
     uint64_t malformed = 0;  ///< ignored: damaged, or not E1.31
     uint64_t late = 0;       ///< ignored: out of order within their universe
-    uint64_t other = 0;      ///< ignored: previews, other start codes, sources of lower priority
+    uint64_t other = 0;      ///< ignored: previews, other start codes, sources of lower
+                             ///< priority, universes beyond kMaxUniverses
   };
 
   /// Processes a datagram that arrived at `now`, in seconds of a steady clock. Never throws.

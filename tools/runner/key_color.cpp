@@ -95,7 +95,7 @@ std::vector<Color> peaks(const std::vector<Pixels>& pictures) {
 }
 
 /// Moves a color to the mean of its neighborhood.
-Color settle(Color color, const std::vector<Pixels>& pictures) {
+Color refine_color(Color color, const std::vector<Pixels>& pictures) {
   for (int step = 0; step < 5; ++step) {
     Color sum{};
     double count = 0;
@@ -195,7 +195,7 @@ std::optional<KeyColor> find_key_color(const std::vector<LinearPicture>& picture
   std::optional<KeyColor> best;
   double best_score = 0;
   for (const Color& peak : peaks(all)) {
-    const Color key = settle(peak, all);
+    const Color key = refine_color(peak, all);
     const double saturation = distance(key, kGray);
     if (saturation < kMinSaturation) continue;
     std::vector<Selection> good;

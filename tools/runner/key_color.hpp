@@ -19,7 +19,7 @@ struct KeyColor {
   double share;                        ///< of the pixels, averaged over the pictures
 };
 
-/// The color of a video that is best repainted: saturated, of fair size, told apart from the rest
+/// The color of a video that is best repainted: saturated, of fair size, distinct from the rest
 /// of the picture, on connected things rather than on scattered pixels, and there in most of the
 /// pictures. The pictures are of some moments of one video, some hundred pixels wide, all of one
 /// size. Nothing where no color is like that. Decomposed under white light, reflectance has the

@@ -127,7 +127,7 @@ class Session {
   std::string error_;
   std::vector<std::string> missing_;
   std::atomic<bool> stopping_{false}, arrived_{false};
-  bool first_told_ = false;
+  bool first_reported_ = false;
   Clock::time_point shown_ = Clock::now();
 
   mutable std::mutex mutex_;  // the rest, shared with streaming threads
@@ -410,7 +410,7 @@ void Session::tick() {
     fflush(stderr);
     return;
   }
-  if (!std::exchange(first_told_, true))
+  if (!std::exchange(first_reported_, true))
     fprintf(stderr, terminal ? "\r\033[Kfirst frame after %.1f s\n" : "first frame after %.1f s\n",
             std::chrono::duration<double>(first_ - started_).count());
   const double elapsed = std::chrono::duration<double>(last_ - first_).count();

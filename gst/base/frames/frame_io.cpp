@@ -112,7 +112,7 @@ bool suits(const GstVideoInfo& info, GstBuffer* buffer) {
                    meta->height >= static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&info)));
 }
 
-/// Whether all rows of a plane lie in the memory that was mapped for it. GStreamer looks only at
+/// Whether all rows of a plane lie in the memory that was mapped for it. GStreamer checks only
 /// its first byte where strides and offsets come from a GstVideoMeta.
 bool holds_rows(const GstVideoFrame& frame, const FrameFormat& format, uint32_t plane) {
   const GstMapInfo& map = frame.map[frame.meta ? plane : 0];

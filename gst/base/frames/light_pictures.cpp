@@ -11,7 +11,8 @@ Picture LightPictures::draw(gpu::Commands& commands, const Layers& layers, Light
                             const char* element, uint32_t base) {
   if (!layers.global())
     throw Error(ErrorKind::unsupported,
-                std::string("these layers do not tell direct light from indirect, as ") + element +
+                std::string("these layers do not separate direct light from indirect, as ") +
+                    element +
                     " is to show it; put globalintrinsic in the place of the decomposer before it");
   if (device_ != commands.device() || planes_->extent() != layers.extent) {
     device_ = commands.device();

@@ -56,7 +56,7 @@ DevicePtr device_in(GstContext* context) {
 }
 
 /// What the application has set on the element and GStreamer keeps for it, from NULL to NULL: the
-/// context that tells of a device, where that is from outside the pipeline. New reference, or null.
+/// context that names a device, where that is from outside the pipeline. New reference, or null.
 GstContext* context_from_outside(GstElement* element, gpointer family) {
   GstContext* context = gst_element_get_context(element, kDeviceContext);
   if (context && family_in(context) != family && device_in(context)) return context;
@@ -180,7 +180,7 @@ void DeviceContext::permit(const DevicePtr& device) const {
                      "; set none, or put vulkandownload and vulkanupload between"));
 }
 
-void DeviceContext::look() { neighbor_.find(element_, VulkanNeighbor::Ask::make_one); }
+void DeviceContext::find_neighbor() { neighbor_.find(element_, VulkanNeighbor::Ask::make_one); }
 
 DevicePtr DeviceContext::current() const {
   const DevicePtr theirs = neighbor_.held();
@@ -210,7 +210,7 @@ void DeviceContext::set_context(GstContext* context) {
   if (!context) return;
   neighbor_.set_context(element_, context);
   if (DevicePtr device = device_in(context)) {
-    // A bin may hold its lock while it calls this: nothing above the element is looked at here.
+    // A bin may hold its lock while it calls this: nothing above the element is read here.
     std::lock_guard lock(mutex_);
     offered_ = std::move(device);
     offered_family_ = family_in(context);

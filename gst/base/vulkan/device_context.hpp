@@ -31,15 +31,15 @@ class DeviceContext {
   void renew(const std::string& select);
   void release();
   /// Waits for what Vulkan neighbors have left on their device when they were stopped.
-  void settle() const { neighbor_.settle(); }
+  void wait_for_neighbor() const { neighbor_.wait_for_neighbor(); }
 
-  /// Looks again for a device of Vulkan neighbors: some of them only have one in PAUSED. Throws
+  /// Searches again for a device of Vulkan neighbors: some of them only have one in PAUSED. Throws
   /// Error(no_device) where it is of no use to the kernels.
-  void look();
+  void find_neighbor();
   /// The device to use for frames that are bound to none; null before `acquire`.
   std::shared_ptr<gpu::Device> current() const;
-  /// The device on which the neighbors expect images, after `look`; where none of them has one it
-  /// is made. Throws Error(no_device) if that is not the device that is demanded.
+  /// The device on which the neighbors expect images, after `find_neighbor`; where none of them has
+  /// one it is made. Throws Error(no_device) if that is not the device that is demanded.
   std::shared_ptr<gpu::Device> for_images();
   /// Throws Error(no_device) if frames lie on `device` and another one is demanded.
   void permit(const std::shared_ptr<gpu::Device>& device) const;

@@ -150,7 +150,7 @@ class Made {
 
 /// Set while an element of ours asks around: others of ours then say what they hold and make
 /// nothing.
-thread_local bool looking = false;
+thread_local bool querying = false;
 
 [[noreturn]] void fail_to_open(const char* what, GError* error) {
   const std::string text =
@@ -195,9 +195,9 @@ VulkanNeighbor::~VulkanNeighbor() = default;
 
 DevicePtr VulkanNeighbor::find(GstElement* element, Ask ask) {
   GstVulkanDevice* found = nullptr;
-  looking = ask == Ask::what_there_is;
+  querying = ask == Ask::what_there_is;
   const bool any = gst_vulkan_device_run_context_query(element, &found);
-  looking = false;
+  querying = false;
   if (!any) return nullptr;
   const DeviceRef owned(found);
   GError* error = nullptr;
@@ -287,10 +287,10 @@ bool VulkanNeighbor::answer(GstElement* element, GstQuery* query) const {
 bool VulkanNeighbor::asks_for_device(GstQuery* query) {
   const gchar* type = nullptr;
   gst_query_parse_context_type(query, &type);
-  return !looking && g_strcmp0(type, GST_VULKAN_DEVICE_CONTEXT_TYPE_STR) == 0;
+  return !querying && g_strcmp0(type, GST_VULKAN_DEVICE_CONTEXT_TYPE_STR) == 0;
 }
 
-void VulkanNeighbor::settle() const {
+void VulkanNeighbor::wait_for_neighbor() const {
   HandlesPtr handles;
   {
     std::lock_guard lock(mutex_);
@@ -312,7 +312,7 @@ void VulkanNeighbor::settle() const {
 }
 
 void VulkanNeighbor::release() {
-  settle();
+  wait_for_neighbor();
   std::lock_guard lock(mutex_);
   contexts_ = std::make_unique<Contexts>();
 }

@@ -33,7 +33,7 @@ class VulkanNeighbor {
   VulkanNeighbor& operator=(const VulkanNeighbor&) = delete;
   ~VulkanNeighbor();
 
-  /// Looks for the device of neighbors, downstream first, and wraps it; null if there is none.
+  /// Searches for the device of neighbors, downstream first, and wraps it; null if there is none.
   /// The same GstVulkanDevice gives the same object everywhere in the process. Throws
   /// Error(no_device) where the kernels cannot run on it.
   enum class Ask {
@@ -58,8 +58,8 @@ class VulkanNeighbor {
   /// Waits until the device held has done all that was submitted to it, by whomever. vulkanupload
   /// frees what the device still reads where a stream stops in the middle of a frame (GStreamer
   /// 1.22).
-  void settle() const;
-  /// Settles and lets go.
+  void wait_for_neighbor() const;
+  /// Waits, then releases.
   void release();
 
  private:
@@ -76,7 +76,7 @@ bool same_hardware(const gpu::Device& a, const gpu::Device& b);
 std::unique_ptr<FrameInput> make_image_input(const GstVideoInfo& info);
 
 /// From planes to an image in `memory:VulkanImage`. Nobody waits: who takes the image submits to
-/// the same queue, later, behind the barrier that the memory tells of.
+/// the same queue, later, behind the barrier that the memory names.
 std::unique_ptr<FrameOutput> make_image_output(const GstVideoInfo& info);
 
 /// A configured pool of images on `device`, which VulkanNeighbor wrapped; `size` becomes the size

@@ -29,7 +29,7 @@ struct Handles {
   QueueRef queue;
 };
 
-/// The wrapped device, with the queue that `element`'s neighbors submit to where they tell. The
+/// The wrapped device, with the queue that `element`'s neighbors submit to if they name it. The
 /// same GstVulkanDevice gives the same object everywhere. Throws Error(no_device) if the kernels
 /// cannot run on it.
 std::shared_ptr<gpu::Device> adopt(GstElement* element, GstVulkanDevice* device);

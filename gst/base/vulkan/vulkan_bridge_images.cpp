@@ -59,7 +59,7 @@ class ImageInput final : public FrameInput {
   gpu::BufferPtr make_buffer(const DevicePtr& device) const override {
     return gpu::Buffer::create(device, gpu::Element::word, raw_words(format_));
   }
-  // What lies on the device is not brought to the host to be looked at.
+  // What lies on the device is not copied to the host to be checked.
   std::span<const uint8_t> changed_tiles(GstBuffer*) override { return {}; }
 
  protected:

@@ -25,7 +25,7 @@ std::shared_ptr<gpu::Device> VulkanNeighbor::held() const { return nullptr; }
 void VulkanNeighbor::set_context(GstElement*, GstContext*) {}
 bool VulkanNeighbor::answer(GstElement*, GstQuery*) const { return false; }
 bool VulkanNeighbor::asks_for_device(GstQuery*) { return false; }
-void VulkanNeighbor::settle() const {}
+void VulkanNeighbor::wait_for_neighbor() const {}
 void VulkanNeighbor::release() {}
 
 bool same_hardware(const gpu::Device& a, const gpu::Device& b) { return &a == &b; }

@@ -122,10 +122,10 @@ double comparisons(const aiMesh& part) {
 
 /// Throws where normals would take minutes.
 void check_corners(const aiScene& scene, const std::string& path) {
-  constexpr double kMost = 1e9;  // some seconds
+  constexpr double kMaxSum = 1e9;  // some seconds
   double sum = 0;
   for (unsigned i = 0; i < scene.mNumMeshes; ++i) sum += comparisons(*scene.mMeshes[i]);
-  if (sum > kMost)
+  if (sum > kMaxSum)
     fail(path,
          "has no normals, and too many faces meet in one place to find them: store it with "
          "normals, or join its corners, with Blender's Merge by Distance for example");

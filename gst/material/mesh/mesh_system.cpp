@@ -16,7 +16,7 @@ namespace {
 
 constexpr uintmax_t kMaxBytes = uintmax_t{1} << 30;
 
-/// A file as Assimp reads it. Behind its end some of Assimp's readers look for more forever: this
+/// A file as Assimp reads it. Some of Assimp's readers loop for ever behind its end: this
 /// one throws then.
 class BoundedStream final : public Assimp::IOStream {
  public:

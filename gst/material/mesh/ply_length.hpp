@@ -6,7 +6,7 @@ namespace inverse {
 
 /// Of which element a PLY file has fewer than its header promises, as words to put behind its name;
 /// empty if it has all. Assimp's reader takes memory for what is promised, and makes up what
-/// lies beyond the end. Of what is no PLY nothing is told: the reader complains of it itself.
+/// lies beyond the end. A file that is not a PLY passes: the reader reports it.
 std::string ply_length_fault(const std::string& path);
 
 }  // namespace inverse

@@ -71,7 +71,7 @@ void AravisSource::open() {
   reference_ = reference;
   id_bits = bits;
   before_ = {};
-  frames_ = missed_ = timeouts_ = told_ = 0;
+  frames_ = missed_ = timeouts_ = reported_ = 0;
   clock_.reset();
   ids_ = FrameIds(bits);
 }
@@ -173,8 +173,8 @@ void AravisSource::report_incomplete(GstElement* element, Lock& lock) {
   const auto counts = stream->counts();
   const uint64_t bad = before_.incomplete + counts.incomplete + counts.misfits;
   // The first one may be: Aravis allocates buffers of the frames' size after it.
-  if (bad < std::max<uint64_t>(told_, 2)) return;
-  told_ = 10 * bad;
+  if (bad < std::max<uint64_t>(reported_, 2)) return;
+  reported_ = 10 * bad;
   const uint64_t good = frames_;
   lock.unlock();
   post_warning(log_of(element), GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_READ,
@@ -197,7 +197,7 @@ GstFlowReturn AravisSource::next(GstElement* element, GstBuffer** buffer) {
     if (lost_ || !stream)
       throw Error(ErrorKind::connection,
                   "the camera " + name +
-                      " does not answer any more: look at its cable and its power, then start "
+                      " does not answer any more: check its cable and its power, then start "
                       "again");
     const int64_t now = running_time(element);
     const GstClockTime start = gst_element_get_start_time(element);

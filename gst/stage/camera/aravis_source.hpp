@@ -51,7 +51,7 @@ struct AravisSource : std::enable_shared_from_this<AravisSource> {
   CameraClock clock_;
   FrameIds ids_{16};
   AravisStream::Counts before_;  ///< of streams that ended
-  uint64_t frames_ = 0, missed_ = 0, timeouts_ = 0, told_ = 0;
+  uint64_t frames_ = 0, missed_ = 0, timeouts_ = 0, reported_ = 0;
   bool flushing_ = false, lost_ = false;
 };
 

@@ -12,7 +12,7 @@ namespace inverse {
 struct AravisStream::Lender {
   std::mutex mutex;
   ArvStream* stream = nullptr;  ///< null when it has ended
-  uint32_t lent = 0, most = 0;
+  uint32_t lent = 0, max_lent = 0;
 
   struct Loan {
     std::shared_ptr<Lender> lender;
@@ -48,7 +48,7 @@ AravisStream::AravisStream(AravisCamera& camera, const FrameLayout& layout, uint
   for (uint32_t i = 0; i < frames; ++i)
     arv_stream_push_buffer(stream_.get(), arv_buffer_new(layout.payload, nullptr));
   lender_->stream = stream_.get();
-  lender_->most = frames / 2;
+  lender_->max_lent = frames / 2;
   g_signal_connect_swapped(stream_.get(), "new-buffer",
                            G_CALLBACK(+[](AravisStream* self) { self->arrived_(); }), this);
   arv_stream_set_emit_signals(stream_.get(), TRUE);
@@ -107,7 +107,7 @@ GstBuffer* AravisStream::pixels(ArvBuffer* frame) {
   const bool as_it_is = pitch == layout_.stride && bytes >= size && layout_.shift == 0;
   if (as_it_is) {
     const std::lock_guard lock(lender_->mutex);
-    if (lender_->lent < lender_->most) {
+    if (lender_->lent < lender_->max_lent) {
       ++lender_->lent;
       ++counts_.lent;
       return gst_buffer_new_wrapped_full(static_cast<GstMemoryFlags>(0), const_cast<uint8_t*>(from),

@@ -153,20 +153,21 @@ gboolean decide_allocation(GstBaseSrc* base, GstQuery* query) {
   GstVideoInfo info;
   if (!caps || !gst_video_info_from_caps(&info, caps)) return FALSE;
   GstBufferPool* pool = nullptr;
-  guint size = 0, least = 0, most = 0;
+  guint size = 0, min_buffers = 0, max_buffers = 0;
   const bool offered = gst_query_get_n_allocation_pools(query) > 0;
-  if (offered) gst_query_parse_nth_allocation_pool(query, 0, &pool, &size, &least, &most);
+  if (offered)
+    gst_query_parse_nth_allocation_pool(query, 0, &pool, &size, &min_buffers, &max_buffers);
   size = std::max(size, static_cast<guint>(GST_VIDEO_INFO_SIZE(&info)));
   if (!pool) pool = gst_video_buffer_pool_new();
   GstStructure* config = gst_buffer_pool_get_config(pool);
-  gst_buffer_pool_config_set_params(config, caps, size, least, most);
+  gst_buffer_pool_config_set_params(config, caps, size, min_buffers, max_buffers);
   if (gst_query_find_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr))
     gst_buffer_pool_config_add_option(config, GST_BUFFER_POOL_OPTION_VIDEO_META);
   gst_buffer_pool_set_config(pool, config);
   if (offered)
-    gst_query_set_nth_allocation_pool(query, 0, pool, size, least, most);
+    gst_query_set_nth_allocation_pool(query, 0, pool, size, min_buffers, max_buffers);
   else
-    gst_query_add_allocation_pool(query, pool, size, least, most);
+    gst_query_add_allocation_pool(query, pool, size, min_buffers, max_buffers);
   gst_object_unref(pool);
   return GST_BASE_SRC_CLASS(parent_class)->decide_allocation(base, query);
 }
@@ -320,7 +321,7 @@ void class_init(gpointer klass, gpointer) {
   element->set_context = set_context;
   gst_element_class_set_static_metadata(
       element, "Light stage test source", "Source/Video",
-      "A camera that looks at a head on a virtual light stage, under what a light program or sACN "
+      "A camera that films a head on a virtual light stage, under what a light program or sACN "
       "packets say",
       "the gst-inverse authors");
   GstCaps* caps = inverse::pixel_caps();

@@ -49,8 +49,8 @@ void check_agreement(const LightProgram& program, const OlatFolder& folder) {
 float white_of(const std::vector<float>& rgb) {
   std::vector<float> lit;
   for (size_t i = 0; i + 2 < rgb.size(); i += 3) {
-    const float most = std::max({rgb[i], rgb[i + 1], rgb[i + 2]});
-    if (most > 0 && std::isfinite(most)) lit.push_back(most);
+    const float brightest = std::max({rgb[i], rgb[i + 1], rgb[i + 2]});
+    if (brightest > 0 && std::isfinite(brightest)) lit.push_back(brightest);
   }
   if (lit.empty()) return 1;
   const auto at = lit.begin() + static_cast<ptrdiff_t>(lit.size() * 99 / 100);

@@ -105,8 +105,8 @@ struct SyncCamera {
   Clock::time_point last_arrival{};
   GstFlowReturn flow = GST_FLOW_OK;  // of the last push
   FrameLabeler::Counts triggered;    // in place of the labeler's if frames are triggered
-  FrameLabeler::Counts told;         // at the last warning
-  Clock::time_point told_at{};
+  FrameLabeler::Counts reported;     // at the last warning
+  Clock::time_point reported_at{};
   bool was_anchored = false;
   uint64_t incomplete = 0, sent = 0;  // frames
 };

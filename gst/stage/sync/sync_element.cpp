@@ -15,7 +15,7 @@ namespace {
 /// Event to a camera's assembler, in the order of frames: the program has ended.
 constexpr const char* kProgramEnded = "lightstage-program-ended";
 constexpr const char* kOver = "over";  // true: by itself; false: another stream came before its end
-constexpr auto kLook = std::chrono::milliseconds(50);
+constexpr auto kCheckEvery = std::chrono::milliseconds(50);
 constexpr uint32_t kUsualIdBits = 64;
 
 }  // namespace
@@ -78,7 +78,7 @@ void SyncElement::stop() {
     camera->id_bits = 0;
     camera->sinks_wait = 0;
     camera->flow = GST_FLOW_OK;
-    camera->told = camera->triggered = {};
+    camera->reported = camera->triggered = {};
     camera->run = camera->start = camera->incomplete = camera->sent = 0;
   }
   sets_ = FrameSets(true);
@@ -114,12 +114,12 @@ SyncElement::Clock::duration SyncElement::periods(uint32_t count) const {
       std::chrono::nanoseconds(labels_ ? count * labels_->period() : 0));
 }
 
-FrameLabeler::Params SyncElement::labeler_params(uint32_t told_id_bits) const {
+FrameLabeler::Params SyncElement::labeler_params(uint32_t source_id_bits) const {
   const auto set = static_cast<uint32_t>(params_.frame_id_bits);
   FrameLabeler::Params params;
   params.jitter = params_.jitter;
   if (params_.frame_id != SyncParams::FrameId::none)
-    params.id_bits = set ? set : told_id_bits ? told_id_bits : kUsualIdBits;
+    params.id_bits = set ? set : source_id_bits ? source_id_bits : kUsualIdBits;
   params.marker_timeout = params_.marker_timeout;
   return params;
 }
@@ -229,8 +229,9 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
   FrameLabeler::Frame frame;
   if (GST_BUFFER_PTS_IS_VALID(buffer)) frame.time = static_cast<int64_t>(GST_BUFFER_PTS(buffer));
   if (GST_BUFFER_OFFSET_IS_VALID(buffer)) frame.id = GST_BUFFER_OFFSET(buffer);
-  if (!trigger &&
-      !guarded(element_, [&] { frame.image = look_at(*camera->info, *camera->linear, buffer); })) {
+  if (!trigger && !guarded(element_, [&] {
+        frame.image = image_evidence(*camera->info, *camera->linear, buffer);
+      })) {
     gst_buffer_unref(buffer);
     return GST_FLOW_ERROR;
   }
@@ -246,8 +247,8 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
   while (!camera->flushing && !camera->ended &&
          (camera->in_sets >= max_in_sets(*camera) || full())) {
     camera->blocked = full();
-    changed_.wait_for(lock, kLook);
-    look_for_silence();
+    changed_.wait_for(lock, kCheckEvery);
+    report_stalled_cameras();
     post(lock);
   }
   camera->blocked = false;
@@ -314,7 +315,7 @@ FrameLabeler::Counts SyncElement::counts_of(const SyncCamera& camera) const {
   return camera.labeler ? camera.labeler->counts() : FrameLabeler::Counts{};
 }
 
-/// Tells the assembler to end what is incomplete.
+/// Makes the assembler end what is incomplete.
 void SyncElement::end_program(SyncCamera& camera, bool over) {
   if (camera.program_ended) return;
   camera.program_ended = true;
@@ -379,8 +380,8 @@ void SyncElement::advance() {
 bool SyncElement::take_out(SyncCamera& camera, SyncCamera::Item& item) {
   Lock lock(mutex_);
   while (camera.out.empty() && !camera.flushing) {
-    changed_.wait_for(lock, kLook);
-    look_for_silence();
+    changed_.wait_for(lock, kCheckEvery);
+    report_stalled_cameras();
     post(lock);
   }
   if (camera.flushing) return false;

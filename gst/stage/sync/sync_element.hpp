@@ -67,7 +67,7 @@ class SyncElement {
   bool take_out(SyncCamera& camera, SyncCamera::Item& item);
   GstFlowReturn send(SyncCamera& camera, SyncCamera::Item& item);
   bool set_caps(SyncCamera& camera, GstCaps* caps);
-  FrameLabeler::Params labeler_params(uint32_t told_id_bits = 0) const;
+  FrameLabeler::Params labeler_params(uint32_t source_id_bits = 0) const;
   void make_labeler(SyncCamera& camera);
   void ask_upstream(SyncCamera& camera);
   Clock::duration periods(uint32_t count) const;  // of the program
@@ -100,7 +100,7 @@ class SyncElement {
                  const FrameLabeler::Labeled& frame, bool passes) const;
   void labeled(SyncCamera& camera, const std::vector<FrameLabeler::Labeled>& frames);
   void advance();
-  void look_for_silence();
+  void report_stalled_cameras();
   void report(SyncCamera& camera);
   void join_run(SyncCamera& camera, const FrameLabeler::Labeled& frame);
   void leave_alone(SyncCamera& camera);

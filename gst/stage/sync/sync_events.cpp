@@ -61,7 +61,7 @@ bool SyncElement::set_caps(SyncCamera& camera, GstCaps* caps) {
   camera.last_arrival = Clock::now();
   if (!labels_) return true;
   if (const auto trigger = trigger_) {
-    lock.unlock();  // it speaks with the camera
+    lock.unlock();  // it communicates with the camera
     return guarded(element_, [&] { trigger->camera_ready(camera.number); });
   }
   const LightProgram& program = labels_->program();
@@ -140,7 +140,7 @@ gboolean SyncElement::sink_event(const CameraPtr& camera, GstEvent* event) {
   }
   if (GST_EVENT_TYPE(event) == GST_EVENT_EOS && camera->labeler) {
     labeled(*camera, camera->labeler->drain());
-    camera->told_at = {};  // the last losses, too
+    camera->reported_at = {};  // the last losses, too
     report(*camera);
     camera->ended = true;
     sets_.wait_for(camera->number, false);
@@ -242,7 +242,7 @@ gboolean SyncElement::src_query(const CameraPtr& camera, GstQuery* query) {
           sinks.push_back(GST_PAD(gst_object_ref(one->sink)));
       }
       gboolean live = FALSE, any = FALSE;
-      GstClockTime least = 0, most = GST_CLOCK_TIME_NONE;
+      GstClockTime min_latency = 0, max_latency = GST_CLOCK_TIME_NONE;
       for (GstPad* sink : sinks) {
         GstQuery* peer = gst_query_new_latency();
         gboolean is_live = FALSE;
@@ -252,15 +252,15 @@ gboolean SyncElement::src_query(const CameraPtr& camera, GstQuery* query) {
           gst_query_parse_latency(peer, &is_live, &low, &high);
           if (is_live) {
             live = TRUE;
-            least = MAX(least, low);
-            most = MIN(most, high);  // none is the largest
+            min_latency = MAX(min_latency, low);
+            max_latency = MIN(max_latency, high);  // none is the largest
           }
         }
         gst_query_unref(peer);
         gst_object_unref(sink);
       }
       if (!any) return FALSE;
-      gst_query_set_latency(query, live, least, live ? most : GST_CLOCK_TIME_NONE);
+      gst_query_set_latency(query, live, min_latency, live ? max_latency : GST_CLOCK_TIME_NONE);
       add_latency(query, ours);
       return TRUE;
     }

@@ -111,7 +111,7 @@ bool SyncElement::can_wait(const SyncCamera& camera) const {
 }
 
 /// Reports cameras that have stopped, and does not wait for them any longer.
-void SyncElement::look_for_silence() {
+void SyncElement::report_stalled_cameras() {
   const auto now = Clock::now();
   const auto timeout = std::chrono::duration<double>(frame_timeout());
   if (!playing_) {
@@ -128,11 +128,12 @@ void SyncElement::look_for_silence() {
     const auto silence = std::to_string(static_cast<int>(seconds(now - camera->last_arrival)));
     if (camera->begun)
       warn("camera " + camera->name() + " has sent no frame for " + silence +
-           " s; look at the camera, its cable and its trigger");
+           " s; check the camera, its cable and its trigger");
     else
-      warn("camera " + camera->name() + " has not begun to send within " + silence +
-           " s: its source has not even agreed on a format; look whether that is started and finds "
-           "its camera");
+      warn(
+          "camera " + camera->name() + " has not begun to send within " + silence +
+          " s: its source has not even agreed on a format; check whether that is started and finds "
+          "its camera");
   }
   const auto lacking = sets_.lacking();
   const bool held_up = std::any_of(lacking.begin(), lacking.end(), [&](uint32_t number) {
@@ -212,17 +213,17 @@ void SyncElement::report(SyncCamera& camera) {
          " has not seen the marker of the light program (black, full on, "
          "black) for " +
          std::to_string(params_.marker_timeout) +
-         " s; start the program of the lights, or look whether the camera sees them and has the "
+         " s; start the program of the lights, or check whether the camera sees them and has the "
          "program's rate");
   const auto now = Clock::now();
-  if (now - camera.told_at < kBetweenWarnings) return;
-  const FrameLabeler::Counts& before = camera.told;
+  if (now - camera.reported_at < kBetweenWarnings) return;
+  const FrameLabeler::Counts& before = camera.reported;
   std::string text;
   GstStructure* more = gst_structure_new_empty("more");
-  const auto add = [&](uint64_t count, uint64_t told, const char* field, const char* what) {
-    if (count <= told) return;
-    text += (text.empty() ? "" : ", ") + std::to_string(count - told) + " " + what;
-    gst_structure_set(more, field, G_TYPE_UINT64, count - told, nullptr);
+  const auto add = [&](uint64_t count, uint64_t reported, const char* field, const char* what) {
+    if (count <= reported) return;
+    text += (text.empty() ? "" : ", ") + std::to_string(count - reported) + " " + what;
+    gst_structure_set(more, field, G_TYPE_UINT64, count - reported, nullptr);
   };
   add(counts.missing, before.missing, "missing", "lost");
   add(counts.duplicates, before.duplicates, "duplicates", "doubled");
@@ -241,8 +242,8 @@ void SyncElement::report(SyncCamera& camera) {
     gst_structure_free(more);
     return;
   }
-  camera.told = counts;
-  camera.told_at = now;
+  camera.reported = counts;
+  camera.reported_at = now;
   report_event("frames", camera, more);
   warn("frames of camera " + camera.name() + ": " + text);
 }

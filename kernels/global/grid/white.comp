@@ -5,7 +5,7 @@
 #include "gpu/workgroup_sum.glsl"
 #include "global/model/model.glsl"
 
-// One workgroup: the color of the lamps, as the sixth-power mean of the grid's colors says it (shades of gray: Finlayson and
+// One workgroup: the color of the lamps, the sixth-power mean of the grid's colors (shades of gray: Finlayson and
 // Trezzi 2004), mixed with that of before; and the lamps' layer.
 PLANE_IN(0, colors);
 PLANE_INOUT(1, scene);

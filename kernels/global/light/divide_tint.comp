@@ -24,7 +24,7 @@ PLANE_OUT(9, light);
 #include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   SIZES
-  float white_level, trust, trust_tint;
+  float white_level, residual_sigma, tint_sigma;
 } push;
 
 const float kMinTau = 0.02;  // of a channel
@@ -62,11 +62,11 @@ void main() {
       int label = int(FETCH1(slots, bin_of(z - BLEND(tint_at).xy)));
       RECEIVED(indirect, label, x, first.y, 2.0 * float(push.factor))
       indirect = known.x * colored_by(lamps.z, indirect);
-      if (known.w > 1.5) {  // a frame of one color says nothing of its light's
+      if (known.w > 1.5) {  // a frame of one color does not determine that of its light
         vec2 tint = chroma_of(light_of(shading, indirect));
         float fraction = fraction_of(shading, indirect);
         vec2 e = z - tint - FETCH(scene, SCENE_COLORS + label).xy;
-        e = mix(BLEND(smooth_at).xy, e, belief(e, fraction, statistics.x, push.trust, push.trust_tint));
+        e = mix(BLEND(smooth_at).xy, e, light_confidence(e, fraction, statistics.x, push.residual_sigma, push.tint_sigma));
         vec4 fit = BLEND(fit_at);
         tau = color_of(tint + statistics.y * min(1.0, 3.0 * fraction) * (fit.xy * e + fit.zw));
       }

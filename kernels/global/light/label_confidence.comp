@@ -12,10 +12,10 @@ PLANE_IN(1, tints);
 WORD_IN(2, slots);  // of bins
 PLANE_IN(3, scene);
 WORD_OUT(4, labels);
-PLANE_OUT(5, raw);  // residual, belief
+PLANE_OUT(5, raw);  // residual, confidence
 layout(push_constant) uniform Push {
   int count;
-  float trust, trust_tint;
+  float residual_sigma, tint_sigma;
 } push;
 
 void main() {
@@ -26,5 +26,5 @@ void main() {
   uint label = FETCH1(slots, bin_of(off));
   STORE(labels, i, label);
   if (FETCH(scene, SCENE_AMOUNT).w > 1.5) off -= FETCH(scene, SCENE_COLORS + int(label)).xy;
-  STORE(raw, i, vec4(off, belief(off, tint.z, FETCH(scene, SCENE_TINT).x, push.trust, push.trust_tint), 0.0));
+  STORE(raw, i, vec4(off, light_confidence(off, tint.z, FETCH(scene, SCENE_TINT).x, push.residual_sigma, push.tint_sigma), 0.0));
 }

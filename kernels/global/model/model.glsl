@@ -43,7 +43,7 @@ vec3 light_of(float shading, vec3 indirect) {
   return shading - kept * all + kept * indirect;
 }
 // Light of a color with this confidence: gray at 0.
-vec3 colored_by(float belief, vec3 light) { return mix(vec3(mean3(light)), light, belief); }
+vec3 colored_by(float confidence, vec3 light) { return mix(vec3(mean3(light)), light, confidence); }
 float fraction_of(float shading, vec3 indirect) { return min(1.0, mean3(indirect) / max(shading, 1e-6)); }
 
 // Place of a chroma in a histogram, in bins (gray is at a bin's center, not at the corner of four); and the bin of the nearest

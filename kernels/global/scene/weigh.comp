@@ -7,7 +7,7 @@
 #include "global/model/counts.glsl"
 
 // One workgroup: the cost of every candidate amount, the entropy of its histogram less the neutral share, averaged over time; and
-// the amount: the mean of ln kappa under the likelihood exp(-trust cost) and a normal prior, and how much narrower the posterior is
+// the amount: the mean of ln kappa under the likelihood exp(-measurement_weight cost) and a normal prior, and how much narrower the posterior is
 // than the prior. Colors of small spread are moved alike by any tint, past the borders of bins and towards gray, which is no
 // evidence: the smaller the spread of chroma, the less a difference of cost counts; but not for the color of light.
 WORD_IN(0, counts);
@@ -16,7 +16,7 @@ layout(push_constant) uniform Push {
   float ln_least, ln_ratio;  // of candidates
   float neutral;             // weight of neutrality
   float ln_typical, spread;  // the prior
-  float trust, full_trust;  // from this spread of chroma on; below, in proportion to it
+  float measurement_weight, full_spread;  // from this spread of chroma on; below, in proportion to it
   float manual;             // above 0: the amount
   float renew_color;        // min share of the newest frame in the confidence of the color of light
 } push;
@@ -26,16 +26,16 @@ const float kSure = 0.06;  // confidence that is enough for the color
 float cost[kCandidates];
 
 // Mean and variance of ln kappa.
-vec2 moments(float trust) {
+vec2 moments(float measurement_weight) {
   float least = 3e38;
   for (int k = 0; k < kCandidates; ++k) {
     float off = (push.ln_least + float(k) * push.ln_ratio - push.ln_typical) / push.spread;
-    least = min(least, trust * cost[k] + 0.5 * off * off);
+    least = min(least, measurement_weight * cost[k] + 0.5 * off * off);
   }
   vec3 sum = vec3(0.0);
   for (int k = 0; k < kCandidates; ++k) {
     float ln = push.ln_least + float(k) * push.ln_ratio, off = (ln - push.ln_typical) / push.spread;
-    sum += exp(least - trust * cost[k] - 0.5 * off * off) * vec3(1.0, ln, ln * ln);
+    sum += exp(least - measurement_weight * cost[k] - 0.5 * off * off) * vec3(1.0, ln, ln * ln);
   }
   vec2 mean = sum.yz / sum.x;
   return vec2(mean.x, max(0.0, mean.y - mean.x * mean.x));
@@ -64,11 +64,11 @@ void main() {
   }
   // Estimates lose their weight before the color is gone.
   float usable = LOAD(scene, SCENE_TINT).z, spread = LOAD(scene, SCENE_TINT).w;
-  vec2 blind = moments(0.0), seen = moments(push.trust * min(1.0, spread / push.full_trust)), sharp = moments(push.trust);
+  vec2 blind = moments(0.0), seen = moments(push.measurement_weight * min(1.0, spread / push.full_spread)), sharp = moments(push.measurement_weight);
   vec2 confidence = usable * clamp(1.0 - vec2(seen.y, sharp.y) / blind.y, 0.0, 1.0);
   bool manual = push.manual > 0.0;
   LOAD(scene, SCENE_AMOUNT).xy = manual ? vec2(push.manual, 1.0) : vec2(usable * exp(seen.x), confidence.x);
   // Averaged over more frames than the rest, so that light that loses its color and regains it is tracked.
-  float belief = smoothstep(0.0, kSure, confidence.y), share = max(push.renew_color, 1.0 / max(LOAD(scene, SCENE_TIME).y, 1.0));
-  LOAD(scene, SCENE_WHITE).z = manual ? 1.0 : mix(LOAD(scene, SCENE_WHITE).z, belief, share);
+  float colored = smoothstep(0.0, kSure, confidence.y), share = max(push.renew_color, 1.0 / max(LOAD(scene, SCENE_TIME).y, 1.0));
+  LOAD(scene, SCENE_WHITE).z = manual ? 1.0 : mix(LOAD(scene, SCENE_WHITE).z, colored, share);
 }

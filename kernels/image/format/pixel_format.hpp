@@ -30,8 +30,8 @@ enum class PixelFormat : uint8_t {
 const char* name_of(PixelFormat format);
 
 enum class Range : uint8_t {
-  full,     ///< black 0, white the largest code
-  limited,  ///< black 16, white 235, chroma 16…240, in eighths of a byte for deeper formats
+  full,     ///< black 0, white 2^depth − 1
+  limited,  ///< black 16, white 235, chroma 16…240, times 2^(depth − 8)
 };
 
 /// Y' = kr·R' + (1 - kr - kb)·G' + kb·B'. All zero is the identity, allowed for RGB only; gray

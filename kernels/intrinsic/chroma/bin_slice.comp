@@ -19,7 +19,7 @@ PLANE_OUT(6, wanted);
 layout(push_constant) uniform Push { uvec2 size; } push;  // of level 2
 
 void main() {
-  uint packs = QUADS(push.size.x);
+  uint packs = PACK4(push.size.x);
   uvec2 position = grid_position(packs);
   if (position.y >= push.size.y) return;
   int at = int(position.y * packs + position.x);

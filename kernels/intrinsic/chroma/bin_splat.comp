@@ -30,7 +30,7 @@ void add(uint bin, int share) {
 }
 
 void main() {
-  uint packs = QUADS(push.size.x), all = packs * push.size.y;
+  uint packs = PACK4(push.size.x), all = packs * push.size.y;
   for (uint i = gl_GlobalInvocationID.x; i < all; i += kTables > 1u ? kTables : all) {
     uvec2 position = grid_place(i, packs);
     int at = int(i);

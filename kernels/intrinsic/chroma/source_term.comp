@@ -17,10 +17,10 @@ PLANE_OUT(5, sums);  // of v (F / v)^2, v, -, -
 layout(push_constant) uniform Push { uvec2 size; } push;  // of level 2
 
 void main() {
-  uvec2 position = grid_position(QUADS(push.size.x));
+  uvec2 position = grid_position(PACK4(push.size.x));
   vec2 binding = vec2(0.0);
   if (position.y < push.size.y) {
-    int at = int(position.y * QUADS(push.size.x) + position.x);
+    int at = int(position.y * PACK4(push.size.x) + position.x);
     bvec4 inside = INSIDE(position.x, push.size.x);
     vec4 s = FETCH(mean, at) + FETCH(correction, at), want = FETCH(wanted, at), screen = FETCH(terms, TERMS_STRIDE * at + TERMS_SCREEN);
     STORE(source_term, SOURCE_STRIDE * uint(at) + SOURCE_VALUE, MASKED(want - screen * s, inside));

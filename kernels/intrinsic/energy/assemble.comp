@@ -25,7 +25,7 @@ PLANE_OUT(8, now);          // m
 layout(push_constant) uniform Push { uvec2 size; } push;
 
 void main() {
-  uint packs = QUADS(push.size.x);
+  uint packs = PACK4(push.size.x);
   uvec2 position = tile_position(packs);
   if (position.y >= push.size.y) return;
   int at = int(position.y * packs + position.x);
@@ -33,7 +33,7 @@ void main() {
   float left = position.x > 0u ? FETCH(flux, FLUX_STRIDE * (at - 1) + FLUX_RIGHT).w : 0.0;
   vec4 sum = right - SHIFT_RIGHT(right, vec4(left)) + FETCH(flux, FLUX_STRIDE * at + FLUX_DOWN);
   if (position.y > 0u) sum -= FETCH(flux, FLUX_STRIDE * (at - int(packs)) + FLUX_DOWN);
-  int cells = int((position.y / 4u) * QUADS(packs) + position.x / 4u);
+  int cells = int((position.y / 4u) * PACK4(packs) + position.x / 4u);
   vec4 m = vec4(0.0), s = vec4(FETCH(start, START_STRIDE * cells + START_VALUE)[position.x & 3u]);
   for (uint k = 0u; k < 4u; ++k) {
     uint x = min(4u * position.x + k, push.size.x - 1u);

@@ -101,7 +101,7 @@ vec4 make(uint packs, uvec2 position) {
 }
 
 void main() {
-  uint packs = QUADS(push.size.x);
+  uint packs = PACK4(push.size.x);
   uvec2 position = tile_position(packs);
   vec4 gate = vec4(0.0);
   if (position.y < push.size.y) gate = make(packs, position);

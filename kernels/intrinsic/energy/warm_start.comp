@@ -26,7 +26,7 @@ const float kMinShading = 1e-20;
 
 void main() {
   uvec2 cell_size = ((push.size + 1u) / 2u + 1u) / 2u;
-  uint packs = QUADS(push.size.x), cell_packs = QUADS(cell_size.x);
+  uint packs = PACK4(push.size.x), cell_packs = PACK4(cell_size.x);
   uvec2 position = grid_position(cell_packs);
   if (position.y >= cell_size.y) return;
   float log_scale = FETCH(scale, 0).x;

@@ -22,7 +22,7 @@ layout(push_constant) uniform Push {
 
 // Half a block Gauss-Seidel pass over the level of `size` that starts at pack `base`.
 void smooth_color(uint base, uvec2 size, uint color) {
-  uint packs = QUADS(size.x), pairs = (packs + 1u) / 2u;
+  uint packs = PACK4(size.x), pairs = (packs + 1u) / 2u;
   EVERY_QUAD(i, pairs, size.y) {
     uint y = i / pairs, x = 2u * (i - y * pairs) + ((y + color) & 1u);
     if (x < packs) {
@@ -49,7 +49,7 @@ void smooth_color(uint base, uvec2 size, uint color) {
 
 // One pack of the next level, at `to`, from the level of `size` at `base`: x, y are its place there.
 void aggregate(uint base, uvec2 size, uint x, uint y, uint to) {
-  uint packs = QUADS(size.x);
+  uint packs = PACK4(size.x);
   vec4 rhs = vec4(0.0), mass = vec4(0.0), across = vec4(0.0), inside = vec4(0.0), along[3];
   along[0] = along[1] = along[2] = vec4(0.0);
   for (uint part = 0u; part < 4u; ++part) {  // two rows of two packs
@@ -109,11 +109,11 @@ void main() {
     uvec2 size = push.size;
     uint base = 0u;
     for (uint i = 0u; i < level; ++i) {
-      base += QUADS(size.x) * size.y;
+      base += PACK4(size.x) * size.y;
       size = (size + 1u) / 2u;
     }
     uvec2 half_size = (size + 1u) / 2u;
-    uint packs = QUADS(size.x), half_packs = QUADS(half_size.x), coarse = base + packs * size.y;
+    uint packs = PACK4(size.x), half_packs = PACK4(half_size.x), coarse = base + packs * size.y;
     if (up) {
       EVERY_QUAD(i, packs, size.y) {
         uint y = i / packs, x = i - y * packs;

@@ -29,8 +29,8 @@ layout(push_constant) uniform Push {
 
 void main() {
   uvec2 half_size = (push.size + 1u) / 2u;
-  int packs = int(QUADS(push.size.x));
-  uint half_packs = QUADS(half_size.x);
+  int packs = int(PACK4(push.size.x));
+  uint half_packs = PACK4(half_size.x);
   uvec2 position = tile_position(half_packs);
   if (position.y >= half_size.y) return;
   int x = 2 * int(position.x), second = x + 1 < packs ? 1 : 0, third = x + 2 < packs ? 2 : 0;

@@ -28,11 +28,11 @@ layout(push_constant) uniform Push {
 
 #define PAIRS(a, b) vec4((a).x + (a).y, (a).z + (a).w, (b).x + (b).y, (b).z + (b).w)
 
-int packs = int(QUADS(push.size.x));
+int packs = int(PACK4(push.size.x));
 
 // The anchors' mass of pack x, rows y and y + 1, on levels 0 and 1; on level 1 of a row that represents one row of level 0.
 vec4 anchors(int x, int y) {
-  int cell_packs = int(QUADS((push.finest.x + 3u) / 4u));
+  int cell_packs = int(PACK4((push.finest.x + 3u) / 4u));
   if (kMeans == 1) return vec4(FETCH(source_term, SOURCE_STRIDE * ((y / 4) * cell_packs + x / 4) + SOURCE_ANCHOR)[x & 3]);
   vec4 four = FETCH(source_term, SOURCE_STRIDE * ((y / 2) * cell_packs + x / 2) + SOURCE_ANCHOR);
   vec4 counts = vec4(clamp(ivec4(int(push.finest.x) - 8 * x) - ivec4(0, 2, 4, 6), 0, 2));
@@ -43,7 +43,7 @@ float rows_of(int y) { return kMeans == 1 ? 1.0 : float(clamp(int(push.finest.y)
 
 void main() {
   uvec2 half_size = (push.size + 1u) / 2u;
-  uint half_packs = QUADS(half_size.x);
+  uint half_packs = PACK4(half_size.x);
   ivec2 position = ivec2(tile_position(half_packs));
   if (position.y >= int(half_size.y)) return;
   vec4 sum = vec4(0.0), mean = vec4(0.0);

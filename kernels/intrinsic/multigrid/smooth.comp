@@ -36,7 +36,7 @@ layout(push_constant) uniform Push {
 } push;
 
 ivec2 push_size = ivec2(push.size);
-int packs = int(QUADS(push.size.x)), coarse_packs = int(QUADS((push.size.x + 1u) / 2u));
+int packs = int(PACK4(push.size.x)), coarse_packs = int(PACK4((push.size.x + 1u) / 2u));
 
 // The correction of pack x by the aggregates of row y.
 vec4 lifted(int x, int y) {
@@ -61,7 +61,7 @@ vec4 counts(int x, int y) {
 // A slot of the cells, at the pixels of row y of pack x.
 vec4 of_cells(int x, int y, int slot) {
   int cell = 4 * x / kCellPixels, columns = (push_size.x + kCellPixels - 1) / kCellPixels;
-  vec4 four = FETCH(source_term, SOURCE_STRIDE * ((y / kCellPixels) * int(QUADS(uint(columns))) + cell / 4) + slot);
+  vec4 four = FETCH(source_term, SOURCE_STRIDE * ((y / kCellPixels) * int(PACK4(uint(columns))) + cell / 4) + slot);
   return kCellPixels == 4 ? vec4(four[cell & 3]) : (cell & 2) == 0 ? four.xxyy : four.zzww;
 }
 

@@ -15,7 +15,7 @@ PLANE_OUT(3, scale_cells);
 layout(push_constant) uniform Push { uvec2 size; } push;
 
 void main() {
-  uint packs = QUADS(push.size.x);
+  uint packs = PACK4(push.size.x);
   uvec2 cell = grid_position(packs);
   uint first = 4u * cell.y;
   if (first >= push.size.y) return;

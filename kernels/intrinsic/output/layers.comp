@@ -31,9 +31,9 @@ layout(push_constant) uniform Push {
   float texture;  // 1 / (difference between the changes of a pixel and its cell that halves the kept share)
 } push;
 
-uint packs = QUADS(push.size.x);
+uint packs = PACK4(push.size.x);
 
-float hold_of(int x, int y) { return FETCH(start, START_STRIDE * (y * int(QUADS(packs)) + x / 4) + START_HOLD)[x & 3]; }
+float hold_of(int x, int y) { return FETCH(start, START_STRIDE * (y * int(PACK4(packs)) + x / 4) + START_HOLD)[x & 3]; }
 // The kept share of a row of cells: this one and those at its sides.
 vec3 holds_of(ivec2 cell, int y) {
   return vec3(hold_of(max(cell.x - 1, 0), y), hold_of(cell.x, y), hold_of(min(cell.x + 1, int(packs) - 1), y));
@@ -83,5 +83,5 @@ void main() {
       s = s.yzwx;
     }
   }
-  STORE(kept, at, cell_state(guide, FETCH(wide, int((cell.y / 4u) * QUADS(packs) + cell.x / 4u))));
+  STORE(kept, at, cell_state(guide, FETCH(wide, int((cell.y / 4u) * PACK4(packs) + cell.x / 4u))));
 }

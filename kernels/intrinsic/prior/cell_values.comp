@@ -25,7 +25,7 @@ layout(push_constant) uniform Push {
 const float kCellArea = 16.0;
 
 void main() {
-  int packs = int(QUADS(uint(push.size.x)));
+  int packs = int(PACK4(uint(push.size.x)));
   ivec2 position = ivec2(tile_position(uint(packs)));
   if (position.y >= push.size.y) return;
   int wide_columns = ((push.size.x + 1) / 2 + 1) / 2;

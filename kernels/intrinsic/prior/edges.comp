@@ -42,7 +42,7 @@ vec4 pixel(ivec2 at) {
 }
 
 void main() {
-  int packs = int(QUADS(uint(push.size.x)));
+  int packs = int(PACK4(uint(push.size.x)));
   ivec2 block = ivec2(tile_position(uint(packs))) * 4;
   if (block.y > last.y) return;
   const ivec2 d = kDown ? ivec2(0, 1) : ivec2(1, 0);

@@ -50,7 +50,7 @@ void main() {
     }
   }
   uint at = cell.y * cell_size.x + cell.x;
-  vec4 around = FETCH(wide, int((cell.y / 4u) * QUADS(cell_size.x) + cell.x / 4u)), guide = FETCH(cells, int(CELL_STRIDE * at));
+  vec4 around = FETCH(wide, int((cell.y / 4u) * PACK4(cell_size.x) + cell.x / 4u)), guide = FETCH(cells, int(CELL_STRIDE * at));
   vec4 step = cell_state(guide, around) - FETCH(before, int(at));
   float light = exp(guide.x), trust = light / (light + kLittleLight), unrest = variance(sum.x, squares.x, share);
   float structure = variance(sum.y, squares.y, share) + variance(sum.z, squares.z, share);

@@ -24,6 +24,6 @@ void main() {
       sum += FETCH(lines, j);
       count += 1.0;
     }
-  bool told = kBeyond || FETCH(points, i).w != 0.0;
-  STORE(result, i, told ? sum / max(count, 1.0) : vec4(0.0));
+  bool known = kBeyond || FETCH(points, i).w != 0.0;
+  STORE(result, i, known ? sum / max(count, 1.0) : vec4(0.0));
 }

@@ -45,8 +45,8 @@ void main() {
                      mix(FETCH(codes, 1 + c).y, FETCH(codes, 1 + d).y, share.x), share.y);
     vec2 line = mix(mix(FETCH(lines, a).xy, FETCH(lines, b).xy, share.x),
                     mix(FETCH(lines, c).xy, FETCH(lines, d).xy, share.x), share.y);
-    float least = min(rgb.r, min(rgb.g, rgb.b));
-    float layer = clamp(mask * (line.x * least + line.y), 0.0, least);
+    float lowest = min(rgb.r, min(rgb.g, rgb.b));
+    float layer = clamp(mask * (line.x * lowest + line.y), 0.0, lowest);
     vec3 base = mix(mix(FETCH(under, a).rgb, FETCH(under, b).rgb, share.x),
                     mix(FETCH(under, c).rgb, FETCH(under, d).rgb, share.x), share.y);
     vec3 under_it = min(base * smoothstep(kClips.x, kClips.y, rgb), rgb);

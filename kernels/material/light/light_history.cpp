@@ -30,7 +30,7 @@ void LightHistory::rest(const ObjectTracker::Box& here) {
 }
 
 void LightHistory::take(const ObjectLight::View& view, const ObjectTracker::Box& here, bool anew,
-                        const NormalMap* map, const Material& material,
+                        const std::shared_ptr<const NormalMap>& map, const Material& material,
                         const ObjectLight::Params& params) {
   if (anew) light_.reset();
   if (!at_) at_ = here;

@@ -25,7 +25,8 @@ class LightHistory {
   /// Adds a view of the object at this position with this material. `anew`: earlier views belong to
   /// another light. Other arguments as in ObjectLight::add and light.
   void take(const ObjectLight::View& view, const ObjectTracker::Box& here, bool anew,
-            const NormalMap* map, const Material& material, const ObjectLight::Params& params);
+            const std::shared_ptr<const NormalMap>& map, const Material& material,
+            const ObjectLight::Params& params);
   /// Detects slowly changing lamps: compares the image (as CropChange) with the first one under
   /// this light or since the object came to rest. `begins`: this is that first image; `in_place`:
   /// the object has not moved since the last analysis.

@@ -49,7 +49,8 @@ GridWindow window_of(const ObjectLight::View& view) {
 
 }  // namespace
 
-const std::vector<Normal>& ObjectLight::normals(const View& view, const NormalMap* map) {
+const std::vector<Normal>& ObjectLight::normals(const View& view,
+                                                const std::shared_ptr<const NormalMap>& map) {
   const bool same_place = view.square == square_ && map == map_ && !normals_.empty();
   if (same_place && (map || std::ranges::equal(view.mask, mask_))) return normals_;
   square_ = view.square;
@@ -72,7 +73,8 @@ const std::vector<Normal>& ObjectLight::normals(const View& view, const NormalMa
   return normals_;
 }
 
-void ObjectLight::add(const View& view, const NormalMap* map, const Params& params) {
+void ObjectLight::add(const View& view, const std::shared_ptr<const NormalMap>& map,
+                      const Params& params) {
   if (!map && !params.inflate) return;
   const std::vector<Normal>& normals = this->normals(view, map);
   std::vector<EnvironmentFit::Point> points;
@@ -81,13 +83,13 @@ void ObjectLight::add(const View& view, const NormalMap* map, const Params& para
     if (!view.mask[i] || !(normals[i][2] > 0)) continue;
     const float *code = &view.image[4 * i], *layers = &view.codes[4 * i];
     EnvironmentFit::Point point{normals[i]};
-    float least = 1;
+    float lowest = 1;
     for (size_t c = 0; c < 3; ++c) {
       point.diffuse[c] = linear(code[c]);
       point.clipped |= !(code[c] < kClipped);
-      least = std::min(least, point.diffuse[c]);
+      lowest = std::min(lowest, point.diffuse[c]);
     }
-    const float specular = std::min(decoded(layers[0]), least);
+    const float specular = std::min(decoded(layers[0]), lowest);
     for (float& light : point.diffuse) light -= specular;
     point.mirror = decoded(layers[1]);
     points.push_back(point);

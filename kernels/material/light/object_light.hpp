@@ -34,7 +34,7 @@ class ObjectLight {
 
   /// Adds a frame. `map`, which may be null, has the normals of the whole frame. Ignored without
   /// normals.
-  void add(const View& view, const NormalMap* map, const Params& params);
+  void add(const View& view, const std::shared_ptr<const NormalMap>& map, const Params& params);
   /// The light, given this material and all added frames; null if undetermined.
   std::shared_ptr<const Environment> light(const Material& material, const Params& params) const;
   void reset() { fit_.reset(); }
@@ -45,14 +45,14 @@ class ObjectLight {
   bool lacks_normals() const { return lacks_normals_; }
 
  private:
-  const std::vector<Normal>& normals(const View& view, const NormalMap* map);
+  const std::vector<Normal>& normals(const View& view, const std::shared_ptr<const NormalMap>& map);
 
   EnvironmentFit fit_;
   // The last normals, and what they are of.
   std::vector<Normal> normals_;
   std::vector<uint8_t> mask_;
   Square square_;
-  const NormalMap* map_ = nullptr;
+  std::shared_ptr<const NormalMap> map_;
   bool lacks_normals_ = false;
 };
 

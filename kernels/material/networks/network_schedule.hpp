@@ -61,9 +61,9 @@ class NetworkSchedule {
   static constexpr uint64_t kEarlyViews = 4, kViewEvery = 4;
 
  private:
-  std::optional<Square> searched_;  // where the last look was
+  std::optional<Square> searched_;  // of the last search
   bool rested_in_place_ = false;    // since its light began, and has not moved since
-  uint32_t rested_ = 0;             // frames since it was looked at last
+  uint32_t rested_ = 0;             // frames since its last search
   uint32_t follow_ = 0;             // estimates to come whose light is theirs alone
   uint64_t estimates_ = 0;
 };

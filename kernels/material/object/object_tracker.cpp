@@ -162,7 +162,7 @@ void ObjectTracker::update(std::span<const float> probabilities, uint32_t side, 
   misled_ = found_ && square.size < kCloser * before_square_.size && area < kSame * before_area_;
   if (misled_) {
     moved_ = 1;
-    if (square_ == before_square_) return;  // one more look that was under way
+    if (square_ == before_square_) return;  // a search that was in flight
     square_ = before_square_;
     closest_ = square_.size;
     retry_after_ = std::max(2 * retry_after_, kTryAgain);

@@ -72,11 +72,12 @@ class ObjectTracker {
   bool found_ = false, misled_ = false, jumped_ = false;
   uint32_t missing_ = 0;  // frames in a row
   float share_ = 0, moved_ = 1;
-  float closest_ = 0;                      // size of squares that is no less, pixels
-  uint32_t retry_after_ = 0, waited_ = 0;  // looks until a closer one is tried again, and since
-  std::vector<uint8_t> before_;            // the object's points
-  std::vector<uint8_t> others_;            // those of others, and next to them; none: empty
-  float before_area_ = 0;                  // of the frame, pixels
+  float closest_ = 0;  // size of squares that is no less, pixels
+  uint32_t retry_after_ = 0,
+           waited_ = 0;          // searches until a closer one is tried again, and searches since
+  std::vector<uint8_t> before_;  // the object's points
+  std::vector<uint8_t> others_;  // those of others, and next to them; none: empty
+  float before_area_ = 0;        // of the frame, pixels
   Square before_square_;
 };
 

@@ -8,12 +8,12 @@
 namespace inverse {
 namespace {
 
-constexpr double kPower = 1.4;     // of the rest, that is made small
-constexpr double kNear = 0.02;     // of the mean weight: closer than that is no better
-constexpr int kSteps = 20;         // of reweighting
-constexpr double kTrust = 0.7;     // in components that another channel has measured
-constexpr double kNothing = 1e-2;  // of the mean weight
-constexpr double kRidge = 1e-9;    // lights of a plane tell nothing across it
+constexpr double kPower = 1.4;         // of the rest, that is made small
+constexpr double kNear = 0.02;         // of the mean weight: closer than that is no better
+constexpr int kSteps = 20;             // of reweighting
+constexpr double kOtherChannel = 0.7;  // in components that another channel has measured
+constexpr double kNothing = 1e-2;      // of the mean weight
+constexpr double kRidge = 1e-9;        // keeps the system regular if all lights lie in a plane
 
 /// The plane through the weights of one channel: even, and by component.
 Eigen::Vector4d fit(std::span<const Direction> lights, const std::vector<double>& weights) {
@@ -27,9 +27,9 @@ Eigen::Vector4d fit(std::span<const Direction> lights, const std::vector<double>
     for (size_t i = 0; i < lights.size(); ++i) {
       const Eigen::Vector4d x(1, lights[i][0], lights[i][1], lights[i][2]);
       const double away = std::max(std::fabs(weights[i] - plane.dot(x)) / mean, kNear);
-      const double trust = step == 0 ? 1 : std::pow(away, kPower - 2);
-      products += trust * x * x.transpose();
-      right += trust * weights[i] * x;
+      const double weight = step == 0 ? 1 : std::pow(away, kPower - 2);
+      products += weight * x * x.transpose();
+      right += weight * weights[i] * x;
     }
     products.diagonal().array() += kRidge * products.trace();
     plane = products.ldlt().solve(right);
@@ -49,7 +49,7 @@ SplitLight SplitLight::of(std::span<const Direction> lights, std::span<const Rgb
     for (size_t i = 0; i < lights.size(); ++i) channel[i] = weights[i][c];
     Eigen::Vector4d plane = fit(lights, channel);
     for (size_t k = 0; k < 3; ++k) {
-      if (k != c) plane[static_cast<int>(k) + 1] *= kTrust;
+      if (k != c) plane[static_cast<int>(k) + 1] *= kOtherChannel;
       split.measured.along[k][c] = static_cast<float>(plane[static_cast<int>(k) + 1]);
     }
     split.measured.even[c] = static_cast<float>(plane[0]);

@@ -21,10 +21,9 @@ struct SplitLight {
   MeasuredLight measured;
   std::vector<Rgb> rest;  ///< per light, of either sign
 
-  /// The measured part that minimizes Σ
-  /// rest
-  /// ^1.4 per channel (a square would follow a single bright light). Components that another
-  /// channel measured have weight 0.7, because channels may reflect differently.
+  /// The measured part that minimizes Σ |rest|^1.4 per channel (a square would follow a single
+  /// bright light). Components that another channel measured have weight 0.7, because channels may
+  /// reflect differently.
   static SplitLight of(std::span<const Direction> lights, std::span<const Rgb> weights);
 };
 

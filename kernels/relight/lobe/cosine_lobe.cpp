@@ -126,7 +126,7 @@ void CosineLobe::record_directions(gpu::Commands& commands, const Params& params
                                    const Plane& target) const {
   commands.dispatch(directions_,
                     {.full = full_->buffer, .lobes = lobes_->buffer, .picture = target.buffer},
-                    {.size = extent_, .least = params.noise}, {extent_.width, extent_.height});
+                    {.size = extent_, .min_light = params.noise}, {extent_.width, extent_.height});
 }
 
 void CosineLobe::record_responses(gpu::Commands& commands, const gpu::BufferPtr& samples,

@@ -10,7 +10,7 @@ PLANE_IN(1, lobes);
 PLANE_OUT(2, picture);
 layout(push_constant) uniform Push {
   uvec2 size;
-  float least;  // F of all channels that is as good as nothing
+  float min_light;  // minimum F, summed over channels, of a lit pixel
 } push;
 
 void main() {
@@ -19,6 +19,6 @@ void main() {
   uint i = at.y * push.size.x + at.x;
   vec4 f = FETCH(full, int(i)), lobe = FETCH(lobes, int(i));
   vec3 code = 0.5 + 0.5 * lobe.xyz * inversesqrt(max(dot(lobe.xyz, lobe.xyz), 1e-12));
-  bool lit = f.r + f.g + f.b > push.least && dot(lobe.xyz, lobe.xyz) > 1e-12;
+  bool lit = f.r + f.g + f.b > push.min_light && dot(lobe.xyz, lobe.xyz) > 1e-12;
   STORE(picture, i, vec4(lit ? to_linear(code) : vec3(0.0), f.w));
 }

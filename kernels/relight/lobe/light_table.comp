@@ -41,8 +41,8 @@ void main() {
   for (int l = 0; l < kLevels; ++l) {
     int to = l * kSide * kSide + i;
     if (push.gains != 0u) {
-      float least = 0.125 * float(push.lights) / exp2(0.5 * float(l));
-      STORE(table, to, vec4(1.0 / max(sums[l].x, least)));
+      float min_sum = 0.125 * float(push.lights) / exp2(0.5 * float(l));
+      STORE(table, to, vec4(1.0 / max(sums[l].x, min_sum)));
     } else {
       STORE(table, to, vec4(sums[l] * FETCH(gain, to).w, 1.0));
     }

@@ -7,12 +7,9 @@
 //   F = A + B = ∫ R dw = a 2 pi / (p + 1)          the subject under all lights
 //   m = (A - B) / F, channel c over channel c      component c of the mean direction of R: albedo cancels
 //     = u (p + 1) / (p + 2)                        1/2 for p = 0, 2/3 for p = 1 (Lambert), towards 1 for mirrors
-// and R = F (p + 1) / (2 pi) max(0, u·w)^p. A single lobe has
-// m
-// ≥ 1/2. Below that, a share s = 2
-// m
-// is the lobe of p = 0 and the rest is uniform, R = F ((1 - s) / (4 pi) + s / (2 pi) [u·w > 0]), whose mean direction
-// is m again.
+// and R = F (p + 1) / (2 pi) max(0, u·w)^p. A single lobe has |m| ≥ 1/2.
+// Below that, a share s = 2 |m| is the lobe of p = 0 and the rest is uniform, R = F ((1 - s) / (4 pi) + s / (2 pi)
+// [u·w > 0]), whose mean direction is m again.
 //
 // The lights of a stage are a sum, not an integral. Of N lights, F = Σ R(w_i) and m F = Σ w_i R(w_i). So m first goes
 // through a table that maps the mean direction of the sum to that of the integral. R = F max(0, u·w)^p / S(u, p), S = Σ

@@ -15,9 +15,7 @@ namespace inverse {
 ///
 /// For the lobe of direction u and exponent p, v = u (p + 1)/(p + 2) is the mean direction under
 /// uniform light and M(v) = Σ w_i max(0, u·w_i)^p / Σ max(0, u·w_i)^p under the stage's lights.
-/// Below
-/// v
-/// = 1/2 both include uniform light. A table over M holds v − M, so that a pixel looks up its v.
+/// For |v| < 1/2 both include uniform light. A table over M holds v − M, from which a pixel gets v.
 class LobeMoments {
  public:
   static constexpr uint32_t kGrid = 21;  ///< points of the table along each axis, M from −1 to 1

@@ -63,7 +63,7 @@ void GlobalThesis::set_params(const Params& params) {
   }
   p.lambda_ir = std::clamp(p.lambda_ir, 1e-3f, 1e9f);
   p.lambda_cr = std::clamp(p.lambda_cr, 0.0f, 1e9f);
-  for (float* share : {&p.w_intensity, &p.indirect_start, &p.refine_settled, &p.cut_fraction})
+  for (float* share : {&p.w_intensity, &p.indirect_start, &p.refine_tolerance, &p.cut_fraction})
     *share = std::clamp(*share, 0.0f, 1.0f);
   for (float* floor : {&p.log_floor, &p.chroma_floor}) *floor = std::clamp(*floor, 1e-6f, 0.5f);
   for (float* floor : {&p.epsilon, &p.epsilon_r}) *floor = std::clamp(*floor, 1e-4f, 1.0f);
@@ -405,7 +405,7 @@ void GlobalThesis::collect(uint64_t frame) {
                                         readback.colors, readback.initial, params_.lambda_data,
                                         params_.lambda_ir, params_.lambda_cr);
     const float change = colors_.refine(delta);
-    rounds_ = change < params_.refine_settled ? params_.refine_rounds : rounds_ + 1;
+    rounds_ = change < params_.refine_tolerance ? params_.refine_rounds : rounds_ + 1;
   }
   if (frame < collected_) return;  // a later frame's palette is known already
   collected_ = frame + 1;

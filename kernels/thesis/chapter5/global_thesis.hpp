@@ -21,7 +21,7 @@ namespace inverse {
 /// the systems are in energy.glsl. Keeps keyframes, palette and base colors from frame to frame.
 ///
 /// The base colors live on the host, as the kernels are built for their number: a frame is
-/// decomposed with those that are known when it is recorded, and what it tells about them (its
+/// decomposed with those that are known when it is recorded, and what it finds (its
 /// palette, the system of their refinement) is taken in by `collect` when the device is done with
 /// it, so that no frame waits. Who wants the very first frame decomposed with its own colors
 /// records `record_colors` before, waits and calls `collect_colors`.
@@ -73,7 +73,7 @@ class GlobalThesis {
   void set_params(const Params& params);
   const Params& params() const { return params_; }
 
-  /// What `record` may be told about a frame.
+  /// What is known of a frame when it is recorded.
   struct Hints {
     MarkedRegions* regions = nullptr;  ///< of the same size; takes the frame in
     /// Instead: the regions as they are, (slot or −1, number or 0) a pixel.
@@ -96,7 +96,7 @@ class GlobalThesis {
   /// Takes them in, once the Commands have been waited for.
   void collect_colors();
 
-  /// Takes in what one of the last three frames told about the base colors, once its Commands have
+  /// Reads the base colors of one of the last three frames, once its Commands have
   /// been waited for. Frames that were collected before, or that are older than what is known
   /// already, change nothing.
   void collect(uint64_t frame);

@@ -24,24 +24,25 @@ struct GlobalThesisParams {
   /// Weight of small changes of the base colors (5.14), 1e-3…1e9. The data term sums over pixels
   /// and these two do not: as printed they bind little at any usual frame size.
   float lambda_ir = 10.0f;
-  float lambda_cr = 100.0f;   ///< of base colors that keep their chromaticity (5.14), 0…1e9
-  float p = 1.0f;             ///< exponent of reflectance sparsity (5.7), 0…2
-  float alpha_sr = 50.0f;     ///< rise of w_SR with chromaticity steps, mean 1 (5.10), 0…1e4; 1e4
-                              ///< makes nearly every pixel count: without the soft Retinex weight
-  float w_intensity = 0.8f;   ///< how much less dark pixels' samples count (3.6), 0…1
-  float tau_cc = 0.05f;       ///< chromaticity distance up to which samples bind (3.13), 0…3; not
-                              ///< printed in the thesis
-  float tau_merge = 0.3f;     ///< and up to which clusters merge, so that four to eight are left of
-                              ///< ten (5.7.1), 0…3; not printed either
-  float tau_neutral = 0.05f;  ///< base colors this near to white in chromaticity get no indirect
-                              ///< layer: it could not be told from direct light, 0…3; 0: all do
-  float epsilon = 0.002f;     ///< floor of |T| and |∇T| in the weights (5.6.4.1), 1e-4…1
-  float epsilon_r = 5e-3f;    ///< floor of |∇r| in its weight, log units, 1e-4…1
-  float log_floor = 1e-3f;    ///< smallest reflectance that a pixel without a cluster starts with
-                              ///< and smallest light, 1e-6…0.5
-  float chroma_floor = 3e-3f;    ///< ε_c of c = (I + ε_c)/mean(I + ε_c), 1e-6…0.5
-  float indirect_start = 0.1f;   ///< all indirect layers together start as this share of the direct
-                                 ///< light, 0…1; not printed in the thesis
+  float lambda_cr = 100.0f;  ///< of base colors that keep their chromaticity (5.14), 0…1e9
+  float p = 1.0f;            ///< exponent of reflectance sparsity (5.7), 0…2
+  float alpha_sr = 50.0f;    ///< rise of w_SR with chromaticity steps, mean 1 (5.10), 0…1e4; 1e4
+                             ///< makes nearly every pixel count: without the soft Retinex weight
+  float w_intensity = 0.8f;  ///< how much less dark pixels' samples count (3.6), 0…1
+  float tau_cc = 0.05f;      ///< chromaticity distance up to which samples bind (3.13), 0…3; not
+                             ///< printed in the thesis
+  float tau_merge = 0.3f;    ///< and up to which clusters merge, so that four to eight are left of
+                             ///< ten (5.7.1), 0…3; not printed either
+  float tau_neutral =
+      0.05f;  ///< base colors this near to white in chromaticity get no indirect
+              ///< layer, as it could not be distinguished from direct light, 0…3; 0: all do
+  float epsilon = 0.002f;       ///< floor of |T| and |∇T| in the weights (5.6.4.1), 1e-4…1
+  float epsilon_r = 5e-3f;      ///< floor of |∇r| in its weight, log units, 1e-4…1
+  float log_floor = 1e-3f;      ///< smallest reflectance that a pixel without a cluster starts with
+                                ///< and smallest light, 1e-6…0.5
+  float chroma_floor = 3e-3f;   ///< ε_c of c = (I + ε_c)/mean(I + ε_c), 1e-6…0.5
+  float indirect_start = 0.1f;  ///< all indirect layers together start as this share of the direct
+                                ///< light, 0…1; not printed in the thesis
   Irls irls = Irls::consistent;  ///< form of the weights
   int clusters = 10;             ///< K, at most: superfluous ones go (5.5.1), 1…16
   int steps = 5;                 ///< Gauss–Newton steps a frame, 1…64
@@ -53,7 +54,7 @@ struct GlobalThesisParams {
   int keyframe_spacing = 5;      ///< frames from one keyframe to the next, 1…1000
   bool resample = false;         ///< draw new sample positions every frame instead of the same ones
   int refine_rounds = 10;        ///< refinements of the base colors after a reset, at most, 0…100
-  float refine_settled = 1e-3f;  ///< they end where no channel changes by more, 0…1
+  float refine_tolerance = 1e-3f;  ///< they end where no channel changes by more, 0…1
   /// Mean change of chroma, in halves of a natural log unit, from which on a frame is a cut of the
   /// scene, 0…1; 0: there are no cuts. Three videos change by .05 at most from frame to frame, and
   /// by .34, .75 and .77 from one to another.

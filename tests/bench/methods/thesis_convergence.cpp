@@ -42,9 +42,7 @@ struct Point {
   double total, reference, converged;
 };
 
-///
-/// Δr
-/// without the common scale, largest channel: 99 % quantile and maximum over pixels.
+/// |Δr| without the common scale, largest channel: 99 % quantile and maximum over pixels.
 struct Difference {
   double most, worst;
 };

@@ -178,14 +178,16 @@ GlobalIntrinsic::Params global_params_of(const Case& one) {
   const auto either = [&](float low, float high) { return random() % 2 ? high : low; };
   // Drawn whether they are used or not.
   const float reach = either(0.02F, 2), near = either(0, 1), own = either(0, 0.95F),
-              amount = either(0.01F, 2), typical = either(0.05F, 2), trust = either(0, 100),
-              neutral = either(0, 10), share = either(0, 0.5F), same = either(0, 3),
-              white = either(0, 1), cut = either(0, 1), renew = either(0.01F, 1),
-              smoothing = either(0.5F, 2.5F), residual = either(0, 1);
+              amount = either(0.01F, 2), typical = either(0.05F, 2),
+              measurement_weight = either(0, 100), neutral = either(0, 10), share = either(0, 0.5F),
+              same = either(0, 3), white = either(0, 1), cut = either(0, 1),
+              renew = either(0.01F, 1), smoothing = either(0.5F, 2.5F), residual = either(0, 1);
   const bool one_color = random() % 2;
   if (one.knobs & 1U) params.reach = reach, params.near = near, params.own = own;
   if (one.knobs & 2U) params.amount = amount;
-  if (one.knobs & 4U) params.typical = typical, params.trust = trust, params.neutral = neutral;
+  if (one.knobs & 4U)
+    params.typical = typical, params.measurement_weight = measurement_weight,
+    params.neutral = neutral;
   if (one.knobs & 8U) {
     params.base_colors = one_color ? 1 : 16;
     params.least_share = share;

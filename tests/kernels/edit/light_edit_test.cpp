@@ -111,7 +111,7 @@ class LightEditTest : public GpuTest {
 };
 
 TEST_F(LightEditTest, BaseColorsChosenByKeyTurn) {
-  const Rgb aim{0.2, 1.1, 1.7}, key{0.9, 0.3, 0.2};
+  const Rgb target{0.2, 1.1, 1.7}, key{0.9, 0.3, 0.2};
   for (const Extent extent : kOddSizes)
     for (const bool evil : {false, true})
       for (const bool with_matte : {false, true}) {
@@ -127,7 +127,7 @@ TEST_F(LightEditTest, BaseColorsChosenByKeyTurn) {
         std::vector<Rgb> targets;
         for (const auto& base : bases_of(made.bases))
           targets.push_back(
-              base.exists ? reference::changed(base.color, aim,
+              base.exists ? reference::changed(base.color, target,
                                                0.8 * reference::chosen(base.color, key, 0.5, 0.6))
                           : base.color);
         ASSERT_NO_FATAL_FAILURE(expect_edited(made, targets, with_matte ? &matte_pixels : nullptr));
@@ -150,7 +150,7 @@ TEST_F(LightEditTest, OneBaseColorTurns) {
 }
 
 TEST_F(LightEditTest, LightOfRepaintedSurfacesFollowsTheirShare) {
-  const Rgb key{0.5, 0.1, 0.1}, aim{0.1, 0.3, 0.6};
+  const Rgb key{0.5, 0.1, 0.1}, target{0.1, 0.3, 0.6};
   double most = 1;
   for (const Extent extent : kOddSizes) {
     Frame made = frame(extent, 7, extent.width);
@@ -173,7 +173,7 @@ TEST_F(LightEditTest, LightOfRepaintedSurfacesFollowsTheirShare) {
     std::vector<Rgb> wanted;
     for (size_t k = 0; k < bases.size(); ++k)
       wanted.push_back(bases[k].exists
-                           ? reference::repainted(bases[k].color, key, aim, 0.9 * shares[k])
+                           ? reference::repainted(bases[k].color, key, target, 0.9 * shares[k])
                            : bases[k].color);
     const double again = reference::sent_on(model, light);
     most = std::max(most, again);

@@ -157,21 +157,21 @@ TEST_F(GlobalTest, LightIsGrayIfItsAmountIsUnknown) {
   const Room made = room(extent, 3);
   GlobalIntrinsic::Params params = to_the_letter();
   reference::GlobalParams spec;
-  // Little trust leaves little more than the prior: confidences below and above what is enough.
+  // A small weight leaves little more than the prior: confidences below and above what is enough.
   float smallest = 1, largest = 0;
-  for (const float trust : {0.0F, 0.05F, 0.1F, 0.2F, 0.4F, 1.0F}) {
-    params.trust = trust;
-    spec.amount.trust = double(trust);
+  for (const float measurement_weight : {0.0F, 0.05F, 0.1F, 0.2F, 0.4F, 1.0F}) {
+    params.measurement_weight = measurement_weight;
+    spec.amount.measurement_weight = double(measurement_weight);
     GlobalIntrinsic method(device, extent);
     const Result got = decompose(method, made.frame, extent, params, {true});
     const auto expected = reference::decompose_global(rgb_of(made.frame).data(), int(extent.width),
                                                       int(extent.height), spec, nullptr);
-    expect_agreement(got, expected, "trust " + std::to_string(trust));
+    expect_agreement(got, expected, "measurement_weight " + std::to_string(measurement_weight));
     float color = 0;
     for (size_t i = 0; i < got.light.size(); ++i)
       if (i % 4 != 3) update_max(color, std::abs(got.light[i] - 1));
-    EXPECT_TRUE(trust > 0 || color < 1e-5F) << color;
-    EXPECT_TRUE(trust < 1 || color > 0.05F) << color;
+    EXPECT_TRUE(measurement_weight > 0 || color < 1e-5F) << color;
+    EXPECT_TRUE(measurement_weight < 1 || color > 0.05F) << color;
     smallest = std::min(smallest, got.found.confidence);
     update_max(largest, got.found.confidence);
   }

@@ -102,7 +102,7 @@ TEST_F(GlobalThesisTest, RefinementAgreesWithReference) {
     params.steps = 8;  // with fewer colors stay as they are in two of the rounds
     params.samples = 0;
     params.refine_rounds = 3;
-    params.refine_settled = 0;
+    params.refine_tolerance = 0;
     GlobalThesis method(device, extent);
     method.set_params(params);
     std::vector<Rgb> given = kRoom;
@@ -186,7 +186,7 @@ TEST_F(GlobalThesisTest, ThePalettesOwnColorsAreRefinedWhileFramesAreInFlight) {
   GlobalThesis method(device, extent);
   GlobalThesisParams params;
   params.refine_rounds = 3;
-  params.refine_settled = 0;
+  params.refine_tolerance = 0;
   params.warm_start = true;
   method.set_params(params);
   std::vector<std::unique_ptr<gpu::Commands>> commands;

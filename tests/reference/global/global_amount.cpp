@@ -13,11 +13,11 @@ struct Moments {
   double mean = 0, variance = 0;  // of ln kappa
 };
 
-Moments moments(const AmountCost& cost, double trust, const AmountParams& params) {
+Moments moments(const AmountCost& cost, double measurement_weight, const AmountParams& params) {
   AmountCost energy;
   for (int i = 0; i < kCandidates; ++i) {
     const double off = std::log(candidate(i) / params.typical) / params.spread;
-    energy[std::size_t(i)] = trust * cost[std::size_t(i)] + 0.5 * off * off;
+    energy[std::size_t(i)] = measurement_weight * cost[std::size_t(i)] + 0.5 * off * off;
   }
   const double smallest = *std::min_element(energy.begin(), energy.end());
   double all = 0, first = 0, second = 0;
@@ -101,11 +101,11 @@ double usable_color(double spread, const AmountParams& params) {
 Amount amount_of(const AmountCost& cost, double spread, const AmountParams& params) {
   if (params.manual > 0) return {params.manual, 1, 1};
   constexpr double kSure = 0.06;  // confidence that is enough for the color
-  const double apart = std::min(1.0, spread / params.full_trust);
+  const double apart = std::min(1.0, spread / params.full_spread);
   const double usable = usable_color(spread, params);
   const Moments blind = moments(cost, 0, params),
-                seen = moments(cost, apart * params.trust, params),
-                sharp = moments(cost, params.trust, params);
+                seen = moments(cost, apart * params.measurement_weight, params),
+                sharp = moments(cost, params.measurement_weight, params);
   const auto confidence = [&](const Moments& m) {
     return usable * std::clamp(1 - m.variance / blind.variance, 0.0, 1.0);
   };

@@ -8,15 +8,15 @@
 namespace inverse::reference::global {
 
 struct AmountParams {
-  double manual = 0;           ///< Above 0: this amount, without measurement.
-  double neutral = 1.5;        ///< Weight of neutrality beside sharpness; >= 0.
-  double neutral_width = 0.2;  ///< Log chroma that still counts as neutral.
-  double typical = 0.5;        ///< Amount of a scene without evidence.
-  double spread = 0.65;        ///< Standard deviation of ln amount among scenes.
-  double trust = 8;            ///< Log-likelihood of a difference of cost of 1,
-  double full_trust = 0.35;    ///< from this spread of chroma on; below, in proportion to it.
-  double no_color = 0.03;      ///< Spread of chroma below which colors are ignored,
-  double full_color = 0.06;    ///< and above which they have full weight; linear in between.
+  double manual = 0;              ///< Above 0: this amount, without measurement.
+  double neutral = 1.5;           ///< Weight of neutrality beside sharpness; >= 0.
+  double neutral_width = 0.2;     ///< Log chroma that still counts as neutral.
+  double typical = 0.5;           ///< Amount of a scene without evidence.
+  double spread = 0.65;           ///< Standard deviation of ln amount among scenes.
+  double measurement_weight = 8;  ///< Log-likelihood of a difference of cost of 1,
+  double full_spread = 0.35;      ///< from this spread of chroma on; below, in proportion to it.
+  double no_color = 0.03;         ///< Spread of chroma below which colors are ignored,
+  double full_color = 0.06;       ///< and above which they have full weight; linear in between.
 };
 
 inline constexpr int kCandidates = 16;
@@ -43,11 +43,11 @@ double color_spread(const Grid& grid);
 /// Weight of the image's colors, 0 ... 1: 1 if `manual` is set.
 double usable_color(double spread, const AmountParams& params);
 
-/// Mean of ln kappa under the log-likelihood -trust cost and a normal prior, and the relative
-/// reduction of its variance. Similar colors are moved alike by any tint, across borders of bins
-/// and towards gray, which is no evidence for the tint. So the likelihood is weaker for a smaller
-/// spread of chroma, except in the estimate of the light's color, which has no alternative. All
-/// fade with usable_color.
+/// Mean of ln kappa under the log-likelihood -measurement_weight cost and a normal prior, and the
+/// relative reduction of its variance. Similar colors are moved alike by any tint, across borders
+/// of bins and towards gray, which is no evidence for the tint. So the likelihood is weaker for a
+/// smaller spread of chroma, except in the estimate of the light's color, which has no alternative.
+/// All fade with usable_color.
 Amount amount_of(const AmountCost& cost, double spread, const AmountParams& params);
 
 }  // namespace inverse::reference::global

@@ -302,11 +302,11 @@ TEST(GlobalAmount, MutedColorsAreTrustedLess) {
   const AmountParams params;
   AmountCost cost{};
   for (int i = 0; i < kCandidates; ++i) cost[std::size_t(i)] = 0.05 * std::abs(i - 13);
-  const Amount vivid = amount_of(cost, params.full_trust, params),
-               muted = amount_of(cost, 0.2 * params.full_trust, params);
+  const Amount vivid = amount_of(cost, params.full_spread, params),
+               muted = amount_of(cost, 0.2 * params.full_spread, params);
   EXPECT_EQ(vivid.value, amount_of(cost, 1, params).value);
   AmountParams less = params;
-  less.trust *= 0.2;
+  less.measurement_weight *= 0.2;
   EXPECT_NEAR(muted.value, amount_of(cost, 1, less).value, 1e-12);
   EXPECT_LT(muted.value, vivid.value);
   EXPECT_LT(muted.confidence, vivid.confidence);

@@ -31,8 +31,9 @@ constexpr double kMinConfidence = 0.05;  // of a window's points
 
 double belief(const Chroma& residual, double fraction, const TintStatistics& statistics,
               const TintParams& params) {
-  const double wide = params.trust_tint * statistics.full * fraction;
-  return std::exp(-norm2(residual) / (2 * (params.trust * params.trust + wide * wide)));
+  const double tint = params.tint_sigma * statistics.full * fraction;
+  return std::exp(-norm2(residual) /
+                  (2 * (params.residual_sigma * params.residual_sigma + tint * tint)));
 }
 
 TintStatistics tint_statistics(const std::vector<Chroma>& tint, const std::vector<double>& fraction,

@@ -9,12 +9,12 @@
 namespace inverse::reference::global {
 
 struct TintParams {
-  double trust = 0.35;      ///< Residual that counts less, log chroma.
-  double trust_tint = 0.7;  ///< The same, of the tint that all-indirect light has.
-  double window = 0.05;     ///< Radius of box filters, of the grid's width.
-  double edge = 0.01;       ///< Variance of the residual that counts as an edge (guided filter).
-  double gate = 0.01;       ///< Mean square tint of a scene where half of the residual is taken.
-  double residual = 1;      ///< Share of the residual that is taken; 0: none.
+  double residual_sigma = 0.35;  ///< Residual that counts less, log chroma.
+  double tint_sigma = 0.7;       ///< The same, of the tint that all-indirect light has.
+  double window = 0.05;          ///< Radius of box filters, of the grid's width.
+  double edge = 0.01;   ///< Variance of the residual that counts as an edge (guided filter).
+  double gate = 0.01;   ///< Mean square tint of a scene where half of the residual is taken.
+  double residual = 1;  ///< Share of the residual that is taken; 0: none.
 };
 
 /// Tint statistics of the whole scene.

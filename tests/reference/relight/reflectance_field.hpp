@@ -34,13 +34,8 @@ struct Stage {
 Vec3 mean_direction(const Vec3& a, const Vec3& b, double noise);
 /// The mean direction under the stage's lights of a lobe with mean direction v under uniform light.
 Vec3 seen_mean(const Vec3& v, const Stage& stage);
-/// The lobe with mean direction v under uniform light: u = v /
-/// v
-/// ,
-/// v
-/// = (p + 1) / (p + 2), mixed with uniform light below
-/// v
-/// = 1/2.
+/// The lobe with mean direction v under uniform light: u = v / |v|, |v| = (p + 1) / (p + 2), mixed
+/// with uniform light for |v| < 1/2.
 CosineLobe lobe_of(const Vec3& full, const Vec3& v, const Stage& stage);
 /// S(u, p) = Σ max(0, u·w)^p over the stage's lights, at least a quarter of N / (2 (p + 1)).
 double lobe_sum(const Vec3& u, double p, const Stage& stage);

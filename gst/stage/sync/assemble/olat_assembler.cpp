@@ -185,7 +185,7 @@ GstFlowReturn OlatAssembler::assemble(bool ended) {
   if (clipped > kMaxClipped)
     post_warning(
         log_of(element_), GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED,
-        "%d %% of what is lit in a tracking frame is as bright as the camera can tell: motion is "
+        "%d %% of what is lit in a tracking frame is at the maximum of the camera: motion is "
         "not seen there; let the camera or the lights' controller expose the steps \"tracking\" "
         "for a shorter time than single lights, and say so in the program (\"exposure\" of these "
         "steps: it changes nothing by itself)",

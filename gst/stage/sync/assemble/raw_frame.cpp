@@ -137,7 +137,8 @@ void Linearizer::operator()(const uint16_t* samples, float* rgb) const {
   convert(samples, 1.0 / 65535, rgb);
 }
 
-ImageEvidence look_at(const GstVideoInfo& info, const Linearizer& linear, GstBuffer* buffer) {
+ImageEvidence image_evidence(const GstVideoInfo& info, const Linearizer& linear,
+                             GstBuffer* buffer) {
   const RawFrame frame(info, buffer, GST_MAP_READ);
   const uint32_t rows = std::min(kGrid, frame.height()), columns = std::min(kGrid, frame.width());
   std::vector<uint64_t> row((frame.row_bytes() + 7) / 8);

@@ -56,6 +56,6 @@ class Linearizer {
 };
 
 /// Features of a frame for labeling: its mean light, on a grid, and a fingerprint.
-ImageEvidence look_at(const GstVideoInfo& info, const Linearizer& linear, GstBuffer* buffer);
+ImageEvidence image_evidence(const GstVideoInfo& info, const Linearizer& linear, GstBuffer* buffer);
 
 }  // namespace inverse

@@ -14,7 +14,7 @@ namespace inverse {
 /// without Aravis in the build, `find` does.
 class CameraTrigger final : public TriggeredCamera {
  public:
-  /// Looks through queues, converters and bins. Throws Error(unsupported) if there is none.
+  /// Searches through queues, converters and bins. Throws Error(unsupported) if there is none.
   static std::unique_ptr<CameraTrigger> find(GstPad* sink);
   ~CameraTrigger() override;
   CameraTrigger(const CameraTrigger&) = delete;

@@ -60,7 +60,7 @@ void StageTrigger::upload() {
   });
 }
 
-void StageTrigger::tell_lost(uint64_t trigger, const std::vector<size_t>& cameras) const {
+void StageTrigger::report_lost(uint64_t trigger, const std::vector<size_t>& cameras) const {
   std::string names;
   for (const size_t i : cameras) names += (names.empty() ? "" : ", ") + cameras_[i].trigger->name();
   post_warning(log_of(element_), GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED,
@@ -70,7 +70,7 @@ void StageTrigger::tell_lost(uint64_t trigger, const std::vector<size_t>& camera
 TriggeredCapture::Listener StageTrigger::listener() {
   TriggeredCapture::Listener listener;
   listener.lost = [this](uint64_t trigger, const std::vector<size_t>& cameras) {
-    tell_lost(trigger, cameras);
+    report_lost(trigger, cameras);
   };
   listener.ended = [this] {
     for (const Camera& camera : cameras_) camera.trigger->end();

@@ -65,7 +65,7 @@ class StageTrigger {
   void upload();
   void begin();
   TriggeredCapture::Listener listener();
-  void tell_lost(uint64_t trigger, const std::vector<size_t>& cameras) const;
+  void report_lost(uint64_t trigger, const std::vector<size_t>& cameras) const;
 
   GstElement* element_;
   std::shared_ptr<const StageLabels> labels_;

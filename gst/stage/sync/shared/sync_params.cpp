@@ -13,13 +13,13 @@ const PropertyTable<SyncParams>& sync_properties() {
               Mutable::ready),
       number<P>("rate", &P::rate, 1u, 1000u, "Steps per second of performance and static programs",
                 Mutable::ready),
-      choice<P>(
-          "frame-id", &P::frame_id, "GstInverseFrameId",
-          {{value(P::FrameId::none), "none", "Time stamps alone tell which trigger a frame is of"},
-           {value(P::FrameId::offset), "offset",
-            "GST_BUFFER_OFFSET is the number that the camera gave the frame (v4l2src); it "
-            "counts, and time stamps check"}},
-          "Source of the camera's frame id", Mutable::ready),
+      choice<P>("frame-id", &P::frame_id, "GstInverseFrameId",
+                {{value(P::FrameId::none), "none",
+                  "The trigger of a frame is found by time stamps alone"},
+                 {value(P::FrameId::offset), "offset",
+                  "GST_BUFFER_OFFSET is the number that the camera gave the frame (v4l2src); it "
+                  "counts, and time stamps check"}},
+                "Source of the camera's frame id", Mutable::ready),
       choice<P>(
           "frame-id-bits", &P::frame_id_bits, "GstInverseFrameIdBits",
           {{0, "auto",

@@ -38,7 +38,7 @@ GstElement* found_upstream(GstPad* sink, bool (*wanted)(GstElement*), int distan
 }
 
 /// Whether `frame-id-bits` is a number, or an enum whose values are these numbers.
-bool tells_id_bits(GstElement* element) {
+bool has_id_bits(GstElement* element) {
   const GParamSpec* spec = g_object_class_find_property(G_OBJECT_GET_CLASS(element), kIdBits);
   return spec && (spec->flags & G_PARAM_READABLE) &&
          g_value_type_transformable(spec->value_type, G_TYPE_UINT);
@@ -51,7 +51,7 @@ GstElement* upstream_element(GstPad* sink, bool (*wanted)(GstElement*)) {
 }
 
 uint32_t upstream_id_bits(GstPad* sink) {
-  GstElement* source = upstream_element(sink, tells_id_bits);
+  GstElement* source = upstream_element(sink, has_id_bits);
   if (!source) return 0;
   GValue value = G_VALUE_INIT;
   g_value_init(&value, G_TYPE_UINT);

@@ -42,7 +42,7 @@ class BaseColors {
   float refine(std::span<const Rgb> delta);
   /// The palette may move all colors again: of another scene.
   void loosen();
-  /// Keeps the present colors whatever the palette says, until `reset`.
+  /// Keeps the present colors whatever the palette finds, until `reset`.
   void hold() { given_ = true; }
   void reset();
 

@@ -41,7 +41,7 @@ void MisclusteringCorrection::begin(gpu::Commands& commands, const GlobalThesis&
       if (color.slot != region.cluster) job.candidates.push_back(color.slot);
     if (job.candidates.empty()) {
       hopeless_.emplace_back(region.number, region.since);
-      told_hopeless_.push_back(region.number);
+      reported_hopeless_.push_back(region.number);
       continue;
     }
     job.wanted = job.candidates.size();
@@ -132,7 +132,7 @@ void MisclusteringCorrection::reset() {
   job_.reset();
   ++jobs_;
   hopeless_.clear();
-  told_hopeless_.clear();
+  reported_hopeless_.clear();
   thin_.clear();
 }
 

@@ -40,15 +40,15 @@ class MisclusteringCorrection {
   /// a region wants one. Returns a number for `collect`.
   uint64_t record(gpu::Commands& commands, const GlobalThesis& method,
                   const MarkedRegions& regions);
-  /// Takes in what one of the last three frames told, once its Commands have been waited for. Gives
-  /// the result, and the region its color, when the last candidate is through.
+  /// Reads the results of one of the last three frames, once its Commands have been waited for.
+  /// Gives the result, and the region its color, when the last candidate is through.
   std::optional<Result> collect(uint64_t frame, MarkedRegions& regions);
 
   /// Drops what is under way: at a flush, a discontinuity or a scene cut.
   void reset();
   bool busy() const { return job_.has_value(); }
   /// Numbers of regions that no base color is left to be tried for, since this was last asked for.
-  std::vector<int> take_hopeless() { return std::exchange(told_hopeless_, {}); }
+  std::vector<int> take_hopeless() { return std::exchange(reported_hopeless_, {}); }
 
  private:
   static constexpr int kMaxHalvings = 2;
@@ -85,9 +85,9 @@ class MisclusteringCorrection {
   std::array<Level, kMaxHalvings + 1> levels_;
   std::optional<Job> job_;
   uint32_t jobs_ = 0;
-  std::vector<RegionName> hopeless_;  ///< regions without candidates
-  std::vector<int> told_hopeless_;    ///< those not asked for yet
-  std::vector<RegionName> thin_;      ///< not to be seen in a smaller frame
+  std::vector<RegionName> hopeless_;    ///< regions without candidates
+  std::vector<int> reported_hopeless_;  ///< those not asked for yet
+  std::vector<RegionName> thin_;        ///< not to be seen in a smaller frame
   gpu::FrameRing<Frame> frames_;
   uint64_t recorded_ = 0;
 };

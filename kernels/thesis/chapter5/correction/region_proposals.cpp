@@ -122,14 +122,14 @@ std::vector<RegionProposals::Proposal> RegionProposals::collect(uint64_t number,
                       found.score,
                       0};
     if (frame.mode == Mode::correct) {
-      // Its color may be that of a region that was itself taken for it: the next look will tell.
+      // Its color may be that of a region that was itself misclustered: the next search decides.
       if (std::find(marked.begin(), marked.end(), found.color) != marked.end()) continue;
       proposal.region = regions.propose(proposal.x, proposal.y, found.cluster, found.color);
       if (proposal.region > 0) marked.push_back(found.cluster);
     }
     if (seen != seen_.end()) {
       seen->region = proposal.region;
-      if (proposal.region == 0) continue;  // it was told
+      if (proposal.region == 0) continue;  // reported before
     } else {
       seen_.push_back({found.x, found.y, proposal.region, 0, false});
     }

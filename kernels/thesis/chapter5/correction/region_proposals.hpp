@@ -20,7 +20,7 @@ class RegionProposals {
  public:
   enum class Mode : uint8_t {
     off,
-    report,   ///< only tells
+    report,   ///< only reports
     correct,  ///< marks the regions as a click would and gives them the color that they seem to
               ///< have
   };
@@ -40,12 +40,12 @@ class RegionProposals {
   /// After `method` has recorded a frame with `regions`: records a small one where one is due.
   /// Returns a number for `collect`. With the first frame that is not in Mode::correct any more the
   /// regions that were proposed go (Loss::withdrawn), from the next one on; what frames before it
-  /// may still tell counts no more.
+  /// may still report is ignored.
   uint64_t record(gpu::Commands& commands, const GlobalThesis& method, MarkedRegions& regions,
                   Mode mode);
-  /// Takes in what one of the last three frames told, once its Commands have been waited for. Gives
-  /// what is proposed anew. In Mode::correct regions are marked where numbers are free, and those
-  /// that have not looked misclustered for a while go again.
+  /// Reads the results of one of the last three frames, once its Commands have been waited for.
+  /// Gives what is proposed anew. In Mode::correct regions are marked where numbers are free, and
+  /// those that have not looked misclustered for a while go again.
   std::vector<Proposal> collect(uint64_t number, MarkedRegions& regions);
 
   /// Proposes this region no more until `reset`, as somebody has taken its mark away.

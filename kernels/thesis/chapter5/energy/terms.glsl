@@ -23,7 +23,7 @@ float r_weight(vec3 difference) {
 /// v of the squared differences of four layers.
 vec4 light_weight(vec4 difference) { return push.lambda_smoothness * push.irls_light * root(difference * difference); }
 
-/// Weights of the squared difference of two pixels in a plane of a field, as the difference of x tells them.
+/// Weights of the squared difference of two pixels in a plane of a field, given by the difference of x.
 vec4 edge_weight(int group, vec4 difference) {
   vec4 light = light_weight(difference);
   return group == 0 ? vec4(vec3(r_weight(difference.rgb)), light.w) : light;

@@ -36,16 +36,16 @@ class MarkedRegions {
     bool proposed = false;        ///< by `propose`: gives way to what was clicked
   };
 
-  /// Why a region went.
+  /// Why a region was removed.
   enum class Loss : uint8_t {
     nothing_there,  ///< no cluster was under the click
     taken_over,     ///< its pixels went to another region
-    lost,           ///< no pixel of it was left to follow
-    spilled,        ///< it ran over into what has the same cluster around it (kMaxGrowth)
+    lost,           ///< none of its pixels could be followed
+    spilled,        ///< it grew into its surroundings of the same cluster (kMaxGrowth)
     no_candidates,  ///< there was no base color to give it (MisclusteringCorrection)
     unmarked,       ///< somebody removed it
-    withdrawn,      ///< it was proposed and does not look misclustered any more, or nothing is to
-                    ///< be marked by proposals any more (RegionProposals)
+    withdrawn,      ///< a proposal that no longer seems misclustered, or proposals were disabled
+                    ///< (RegionProposals)
     made_room,      ///< it was proposed, and a click needed its number
     cut,            ///< of the scene
     reset,          ///< a flush, a discontinuity, another frame size

@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "thesis/chapter5/energy/energy.glsl"
 
-// A step by the factor that search.comp says; 1 leaves it to the bit, and 0 nothing of it, also where it is no number. In
+// Scales a step by the factor of search.comp. A factor of 1 changes no bit; a factor of 0 gives 0, also for NaN. In
 // place; the dispatch's z is the plane of the field.
 PLANE_IN(0, state);
 SCALAR_IN(1, search);
