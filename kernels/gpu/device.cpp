@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "environment.hpp"
 #include "kernel.hpp"
 
 namespace inverse::gpu {
@@ -164,21 +165,6 @@ uint32_t compute_family(VkPhysicalDevice device) {
               "the Vulkan device \"" + name_of(device) + "\" has no compute queue");
 }
 
-/// The number in an environment variable, `fallback` if that is unset or empty. Throws
-/// Error(unsupported) if it is anything but a whole number of at most `max`.
-uint32_t environment_number(const char* name, uint32_t fallback, uint32_t max = 1) {
-  const char* text = std::getenv(name);
-  if (!text || !*text) return fallback;
-  uint32_t number = 0;
-  const char* end = text + std::strlen(text);
-  if (const auto [last, error] = std::from_chars(text, end, number);
-      error != std::errc() || last != end || number > max)
-    throw Error(ErrorKind::unsupported, std::string("the environment variable ") + name + " is \"" +
-                                            text + "\"; set a whole number from 0 to " +
-                                            std::to_string(max) + ", or unset it");
-  return number;
-}
-
 bool has_conditional(VkPhysicalDevice device) {
   uint32_t count = 0;
   vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr);
@@ -205,6 +191,19 @@ struct OwnedDevice {
 };
 
 }  // namespace
+
+uint32_t environment_number(const char* name, uint32_t fallback, uint32_t max) {
+  const char* text = std::getenv(name);
+  if (!text || !*text) return fallback;
+  uint32_t number = 0;
+  const char* end = text + std::strlen(text);
+  if (const auto [last, error] = std::from_chars(text, end, number);
+      error != std::errc() || last != end || number > max)
+    throw Error(ErrorKind::unsupported, std::string("the environment variable ") + name + " is \"" +
+                                            text + "\"; set a whole number from 0 to " +
+                                            std::to_string(max) + ", or unset it");
+  return number;
+}
 
 void check(VkResult result, const char* what) {
   if (result >= VK_SUCCESS) return;

@@ -135,7 +135,8 @@ def header(name, shader, constants):
     on_tiles = [constant for constant, _, _ in shader.constants][-2:] == ["tile_across", "tile_down"]
     for buffer, _, reads, writes in shader.buffers:
         kind = "InOut" if reads and writes else "In" if reads else "Out"
-        given = " = gpu::BufferPtr()" if on_tiles and buffer == "list" else ""  # TileProgram gives it
+        elsewhere = (on_tiles and buffer == "list") or re.fullmatch(r"frames\d", buffer)  # TileProgram, dispatch_with_frames
+        given = " = gpu::BufferPtr()" if elsewhere else ""
         lines.append(f"    gpu::{kind} {buffer}{given};")
     members = ", ".join(buffer for buffer, *_ in shader.buffers)
     lines += [f"    std::array<gpu::Binding, {len(shader.buffers)}> all() const {{ return {{{members}}}; }}", "  };"]

@@ -2,8 +2,9 @@
 #include "sample_frames.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <limits>
+
+#include "kernels/gpu/environment.hpp"
 
 namespace inverse {
 
@@ -12,13 +13,13 @@ int sample_slots_per_buffer(const gpu::Device& device, uint64_t slots, uint64_t 
   const uint64_t largest = std::min<uint64_t>(
       limits.storage_buffer_bytes / 16,
       device.variant().portable ? std::numeric_limits<uint64_t>::max() : limits.texel_elements);
-  const char* wanted = std::getenv("INVERSE_SAMPLE_SLOTS");
-  for (const int division : {6, 3, 2}) {
-    const bool fits =
-        std::min<uint64_t>(slots, static_cast<uint64_t>(division)) * pixels <= largest;
-    if (wanted ? std::atoi(wanted) == division : fits) return division;
+  const uint32_t wanted = gpu::environment_number("INVERSE_SAMPLE_SLOTS", 0, 6);
+  for (const uint32_t division : {6U, 3U, 2U, 1U}) {
+    const bool fits = std::min<uint64_t>(slots, division) * pixels <= largest || division == 1;
+    if (wanted ? wanted == division : fits) return static_cast<int>(division);
   }
-  return 1;
+  throw Error(ErrorKind::unsupported, "INVERSE_SAMPLE_SLOTS is " + std::to_string(wanted) +
+                                          "; set 6, 3, 2 or 1, or unset it");
 }
 
 }  // namespace inverse
