@@ -156,7 +156,7 @@ class GlobalThesisMethod final : public DecompositionMethod {
     proposals_.emplace(device, extent);
     messages_.forget();
     started_ = false;
-    most_colors_ = GlobalThesis::most_layers(*device, extent);
+    max_colors_ = GlobalThesis::max_layers(*device, extent);
     reported_limit_ = 0;
     // Kernels that later frames may need are built now: for other scenes' colors, refinement,
     // correction.
@@ -320,15 +320,15 @@ class GlobalThesisMethod final : public DecompositionMethod {
   /// Fewer base colors than were asked for.
   void report_color_limit(FrameContext& frame) {
     const int wanted = params().clusters;
-    if (wanted <= most_colors_ || wanted == std::exchange(reported_limit_, wanted)) return;
+    if (wanted <= max_colors_ || wanted == std::exchange(reported_limit_, wanted)) return;
     GST_CAT_WARNING_OBJECT(
         log_.category, log_.object,
         "base-colors=%d, but the device can bind the layers of %d at %ux%u: make the frame smaller "
         "for more",
-        wanted, most_colors_, extent_.width, extent_.height);
+        wanted, max_colors_, extent_.width, extent_.height);
     frame.messages.emplace_back(gst_structure_new("inverse-base-colors-limited", "wanted",
                                                   G_TYPE_INT, wanted, "used", G_TYPE_INT,
-                                                  most_colors_, nullptr));
+                                                  max_colors_, nullptr));
   }
   /// Frames of another size may follow. Lost regions are reported with the next frame.
   void forget_regions() {
@@ -353,7 +353,7 @@ class GlobalThesisMethod final : public DecompositionMethod {
   gpu::FrameRing<Numbers> numbers_;
   RegionMessages messages_;
   Extent extent_{};
-  int most_colors_ = 0;                      // that the device has room for
+  int max_colors_ = 0;                       // that the device has room for
   int reported_limit_ = 0;                   // base-colors when it was said that they are too many
   bool seen_ = false;                        // a frame since the stream began
   bool started_ = false;                     // the scene's base colors are known

@@ -20,7 +20,7 @@ PropertyTable<Params> own_properties() {
           "Seed of sample positions and of the first clusters; equal seeds give equal layers"),
       flag<P>("adaptive", &P::adaptive,
               "Reuse layers of repeated pictures and stop iterations early by settled"),
-      tuning(number<P>("settled", &P::settled, 0.f, 1.f,
+      tuning(number<P>("settled", &P::residual_tolerance, 0.f, 1.f,
                        "Residual, relative to a level's first system, at which conjugate "
                        "gradients end; 0 = all iterations")),
       tuning(choice<P>("solver", &P::solver, "GstIntrinsicDecompThesisSolver",
@@ -109,7 +109,7 @@ class ThesisMethod final : public DecompositionMethod {
 
   uint64_t decompose(FrameContext& frame) override {
     ThesisParams params = settings_.params();
-    if (!settings_.params().adaptive) params.settled = 0;
+    if (!settings_.params().adaptive) params.residual_tolerance = 0;
     method_->set_params(params);
     return method_->record(frame.commands, *frame.layers[Role::input], frame.layers);
   }

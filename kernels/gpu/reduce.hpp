@@ -6,6 +6,9 @@
 
 namespace inverse::gpu {
 
+/// Invocations of a kernel that runs as a single workgroup.
+constexpr uint32_t kOneGroup = 128;
+
 /// How many vec4 slots SUM_PARTIALS (common.glsl) may write for a dispatch of `items` with this
 /// kernel. A buffer that holds them is zeroed once, when it is made.
 inline uint32_t partial_count(const Kernel& kernel, Items items) {

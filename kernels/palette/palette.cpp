@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "kernels/gpu/reduce.hpp"
+
 namespace inverse {
 namespace {
 
 constexpr uint32_t kBinCount = shaders::palette_count::kBinCount;
-constexpr uint32_t kOneGroup = 128;  // invocations of the kernels that run as a single workgroup
+using gpu::kOneGroup;
 
 }  // namespace
 

@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "energy.glsl"
+#include "thesis/shared/scalars.glsl"
 
 // First half of a conjugate-gradient iteration: d = z + β d₀, q = A d, with partial sums of dᵀq and dᵀM d.
 PLANE_IN(0, preconditioned);
@@ -29,7 +30,7 @@ void main() {
   int left = max(x - 1, 0);
   int right = min(x + 1, w - 1);
   float has_left = float(x > 0);
-  float beta = FETCH1(scalars, 2);
+  float beta = FETCH1(scalars, CG_BETA);
   vec2 sum = vec2(0.0);
 
   int before = max(first - 1, 0) * w + x;

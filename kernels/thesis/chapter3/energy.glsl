@@ -36,7 +36,7 @@ layout(push_constant) uniform Push {
   ivec2 other_size;   // of the finer or coarser level, where there is one
   ivec2 shift;        // of the Schwarz blocks
   int count;          // partial sums to add up, or iterations inside a Schwarz block
-  int mode;           // what a kernel with several meanings is to do
+  int clustered;      // 1: with the cluster prior
   int samples;        // N_s
   int frames;         // frames to draw from: the current one and the keyframes so far
   int ring_start;     // slot of the oldest keyframe, from 0
@@ -49,7 +49,6 @@ layout(push_constant) uniform Push {
   float sample_threshold;  // τ_cc² on the grid of packed chromaticities
   float log_floor, chroma_floor;
   float p, epsilon2, irls_factor;
-  float settled;
 } push;
 
 const vec3 kChannelWeight = vec3(0.299, 0.587, 0.114);  // ω_c, ITU-R BT.601

@@ -7,7 +7,7 @@
 // The system of an IRLS step at x: edges and node, and z = M⁻¹(b − A x), with partial sums of zᵀ(b − A x).
 PLANE_IN(0, solution);
 PLANE_IN(1, links);
-PLANE_IN(2, pulls);
+PLANE_IN(2, sources);
 PLANE_IN(3, image);
 PLANE_OUT(4, edges);
 PLANE_OUT(5, nodes);
@@ -46,12 +46,12 @@ void main() {
     vec2 edge_down = weigh(link.yw, down);
     vec2 edge_left = has_left * weigh(FETCH(links, base + left).xz, back);
 
-    vec4 pull = FETCH(pulls, n);
+    vec4 source = FETCH(sources, n);
     vec3 light = FETCH(image, n).rgb;
     vec2 total = edge_right + edge_down + edge_left + edge_up;
-    vec4 node = vec4(intensity_weight(light), pull.w, total);
+    vec4 node = vec4(intensity_weight(light), source.w, total);
     // All of differences: what rounding leaves is small against what is left to do, not against b or A x.
-    vec4 residual = node_residual(node, log_light(light), here) + vec4(pull.rgb - pull.w * here.rgb, 0.0) -
+    vec4 residual = node_residual(node, log_light(light), here) + vec4(source.rgb - source.w * here.rgb, 0.0) -
                     (edge_right.xxxy * across + edge_down.xxxy * down + edge_left.xxxy * back + edge_up.xxxy * up);
     vec4 z = precondition(diagonal(node), residual);
     if (inside && y < push.size.y) {

@@ -3,17 +3,15 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "energy.glsl"
+#include "thesis/shared/sanitize.glsl"
 
-// The input of the finest level: NaN and -Inf become 0, +Inf 1, the rest is clamped to 0...65504.
+// The image of the finest level.
 PLANE_IN(0, frame);
 PLANE_OUT(1, image);
-
-float finite(float v) { return v > 0.0 ? (v <= 3.4028234e38 ? min(v, 65504.0) : 1.0) : 0.0; }
 
 void main() {
   ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= push.size.x) return;
   int n = at.y * push.size.x + at.x;
-  vec4 v = FETCH(frame, n);
-  STORE(image, n, vec4(finite(v.r), finite(v.g), finite(v.b), 1.0));
+  STORE(image, n, vec4(sanitized(FETCH(frame, n)), 1.0));
 }

@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "energy.glsl"
 
-// What a level knows before it is solved: constant parts of the edges, (2 w_r ω_cs, V).
+// Per-level constants: those of the edges, (2 w_r ω_cs, V).
 PLANE_IN(0, image);
 PLANE_OUT(1, links);
 

@@ -14,11 +14,11 @@ namespace {
 constexpr int kBlock = 16;            // Schwarz
 constexpr uint32_t kBlockGroup = 64;  // invocations that solve one block
 constexpr uint32_t kStrip = shaders::thesis_chapter3_direction::kStrip;
-constexpr uint32_t kOneGroup = 128;  // invocations of the kernels that run as one workgroup
-constexpr uint64_t kScalars = 6;     // as in scalars.comp
+using Scalars = shaders::thesis_shared_scalars;
 constexpr uint64_t kColors = 2 * Palette::kMaxClusters;
 // Layout of a readback buffer, in vec4: scale, scalars, palette, trace.
-constexpr uint64_t kScalarsAt = 1, kColorsAt = 3, kTraceAt = kColorsAt + kColors;
+constexpr uint64_t kScalarsAt = 1, kColorsAt = kScalarsAt + (Scalars::CG_SIZE + 3) / 4,
+                   kTraceAt = kColorsAt + kColors;
 
 /// The radical inverse of n in `base`, times the block size, rounded down.
 int halton(int n, int base) {
@@ -71,23 +71,23 @@ ThesisDecomposition::ThesisDecomposition(const std::shared_ptr<gpu::Device>& dev
       reweight_(device),
       direction_(device),
       update_(device),
-      scalars_kernel_(device, {}, kOneGroup),
+      scalars_kernel_(device, {}, gpu::kOneGroup),
       schwarz_(device, {}, kBlockGroup),
       energy_(device),
-      total_(device, {}, kOneGroup),
+      total_(device, {}, gpu::kOneGroup),
       layers_(device),
       scale_cells_(device),
       wanted_scale_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {
   const auto plane = [&] {
     return gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels());
   };
-  for (auto* buffer : {&links_, &pulls_, &constant_pulls_, &edges_, &nodes_, &preconditioned_,
+  for (auto* buffer : {&links_, &sources_, &constant_sources_, &edges_, &nodes_, &preconditioned_,
                        &products_, &clusters_, &directions_[0], &directions_[1]}) {
     *buffer = plane();
   }
   partials_ = gpu::Buffer::create(device, gpu::Element::vec4,
                                   gpu::partial_count(*direction_.kernel(), strips_of(extent)));
-  scalars_ = gpu::Buffer::create(device, gpu::Element::scalar, kScalars);
+  scalars_ = gpu::Buffer::create(device, gpu::Element::scalar, Scalars::CG_SIZE);
   set_params({});
 }
 
@@ -104,7 +104,7 @@ void ThesisDecomposition::set_params(const Params& params) {
   p.alpha_clustering = std::clamp(p.alpha_clustering, 0.0f, 1e3f);
   p.tau_cc = std::clamp(p.tau_cc, 0.0f, 3.0f);
   p.epsilon = std::clamp(p.epsilon, 1e-6f, 1.0f);
-  p.settled = std::clamp(p.settled, 0.0f, 1.0f);
+  p.residual_tolerance = std::clamp(p.residual_tolerance, 0.0f, 1.0f);
   p.levels = std::clamp(p.levels, 0, 12);
   p.irls_iterations = std::clamp(p.irls_iterations, 1, 64);
   p.pcg_iterations = std::clamp(p.pcg_iterations, 1, 256);
@@ -143,7 +143,7 @@ void ThesisDecomposition::build_levels() {
     }
     level.sample = {device_, {.slots = level.slots}};
     level.sample_past = {device_, {.slots = level.slots}};
-    level.energy_pulls = {device_, {.slots = level.slots}};
+    level.energy_samples = {device_, {.slots = level.slots}};
     levels_.push_back(std::move(level));
   }
 }
@@ -154,7 +154,7 @@ void ThesisDecomposition::build_readback() {
     entries = levels_.size() * (static_cast<uint64_t>(params_.irls_iterations) + 1);
   }
   if ((params_.energy || params_.trace) && !energy_partials_) {
-    for (auto* buffer : {&energy_partials_, &energy_pull_partials_}) {
+    for (auto* buffer : {&energy_partials_, &sample_partials_}) {
       *buffer = gpu::Buffer::create(device_, gpu::Element::vec4,
                                     gpu::partial_count(*energy_.kernel(), pixels_of(extent_)));
     }
@@ -183,7 +183,7 @@ ThesisDecomposition::Push ThesisDecomposition::push_for(size_t level) const {
           .other_size = {0, 0},
           .shift = {0, 0},
           .count = 0,
-          .mode = 0,
+          .clustered = level == 0 && current_->clustered,
           .samples = p.w_non_local > 0 ? p.samples : 0,
           .frames = 1 + std::min(stored_keyframes_, p.keyframes),
           .ring_start = stored_keyframes_ > p.keyframes ? stored_keyframes_ % ring_capacity : 0,
@@ -206,14 +206,7 @@ ThesisDecomposition::Push ThesisDecomposition::push_for(size_t level) const {
           .chroma_floor = p.chroma_floor,
           .p = p.p,
           .epsilon2 = p.epsilon * p.epsilon,
-          .irls_factor = p.irls == Params::Irls::consistent ? 0.5f * p.p : 1.0f,
-          .settled = p.settled};
-}
-
-std::vector<gpu::BufferPtr> ThesisDecomposition::frame_buffers(size_t level) const {
-  std::vector<gpu::BufferPtr> buffers = levels_[level].frames;
-  buffers.resize(6, buffers.front());
-  return buffers;
+          .irls_factor = p.irls == Params::Irls::consistent ? 0.5f * p.p : 1.0f};
 }
 
 void ThesisDecomposition::pack(gpu::Commands& commands, size_t level, int slot) {
@@ -232,48 +225,41 @@ Plane ThesisDecomposition::sample_frame(int level) const {
   return {at.extent, at.frames.front()};
 }
 
-void ThesisDecomposition::evaluate(gpu::Commands& commands, size_t level, int step,
-                                   bool clustered) {
+void ThesisDecomposition::evaluate(gpu::Commands& commands, size_t level, int step) {
   const Level& at = levels_[level];
   Push push = push_for(level);
-  push.mode = clustered ? 1 : 0;
   commands.dispatch(
       energy_,
       {.image = at.image, .solution = at.solution, .links = links_, .partials = energy_partials_},
       push, pixels_of(at.extent));
-  const std::vector<gpu::BufferPtr> frames = frame_buffers(level);
-  commands.dispatch(at.energy_pulls,
-                    {.frames0 = frames[0],
-                     .frames1 = frames[1],
-                     .frames2 = frames[2],
-                     .frames3 = frames[3],
-                     .frames4 = frames[4],
-                     .frames5 = frames[5],
-                     .image = at.image,
-                     .clusters = clusters_,
-                     .solution = at.solution,
-                     .partials = energy_pull_partials_},
-                    push, pixels_of(at.extent));
+  dispatch_with_frames(commands, at.energy_samples, at.frames,
+                       {.image = at.image,
+                        .clusters = clusters_,
+                        .solution = at.solution,
+                        .partials = sample_partials_},
+                       push, pixels_of(at.extent));
   push.count = static_cast<int32_t>(gpu::partial_count(*energy_.kernel(), pixels_of(at.extent)));
   push.slot = static_cast<int32_t>(current_->energy.size());
   commands.dispatch(total_,
-                    {.local = energy_partials_, .pulls = energy_pull_partials_, .trace = trace_},
-                    push, {kOneGroup});
+                    {.local = energy_partials_, .samples = sample_partials_, .trace = trace_}, push,
+                    {gpu::kOneGroup});
   current_->energy.push_back({static_cast<int>(level), step, 0, 0, 0, 0});
 }
 
-void ThesisDecomposition::conjugate_gradients(gpu::Commands& commands, size_t level, int step) {
+void ThesisDecomposition::conjugate_gradients(gpu::Commands& commands, size_t level, bool first) {
   const Level& at = levels_[level];
-  Push push = push_for(level);
+  const Push push = push_for(level);
   const gpu::Items strips = strips_of(at.extent);
-  push.count = static_cast<int32_t>(gpu::partial_count(*direction_.kernel(), strips));
-  const auto reduce = [&](int mode) {
-    push.mode = mode;
-    commands.dispatch(scalars_kernel_, {.partials = partials_, .scalars = scalars_}, push,
-                      {kOneGroup});
+  const auto reduce = [&](int32_t mode) {
+    commands.dispatch(
+        scalars_kernel_, {.partials = partials_, .scalars = scalars_},
+        {.count = static_cast<int32_t>(gpu::partial_count(*direction_.kernel(), strips)),
+         .mode = mode,
+         .first = first,
+         .tolerance = params_.residual_tolerance},
+        {gpu::kOneGroup});
   };
-  push.slot = step;
-  reduce(0);
+  reduce(Scalars::kSystem);
   const auto iterate = [&](int k) {
     const auto& previous = directions_[static_cast<size_t>(k + 1) % 2];
     const auto& direction = directions_[static_cast<size_t>(k) % 2];
@@ -287,7 +273,7 @@ void ThesisDecomposition::conjugate_gradients(gpu::Commands& commands, size_t le
                        .products = products_,
                        .partials = partials_},
                       push, strips);
-    reduce(1);
+    reduce(Scalars::kAlpha);
     commands.dispatch(update_,
                       {.solution = gpu::aliased(at.solution),
                        .preconditioned = gpu::aliased(preconditioned_),
@@ -299,12 +285,11 @@ void ThesisDecomposition::conjugate_gradients(gpu::Commands& commands, size_t le
                        .preconditioned_out = preconditioned_,
                        .partials = partials_},
                       push, strips);
-    reduce(2);
+    reduce(Scalars::kBeta);
   };
-  constexpr uint64_t kGoesOn = 4 * sizeof(float);  // into `scalars_`
   for (int k = 0; k < params_.pcg_iterations; ++k) {
-    if (params_.settled > 0)
-      commands.when(scalars_, kGoesOn, [&] { iterate(k); });
+    if (params_.residual_tolerance > 0)
+      commands.when(scalars_, Scalars::CG_CONTINUES * sizeof(float), [&] { iterate(k); });
     else
       iterate(k);
   }
@@ -333,96 +318,68 @@ void ThesisDecomposition::schwarz(gpu::Commands& commands, size_t level, int ste
   std::swap(at.solution, at.spare);
 }
 
-void ThesisDecomposition::solve(gpu::Commands& commands, size_t level, bool clustered) {
-  Push push = push_for(level);
-  const gpu::Items pixels = pixels_of(levels_[level].extent);
-  const std::vector<gpu::BufferPtr> frames = frame_buffers(level);
-  commands.dispatch(setup_, {.image = levels_[level].image, .links = links_}, push, pixels);
-  push.mode = clustered ? 1 : 0;
-  if (push.frames == 1) push.samples = 0;  // nothing but clusters
-  const bool pulls = clustered || push_for(level).samples > 0;
-  if (pulls)
-    commands.dispatch(levels_[level].sample_past,
-                      {.frames0 = frames[0],
-                       .frames1 = frames[1],
-                       .frames2 = frames[2],
-                       .frames3 = frames[3],
-                       .frames4 = frames[4],
-                       .frames5 = frames[5],
-                       .image = levels_[level].image,
-                       .clusters = clusters_,
-                       .pulls = constant_pulls_},
-                      push, pixels);
-  else  // of this frame's levels all come to nothing
-    commands.fill(pulls_);
-  push.samples = push_for(level).samples;
+void ThesisDecomposition::solve(gpu::Commands& commands, size_t level) {
+  const Level& at = levels_[level];
+  const Push push = push_for(level);
+  const gpu::Items pixels = pixels_of(at.extent);
+  commands.dispatch(setup_, {.image = at.image, .links = links_}, push, pixels);
+  const bool sources = push.clustered || push.samples > 0;
+  if (sources) {
+    Push past = push;
+    if (push.frames == 1) past.samples = 0;  // nothing but clusters
+    dispatch_with_frames(commands, at.sample_past, at.frames,
+                         {.image = at.image, .clusters = clusters_, .sources = constant_sources_},
+                         past, pixels);
+  } else {
+    commands.fill(sources_);
+  }
   for (int step = 0; step <= params_.irls_iterations; ++step) {
     const bool last = step == params_.irls_iterations;
     const bool evaluated = params_.trace || (last && level == 0 && params_.energy);
     if (last && !evaluated) break;
-    if (pulls || evaluated) pack(commands, level, 0);
-    if (evaluated) evaluate(commands, level, step - 1, clustered);
+    if (sources || evaluated) pack(commands, level, 0);
+    if (evaluated) evaluate(commands, level, step - 1);
     if (last) break;
-    if (pulls)
-      commands.dispatch(levels_[level].sample,
-                        {.frames0 = frames[0],
-                         .frames1 = frames[1],
-                         .frames2 = frames[2],
-                         .frames3 = frames[3],
-                         .frames4 = frames[4],
-                         .frames5 = frames[5],
-                         .image = levels_[level].image,
-                         .constant_pulls = constant_pulls_,
-                         .pulls = pulls_},
-                        push, pixels);
+    if (sources)
+      dispatch_with_frames(
+          commands, at.sample, at.frames,
+          {.image = at.image, .constant_sources = constant_sources_, .sources = sources_}, push,
+          pixels);
     commands.dispatch(reweight_,
-                      {.solution = levels_[level].solution,
+                      {.solution = at.solution,
                        .links = links_,
-                       .pulls = pulls_,
-                       .image = levels_[level].image,
+                       .sources = sources_,
+                       .image = at.image,
                        .edges = edges_,
                        .nodes = nodes_,
                        .preconditioned = preconditioned_,
                        .partials = partials_},
-                      push, strips_of(levels_[level].extent));
-    if (params_.solver == Params::Solver::pcg) {
-      conjugate_gradients(commands, level, step);
-    } else {
+                      push, strips_of(at.extent));
+    if (params_.solver == Params::Solver::pcg)
+      conjugate_gradients(commands, level, step == 0);
+    else
       schwarz(commands, level, step);
-    }
   }
 }
 
-uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame, Layers& layers) {
-  if (frame.extent != extent_) {
-    throw Error(ErrorKind::internal, "the decomposition was made for another frame size");
-  }
+/// The frame's plan and statistics, in `current_`.
+void ThesisDecomposition::begin(gpu::Commands& commands) {
   if (!cleared_) {
     // Sums leave some slots untouched, and the first direction is multiplied by zero.
-    for (const auto& buffer : {partials_, energy_partials_, energy_pull_partials_}) {
+    for (const auto& buffer : {partials_, energy_partials_, sample_partials_}) {
       if (buffer) commands.fill(buffer);
     }
     cleared_ = true;
   }
   commands.fill(scalars_);  // counts the frame's iterations
-  const uint64_t number = recorded_++;
-  Readback& readback = readback_[number];
-  readback.stats = {};
-  current_ = &readback.stats;
+  current_ = &readback_[recorded_++].stats;
+  *current_ = {plan_thesis(params_, levels(), stored_keyframes_, since_reset_)};
   current_->levels = levels();
   current_->irls_iterations = params_.irls_iterations;
   current_->pcg_iterations = params_.pcg_iterations;
-  current_->keyframes = std::min(stored_keyframes_, params_.keyframes);
-  const bool samples = params_.w_non_local > 0 && params_.samples > 0;
-  current_->clustered = levels() > 1 && params_.w_clustering > 0;
-  if (!samples) {
-    current_->keyframes = 0;
-    current_->skipped.emplace_back("samples: none, or their weight is 0");
-  } else if (current_->keyframes == 0) {
-    current_->skipped.emplace_back("keyframes: none so far, or none wanted");
-  }
-  if (params_.w_clustering <= 0) current_->skipped.emplace_back("clusters: their weight is 0");
+}
 
+void ThesisDecomposition::build_pyramid(gpu::Commands& commands, const Plane& frame) {
   commands.dispatch(sanitize_, {.frame = frame.buffer, .image = levels_[0].image}, push_for(0),
                     pixels_of(extent_));
   for (size_t n = 1; n < levels_.size(); ++n) {
@@ -432,66 +389,82 @@ uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame
                       pixels_of(levels_[n].extent));
   }
   commands.stage("pyramid");
+}
 
-  for (size_t n = levels_.size(); n-- > 0;) {
-    const Level& at = levels_[n];
-    Push push = push_for(n);
-    if (n + 1 == levels_.size()) {
-      commands.dispatch(start_, {.image = at.image, .solution = at.solution}, push,
-                        pixels_of(at.extent));
-    } else {
-      const Level& coarse = levels_[n + 1];
-      push.other_size = coarse.extent;
-      commands.dispatch(prolong_, {.coarse = coarse.solution, .solution = at.solution}, push,
-                        pixels_of(at.extent));
-    }
-    const bool clustered = n == 0 && current_->clustered;
-    if (clustered) {
-      palette_.record_update(commands, {levels_[1].extent, levels_[1].solution});
-      palette_.record_assign(commands, {extent_, at.solution}, {extent_, clusters_});
-      commands.stage("clusters");
-    }
-    solve(commands, n, clustered);
-    commands.stage(n == 0 ? "finest level" : "coarser level");
+/// The start of the coarsest level, or of a finer one.
+void ThesisDecomposition::start(gpu::Commands& commands, size_t level) {
+  const Level& at = levels_[level];
+  Push push = push_for(level);
+  if (level + 1 == levels_.size()) {
+    commands.dispatch(start_, {.image = at.image, .solution = at.solution}, push,
+                      pixels_of(at.extent));
+    return;
   }
-  if (!current_->clustered) palette_.record_update(commands, {extent_, levels_[0].solution});
+  const Level& coarse = levels_[level + 1];
+  push.other_size = coarse.extent;
+  commands.dispatch(prolong_, {.coarse = coarse.solution, .solution = at.solution}, push,
+                    pixels_of(at.extent));
+}
 
-  if (samples && params_.keyframes > 0 &&
-      since_reset_ % static_cast<uint32_t>(params_.keyframe_spacing) == 0) {
-    for (size_t n = 0; n < levels_.size(); ++n) {
-      pack(commands, n, 1 + stored_keyframes_ % params_.keyframes);
-    }
-    ++stored_keyframes_;
-  }
+void ThesisDecomposition::find_clusters(gpu::Commands& commands) {
+  palette_.record_update(commands, {levels_[1].extent, levels_[1].solution});
+  palette_.record_assign(commands, {extent_, levels_[0].solution}, {extent_, clusters_});
+  commands.stage("clusters");
+}
 
-  const Extent cells = cells_of(extent_);
+void ThesisDecomposition::store_keyframe(gpu::Commands& commands) {
+  for (size_t n = 0; n < levels_.size(); ++n)
+    pack(commands, n, 1 + stored_keyframes_ % params_.keyframes);
+  ++stored_keyframes_;
+}
+
+void ThesisDecomposition::write_layers(gpu::Commands& commands, Layers& layers) {
+  const gpu::BufferPtr& solution = levels_[0].solution;
   commands.dispatch(scale_cells_,
-                    {.solution = levels_[0].solution,
+                    {.solution = solution,
                      .palette_scale = palette_.scale(),
                      .cells = scale_.cells(),
                      .wanted = wanted_scale_},
-                    {.size = extent_}, pixels_of(cells));
+                    {.size = extent_}, pixels_of(cells_of(extent_)));
   using History = ScaleNormalization::History;
   scale_.record(commands, {.wanted = wanted_scale_,
                            .history = since_reset_ > 0 ? History::taken : History::none});
-  ++since_reset_;
-
   const PlanePtr plane = pool_.acquire();
-  commands.dispatch(
-      layers_, {.solution = levels_[0].solution, .scale = scale_.value(), .layers = plane->buffer},
-      push_for(0), pixels_of(extent_));
+  commands.dispatch(layers_,
+                    {.solution = solution, .scale = scale_.value(), .layers = plane->buffer},
+                    push_for(0), pixels_of(extent_));
   layers.extent = extent_;
-  layers[Role::intrinsic] = plane;
-  layers[Role::model] = plane;
-  solution_ = {extent_, levels_[0].solution};
+  layers[Role::intrinsic] = layers[Role::model] = plane;
+  solution_ = {extent_, solution};
   commands.stage("layers");
+}
 
-  commands.copy(scale_.value(), readback.buffer, sizeof(float));
-  commands.copy(scalars_, readback.buffer, kScalars * sizeof(float), 0, 16 * kScalarsAt);
-  commands.copy(palette_.colors(), readback.buffer, 16 * kColors, 0, 16 * kColorsAt);
-  if (!current_->energy.empty()) {
-    commands.copy(trace_, readback.buffer, 16 * current_->energy.size(), 0, 16 * kTraceAt);
+/// What `stats` reads.
+void ThesisDecomposition::read_back(gpu::Commands& commands, const gpu::BufferPtr& target) {
+  commands.copy(scale_.value(), target, sizeof(float));
+  commands.copy(scalars_, target, Scalars::CG_SIZE * sizeof(float), 0, 16 * kScalarsAt);
+  commands.copy(palette_.colors(), target, 16 * kColors, 0, 16 * kColorsAt);
+  if (!current_->energy.empty())
+    commands.copy(trace_, target, 16 * current_->energy.size(), 0, 16 * kTraceAt);
+}
+
+uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame, Layers& layers) {
+  if (frame.extent != extent_)
+    throw Error(ErrorKind::internal, "the decomposition was made for another frame size");
+  const uint64_t number = recorded_;
+  begin(commands);
+  build_pyramid(commands, frame);
+  for (size_t n = levels_.size(); n-- > 0;) {
+    start(commands, n);
+    if (n == 0 && current_->clustered) find_clusters(commands);
+    solve(commands, n);
+    commands.stage(n == 0 ? "finest level" : "coarser level");
   }
+  if (!current_->clustered) palette_.record_update(commands, {extent_, levels_[0].solution});
+  if (current_->store_keyframe) store_keyframe(commands);
+  write_layers(commands, layers);
+  read_back(commands, readback_[number].buffer);
+  ++since_reset_;
   return number;
 }
 
@@ -504,9 +477,10 @@ ThesisDecomposition::Stats ThesisDecomposition::stats(uint64_t frame) const {
   const auto* values = readback.buffer->map_as<float>();
   Stats stats = readback.stats;
   stats.scale = values[0];
-  if (params_.solver == Params::Solver::pcg)
-    stats.iterations = static_cast<int>(values[4 * kScalarsAt + 5]);
-  stats.residual = params_.solver == Params::Solver::pcg ? values[4 * kScalarsAt] : 0.0f;
+  if (params_.solver == Params::Solver::pcg) {
+    stats.iterations = static_cast<int>(values[4 * kScalarsAt + Scalars::CG_ITERATIONS]);
+    stats.residual = values[4 * kScalarsAt + Scalars::CG_RZ];
+  }
   stats.clusters = Palette::read(values + 4 * kColorsAt, palette_.params().clusters);
   for (size_t k = 0; k < stats.clusters.size(); ++k) {
     if (stats.clusters[k].index == static_cast<int>(k)) ++stats.cluster_count;

@@ -13,7 +13,7 @@
 #include "kernels/thesis_chapter3_direction.spv.hpp"
 #include "kernels/thesis_chapter3_downsample.spv.hpp"
 #include "kernels/thesis_chapter3_energy.spv.hpp"
-#include "kernels/thesis_chapter3_energy_pulls.spv.hpp"
+#include "kernels/thesis_chapter3_energy_samples.spv.hpp"
 #include "kernels/thesis_chapter3_layers.spv.hpp"
 #include "kernels/thesis_chapter3_pack.spv.hpp"
 #include "kernels/thesis_chapter3_prolong.spv.hpp"
@@ -21,14 +21,15 @@
 #include "kernels/thesis_chapter3_sample.spv.hpp"
 #include "kernels/thesis_chapter3_sample_past.spv.hpp"
 #include "kernels/thesis_chapter3_sanitize.spv.hpp"
-#include "kernels/thesis_chapter3_scalars.spv.hpp"
 #include "kernels/thesis_chapter3_scale_cells.spv.hpp"
 #include "kernels/thesis_chapter3_schwarz.spv.hpp"
 #include "kernels/thesis_chapter3_setup.spv.hpp"
 #include "kernels/thesis_chapter3_start.spv.hpp"
 #include "kernels/thesis_chapter3_total.spv.hpp"
 #include "kernels/thesis_chapter3_update.spv.hpp"
+#include "kernels/thesis_shared_scalars.spv.hpp"
 #include "thesis_params.hpp"
+#include "thesis_plan.hpp"
 
 namespace inverse {
 
@@ -49,15 +50,11 @@ class ThesisDecomposition {
     }
   };
 
-  struct Stats {
+  struct Stats : ThesisPlan {
     int levels = 0;
-    int irls_iterations = 0;  ///< a level
-    int pcg_iterations = 0;   ///< a reweighting
-    int keyframes = 0;        ///< that samples were drawn from
-    /// False: a single level, with nothing to cluster beforehand, or a weight of 0.
-    bool clustered = false;
-    std::vector<std::string> skipped;  ///< what was left out, and why
-    float scale = 0;                   ///< ln of the factor from the solver's R to the layer's
+    int irls_iterations = 0;     ///< a level
+    int pcg_iterations = 0;      ///< a reweighting
+    float scale = 0;             ///< ln of the factor from the solver's R to the layer's
     int iterations = 0;          ///< of conjugate gradients, all systems; 0 with solver = schwarz
     float residual = 0;          ///< rᵀM⁻¹r of the last system; 0 with solver = schwarz
     std::vector<Energy> energy;  ///< as Params::energy and Params::trace ask for
@@ -74,24 +71,23 @@ class ThesisDecomposition {
   int levels() const { return static_cast<int>(levels_.size()); }
 
   /// Decomposes `frame` (linear RGB, full scale 1, any values; w is ignored) into
-  /// layers[Role::intrinsic] = (R.rgb, S), and the same plane as Role::model. The first frame's R
-  /// is scaled so that its 99.5 % quantile is near 0.95; what stays in view keeps that scale.
+  /// layers[Role::intrinsic] = layers[Role::model] = (R.rgb, S). The first frame's R is scaled so
+  /// that its 99.5 % quantile is near 0.95; later frames keep the scale of what stays in view.
   /// Returns the frame's number for `stats`.
   uint64_t record(gpu::Commands& commands, const Plane& frame, Layers& layers);
 
   /// Forgets keyframes and palette: at a flush, a discontinuity or a scene cut.
   void reset();
 
-  /// Of one of the last three frames, once its Commands have been waited for; empty before the
-  /// first frame. Throws Error(internal) for older ones.
+  /// Statistics of one of the last three frames. Wait for its Commands first. Empty before the
+  /// first frame; throws Error(internal) for older ones.
   Stats stats(uint64_t frame) const;
 
   /// (r, s) of the finest level in the solver's own scale: valid until the next record.
   const Plane& solution() const { return solution_; }
-  /// (r_cluster, index) that the last frame's finest level was pulled to, where stats say
-  /// clustered.
+  /// (r_cluster, index) of the last frame's finest level, if its stats say clustered.
   Plane clusters() const { return {extent_, clusters_}; }
-  /// (r, packed chromaticity) of a level, as the current frame's samples saw it.
+  /// (r, packed chromaticity) of a level, which the current frame's samples were drawn from.
   Plane sample_frame(int level) const;
   const Palette& palette() const { return palette_; }
 
@@ -103,7 +99,7 @@ class ThesisDecomposition {
     int slots = 0;
     gpu::Program<shaders::thesis_chapter3_sample> sample;
     gpu::Program<shaders::thesis_chapter3_sample_past> sample_past;
-    gpu::Program<shaders::thesis_chapter3_energy_pulls> energy_pulls;
+    gpu::Program<shaders::thesis_chapter3_energy_samples> energy_samples;
   };
   struct Readback {
     gpu::BufferPtr buffer;
@@ -112,14 +108,20 @@ class ThesisDecomposition {
 
   void build_levels();
   void build_readback();
-  using Push = shaders::thesis_chapter3_setup::Push;  // that of all but one
+  using Push = shaders::thesis_chapter3_setup::Push;  // that of nearly all
   Push push_for(size_t level) const;
   void pack(gpu::Commands& commands, size_t level, int slot);
-  void solve(gpu::Commands& commands, size_t level, bool clustered);
-  void conjugate_gradients(gpu::Commands& commands, size_t level, int step);
+  void begin(gpu::Commands& commands);
+  void build_pyramid(gpu::Commands& commands, const Plane& frame);
+  void start(gpu::Commands& commands, size_t level);
+  void find_clusters(gpu::Commands& commands);
+  void solve(gpu::Commands& commands, size_t level);
+  void conjugate_gradients(gpu::Commands& commands, size_t level, bool first);
   void schwarz(gpu::Commands& commands, size_t level, int step);
-  void evaluate(gpu::Commands& commands, size_t level, int step, bool clustered);
-  std::vector<gpu::BufferPtr> frame_buffers(size_t level) const;
+  void evaluate(gpu::Commands& commands, size_t level, int step);
+  void store_keyframe(gpu::Commands& commands);
+  void write_layers(gpu::Commands& commands, Layers& layers);
+  void read_back(gpu::Commands& commands, const gpu::BufferPtr& target);
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;
@@ -136,17 +138,17 @@ class ThesisDecomposition {
   gpu::Program<shaders::thesis_chapter3_reweight> reweight_;
   gpu::Program<shaders::thesis_chapter3_direction> direction_;
   gpu::Program<shaders::thesis_chapter3_update> update_;
-  gpu::Program<shaders::thesis_chapter3_scalars> scalars_kernel_;
+  gpu::Program<shaders::thesis_shared_scalars> scalars_kernel_;
   gpu::Program<shaders::thesis_chapter3_schwarz> schwarz_;
   gpu::Program<shaders::thesis_chapter3_energy> energy_;
   gpu::Program<shaders::thesis_chapter3_total> total_;
   gpu::Program<shaders::thesis_chapter3_layers> layers_;
   gpu::Program<shaders::thesis_chapter3_scale_cells> scale_cells_;
   // Shared by all levels, of the finest level's size.
-  gpu::BufferPtr links_, pulls_, constant_pulls_, edges_, nodes_, preconditioned_, products_,
+  gpu::BufferPtr links_, sources_, constant_sources_, edges_, nodes_, preconditioned_, products_,
       clusters_, wanted_scale_;
   std::array<gpu::BufferPtr, 2> directions_;
-  gpu::BufferPtr partials_, scalars_, energy_partials_, energy_pull_partials_, trace_;
+  gpu::BufferPtr partials_, scalars_, energy_partials_, sample_partials_, trace_;
   std::vector<Level> levels_;
   Plane solution_;
   gpu::FrameRing<Readback> readback_;
@@ -157,8 +159,8 @@ class ThesisDecomposition {
   int stored_keyframes_ = 0;  // since the last reset
 };
 
-/// Pyramid levels for a size: `requested`, or three to five by resolution when it is 0, at most as
-/// many as lead to 1×1.
+/// Number of pyramid levels for a frame size: `requested`, or three to five by resolution if that
+/// is 0; never more than it takes to reach 1×1.
 int thesis_levels(Extent extent, int requested);
 
 }  // namespace inverse

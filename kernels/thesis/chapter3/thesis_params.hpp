@@ -38,9 +38,9 @@ struct ThesisParams {
   int levels = 0;  ///< of the Gaussian pyramid, 1…12; 0: three to five by resolution (3.5.4)
   int irls_iterations = 4;  ///< reweightings a level, 1…64
   int pcg_iterations = 8;  ///< conjugate-gradient steps a reweighting, globally or a block, 1…256
-  /// Conjugate gradients end where the residual, in the preconditioner's norm, is this share of
-  /// that of the level's first system, 0…1; 0: all iterations run, as in the thesis.
-  float settled = 0;
+  /// Conjugate gradients end at this residual, in the preconditioner's norm and relative to that of
+  /// the level's first system, 0…1; 0: all iterations run, as in the thesis.
+  float residual_tolerance = 0;
   int samples = 9;           ///< N_s a pixel (3.12), 0…64
   int keyframes = 5;         ///< past frames to sample from, 0…5; 0 for stills
   int keyframe_spacing = 5;  ///< frames from one keyframe to the next, 1…1000

@@ -17,8 +17,6 @@ namespace {
 
 // What the palette forgets a frame of a color that is gone: it retires within two seconds.
 constexpr float kFade = 0.3f;
-constexpr uint64_t kScalars = 3;  // as in scalars.comp
-constexpr uint64_t kSearch = 4;   // as in search.comp
 constexpr auto kCells = static_cast<uint32_t>(shaders::thesis_chapter5_setup_cells::kAcross *
                                               shaders::thesis_chapter5_setup_cells::kAcross);
 
@@ -33,19 +31,21 @@ GlobalThesis::GlobalThesis(const std::shared_ptr<gpu::Device>& device, Extent ex
   const auto planes = [&](uint64_t count) {
     return gpu::Buffer::create(device, gpu::Element::vec4, count * extent.pixels());
   };
-  for (auto* buffer : {&image_, &chroma_, &targets_, &features_, &pulls_, &constant_pulls_})
+  for (auto* buffer : {&image_, &chroma_, &targets_, &features_, &sources_, &constant_sources_})
     *buffer = planes(1);
-  for (auto* buffer : {&nodes_, &forces_}) *buffer = planes(2);  // also what four layers need
-  most_layers_ = most_layers(*device, extent);
-  scalars_ = gpu::Buffer::create(device, gpu::Element::scalar, kScalars);
-  search_ = gpu::Buffer::create(device, gpu::Element::scalar, kSearch);
-  shorten_ = gpu::Buffer::create(device, gpu::Element::word, 1);
+  for (auto* buffer : {&nodes_, &pixel_products_})
+    *buffer = planes(2);  // also what four layers need
+  max_layers_ = max_layers(*device, extent);
+  scalars_ =
+      gpu::Buffer::create(device, gpu::Element::scalar, shaders::thesis_shared_scalars::CG_SIZE);
+  search_ = gpu::Buffer::create(device, gpu::Element::scalar, Search::SEARCH_SIZE);
+  rescale_ = gpu::Buffer::create(device, gpu::Element::word, 1);
   colors_readback_.buffer =
       gpu::Buffer::create(device, gpu::Element::vec4, kColors, gpu::Memory::readback);
   set_params({});
 }
 
-int GlobalThesis::most_layers(const gpu::Device& device, Extent extent) {
+int GlobalThesis::max_layers(const gpu::Device& device, Extent extent) {
   const uint64_t plane = 16 * extent.pixels();
   const uint64_t texels = device.variant().portable ? std::numeric_limits<uint64_t>::max() / 16
                                                     : device.limits().texel_elements;
@@ -71,7 +71,7 @@ void GlobalThesis::set_params(const Params& params) {
     *distance = std::clamp(*distance, 0.0f, 3.0f);
   p.p = std::clamp(p.p, 0.0f, 2.0f);
   p.alpha_sr = std::clamp(p.alpha_sr, 0.0f, 1e4f);
-  p.clusters = std::clamp(p.clusters, 1, most_layers_);
+  p.clusters = std::clamp(p.clusters, 1, max_layers_);
   p.steps = std::clamp(p.steps, 1, 64);
   p.pcg_iterations = std::clamp(p.pcg_iterations, 1, 256);
   p.samples = std::clamp(p.samples, 0, 64);
@@ -129,7 +129,7 @@ void GlobalThesis::forget_frames() {
   rounds_ = 0;
   system_pending_ = false;
   has_state_ = false;
-  looked_ = false;
+  compared_ = false;
   ++epoch_;
 }
 
@@ -147,9 +147,9 @@ void GlobalThesis::cut() {
 }
 
 void GlobalThesis::set_base_colors(std::span<const Rgb> colors) {
-  if (colors.size() > static_cast<size_t>(most_layers_))
+  if (colors.size() > static_cast<size_t>(max_layers_))
     throw Error(ErrorKind::limit, "the device can bind the layers of " +
-                                      std::to_string(most_layers_) + " base colors at " +
+                                      std::to_string(max_layers_) + " base colors at " +
                                       std::to_string(extent_.width) + "x" +
                                       std::to_string(extent_.height) + ", and " +
                                       std::to_string(colors.size()) + " were given");
@@ -219,26 +219,53 @@ GlobalThesis::Push GlobalThesis::push_for() const {
           .indirect_start = p.indirect_start};
 }
 
-GlobalThesis::Readback& GlobalThesis::next_readback(uint64_t number) {
-  Readback& readback = readback_[number];
-  if (readback.refining && !readback.collected) system_pending_ = false;  // nobody asked for it
-  clear(readback, epoch_);
-  return readback;
-}
-
-void GlobalThesis::clear(Readback& readback, uint32_t epoch) {
+void GlobalThesis::clear(Readback& readback) const {
   readback.stats = {};
-  readback.collected = readback.refining = readback.scored = readback.compared = readback.searched =
-      false;
-  readback.epoch = epoch;
+  readback.plan = {};
+  readback.collected = false;
+  readback.epoch = epoch_;
 }
 
-/// Compares the frame with the one before.
-void GlobalThesis::look(gpu::Commands& commands, uint64_t number) {
-  if (params_.cut_fraction == 0) {
-    looked_ = false;
-    return;
-  }
+GlobalThesis::Plan GlobalThesis::plan_frame(const Hints& hints) const {
+  Plan plan;
+  plan.warm = params_.warm_start && has_state_ && state_order_ == colors_.order();
+  plan.measure_change = params_.cut_fraction > 0;
+  plan.has_change = plan.measure_change && compared_;
+  plan.regions = hints.regions || hints.fixed_regions;
+  plan.score = plan.regions && hints.scored_region > 0;
+  plan.search = params_.line_search;
+  // Not while a system is under way, nor with colors of the scene before.
+  plan.refine = refining() && !system_pending_ && scene_since_ != UINT64_MAX;
+  plan.store_keyframe =
+      params_.keyframes > 0 && since_reset_ % static_cast<uint32_t>(params_.keyframe_spacing) == 0;
+  return plan;
+}
+
+/// The frame's plan and statistics, in `current_`, and the fields for its layers.
+void GlobalThesis::begin(gpu::Commands& commands, const Hints& hints) {
+  groups_ = (colors_.layers() + 3) / 4;
+  const bool fresh = groups_ > held_groups_;
+  hold_fields(groups_);
+  at_ = &kernels(groups_);
+  // Sums leave some slots untouched, and the first direction is multiplied by zero.
+  if (fresh) commands.fill(partials_);
+  current_ = &readback_[recorded_++];
+  if (current_->plan.refine && !current_->collected) system_pending_ = false;  // not collected
+  clear(*current_);
+  current_->plan = plan_frame(hints);
+  Stats& stats = current_->stats;
+  stats.layers = colors_.layers();
+  stats.colors = static_cast<int>(colors_.colors().size());
+  stats.steps = params_.steps;
+  stats.pcg_iterations = params_.pcg_iterations;
+  stats.keyframes = std::min(stored_keyframes_, params_.keyframes);
+  stats.warm = current_->plan.warm;
+  stats.refining = current_->plan.refine;
+  colors_.write_table(current_->table->map_as<float>());
+}
+
+/// The change of chroma from the frame before.
+void GlobalThesis::measure_change(gpu::Commands& commands, uint64_t number) {
   if (!cells_) {
     cells_ = gpu::Buffer::create(device_, gpu::Element::vec4, 2 * kCells);
     change_ = gpu::Buffer::create(device_, gpu::Element::vec4, 1);
@@ -249,16 +276,13 @@ void GlobalThesis::look(gpu::Commands& commands, uint64_t number) {
   push.count = static_cast<int32_t>(kCells);
   commands.dispatch(kernels(0).cells, {.chroma = chroma_, .image = image_, .cells = cells_}, push,
                     {kCells});
-  commands.dispatch(kernels(0).change, {.cells = cells_, .change = change_}, push, {kOneGroup});
+  commands.dispatch(kernels(0).change, {.cells = cells_, .change = change_}, push,
+                    {gpu::kOneGroup});
   commands.copy(change_, current_->buffer, 16, 0, 16 * kChangeAt);
-  current_->compared = std::exchange(looked_, true);
 }
 
-/// The image, and what the palette makes of it.
+/// The image and its palette.
 void GlobalThesis::prepare(gpu::Commands& commands, const Plane& frame) {
-  if (frame.extent != extent_) {
-    throw Error(ErrorKind::internal, "the decomposition was made for another frame size");
-  }
   commands.dispatch(kernels(0).sanitize,
                     {.frame = frame.buffer, .image = image_, .chroma = chroma_}, push_for(),
                     {extent_.width, extent_.height});
@@ -266,9 +290,15 @@ void GlobalThesis::prepare(gpu::Commands& commands, const Plane& frame) {
   commands.copy(palette_.colors(), current_->buffer, 16 * kColors, 0, 16 * kColorsAt);
 }
 
+void GlobalThesis::check_size(const Plane& frame) const {
+  if (frame.extent != extent_)
+    throw Error(ErrorKind::internal, "the decomposition was made for another frame size");
+}
+
 void GlobalThesis::record_colors(gpu::Commands& commands, const Plane& frame) {
+  check_size(frame);
   current_ = &colors_readback_;
-  clear(*current_, epoch_);
+  clear(*current_);
   prepare(commands, frame);
   commands.stage("clusters");
 }
@@ -279,108 +309,57 @@ void GlobalThesis::collect_colors() {
   colors_.update(Palette::read(values + 4 * kColorsAt, params_.clusters), params_.tau_neutral);
 }
 
-uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Layers& layers,
-                              const Hints& hints) {
+/// What the solver is given: features, targets and the constant source terms of every pixel.
+void GlobalThesis::set_up(gpu::Commands& commands, const Hints& hints) {
   const gpu::Items pixels{extent_.width, extent_.height};
-  groups_ = (colors_.layers() + 3) / 4;
-  const bool fresh = groups_ > held_groups_;
-  hold_fields(groups_);
-  at_ = &kernels(groups_);
-  if (fresh) {
-    // Sums leave some slots untouched, and the first direction is multiplied by zero.
-    commands.fill(partials_);
-  }
-  const uint64_t number = recorded_++;
-  current_ = &next_readback(number);
-  Stats& stats = current_->stats;
-  stats.layers = colors_.layers();
-  stats.colors = static_cast<int>(colors_.colors().size());
-  stats.steps = params_.steps;
-  stats.pcg_iterations = params_.pcg_iterations;
-  stats.keyframes = std::min(stored_keyframes_, params_.keyframes);
-  stats.warm = params_.warm_start && has_state_ && state_order_ == colors_.order();
-  colors_.write_table(current_->table->map_as<float>());
-
-  prepare(commands, frame);
-  look(commands, number);
-  commands.stage("clusters");
   Push push = push_for();
   commands.dispatch(at_->setup, {.image = image_, .table = current_->table, .features = features_},
                     push, pixels);
   if (hints.regions) hints.regions->record(commands, {extent_, features_});
-  const gpu::BufferPtr regions = hints.regions         ? hints.regions->plane().buffer
-                                 : hints.fixed_regions ? hints.fixed_regions->buffer
-                                                       : nullptr;
-  push.mode = regions ? 1 : 0;
+  using Targets = shaders::thesis_chapter5_setup_targets;
+  push.mode = current_->plan.regions ? Targets::kRegions : Targets::kClusters;
   commands.dispatch(at_->targets,
                     {.table = current_->table,
                      .features = features_,
-                     .regions = regions ? regions : features_,
+                     .regions = current_->plan.regions ? hints.buffer() : features_,
                      .targets = targets_},
                     push, pixels);
-  if (!stats.warm) {
+  if (!current_->plan.warm) {
     commands.dispatch(at_->start,
                       {.table = current_->table,
                        .image = image_,
                        .targets = targets_,
                        .features = features_,
                        .state = states_[current_state_]},
-                      push_for(), pixels);
+                      push, pixels);
   }
-  push = push_for();
   if (push.frames == 1) push.samples = 0;  // nothing but clusters
-  const auto frames = frame_buffers();
-  commands.dispatch(at_->sample_past,
-                    {.frames0 = frames[0],
-                     .frames1 = frames[1],
-                     .frames2 = frames[2],
-                     .frames3 = frames[3],
-                     .frames4 = frames[4],
-                     .frames5 = frames[5],
-                     .features = features_,
-                     .targets = targets_,
-                     .pulls = constant_pulls_},
-                    push, pixels);
+  dispatch_with_frames(commands, at_->sample_past, frames_,
+                       {.features = features_, .targets = targets_, .sources = constant_sources_},
+                       push, pixels);
   commands.stage("setup");
+}
 
-  if (params_.line_search) begin_search(commands);
-  for (int n = 0; n <= params_.steps; ++n) {
-    const bool last = n == params_.steps;
-    pack(commands, 0);
-    if (params_.trace || (last && params_.energy)) evaluate(commands, n - 1);
-    if (!last) step(commands);
-  }
-  if (params_.line_search) {
-    commands.copy(search_, current_->buffer, search_->bytes(), 0, 16 * kSearchAt);
-    current_->searched = true;
-  }
-  has_state_ = true;
-  state_order_ = colors_.order();
-  if (params_.keyframes > 0 &&
-      since_reset_ % static_cast<uint32_t>(params_.keyframe_spacing) == 0) {
-    pack(commands, 1 + stored_keyframes_ % params_.keyframes);
-    ++stored_keyframes_;
-  }
+uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Layers& layers,
+                              const Hints& hints) {
+  check_size(frame);
+  const uint64_t number = recorded_;
+  begin(commands, hints);
+  const Plan& plan = current_->plan;
+  prepare(commands, frame);
+  if (plan.measure_change) measure_change(commands, number);
+  compared_ = plan.measure_change;
+  commands.stage("clusters");
+  set_up(commands, hints);
+  solve(commands);
+  if (plan.store_keyframe) pack(commands, 1 + stored_keyframes_++ % params_.keyframes);
   ++since_reset_;
   commands.stage("steps");
-
-  // Colors of the scene before are on their way out.
-  if (refining() && !system_pending_ && scene_since_ != UINT64_MAX) record_refinement(commands);
-  if (regions && hints.scored_region > 0) {
-    if (!score_) score_ = gpu::Buffer::create(device_, gpu::Element::vec4, 1);
-    push.slot = hints.scored_region;
-    commands.dispatch(at_->score, {.state = solution(), .regions = regions, .partials = partials_},
-                      push, pixels);
-    push.count = static_cast<int32_t>(gpu::partial_count(*at_->score.kernel(), pixels));
-    commands.dispatch(at_->normal_equations_total, {.partials = partials_, .entries = score_}, push,
-                      {kOneGroup});
-    commands.copy(score_, current_->buffer, 16, 0, 16 * kScoreAt);
-    current_->scored = true;
-  }
+  if (plan.refine) record_refinement(commands);
+  if (plan.score) score_region(commands, hints);
   write_layers(commands, layers);
-  if (!stats.energy.empty()) {
-    commands.copy(trace_, current_->buffer, 32 * stats.energy.size(), 0, 16 * kTraceAt);
-  }
+  if (!current_->stats.energy.empty())
+    commands.copy(trace_, current_->buffer, 32 * current_->stats.energy.size(), 0, 16 * kTraceAt);
   commands.stage("layers");
   return number;
 }
@@ -390,16 +369,16 @@ void GlobalThesis::collect(uint64_t frame) {
   Readback& readback = readback_[frame];
   if (readback.collected) return;
   readback.collected = true;
-  if (readback.refining) system_pending_ = false;
+  if (readback.plan.refine) system_pending_ = false;
   if (readback.epoch != epoch_) return;  // of a scene that is over
   const auto* values = readback.buffer->map_as<float>();
-  const bool looks = readback.compared && params_.cut_fraction > 0;
-  if (looks && values[4 * kChangeAt] > params_.cut_fraction) {
+  const bool compared = readback.plan.has_change && params_.cut_fraction > 0;
+  if (compared && values[4 * kChangeAt] > params_.cut_fraction) {
     readback.stats.cut = true;
     cut();
     return;
   }
-  if (readback.refining && readback.version == colors_.version()) {
+  if (readback.plan.refine && readback.version == colors_.version()) {
     const size_t layers = readback.colors.size();
     const auto delta = solve_refinement({values + 4 * kSystemAt, 4 * layers * (layers + 1)},
                                         readback.colors, readback.initial, params_.lambda_data,
@@ -421,9 +400,10 @@ GlobalThesis::Stats GlobalThesis::stats(uint64_t frame) const {
   const Readback& readback = readback_[frame];
   const auto* values = readback.buffer->map_as<float>();
   Stats stats = readback.stats;
-  if (readback.compared) stats.change = values[4 * kChangeAt];
-  if (readback.searched) stats.shortened = static_cast<int>(values[4 * kSearchAt + 2]);
-  if (readback.scored) {
+  if (readback.plan.has_change) stats.change = values[4 * kChangeAt];
+  if (readback.plan.search)
+    stats.shortened = static_cast<int>(values[4 * kSearchAt + Search::SEARCH_SHORTENED]);
+  if (readback.plan.score) {
     stats.score = values[4 * kScoreAt];
     stats.region = values[4 * kScoreAt + 1];
   }
@@ -435,7 +415,8 @@ GlobalThesis::Stats GlobalThesis::stats(uint64_t frame) const {
 
 uint64_t GlobalThesis::bytes_per_pixel(int layers, int keyframes) {
   const auto fields = static_cast<uint64_t>(layers + 3) / 4 + 1;
-  // Six fields; image, chroma, targets, features, two pulls, two of nodes and of forces; samples.
+  // Six fields; image, chroma, targets, features, two of source terms, two each of nodes and pixel
+  // products; samples.
   return 16 * (6 * fields + 10 + static_cast<uint64_t>(keyframes) + 1);
 }
 

@@ -67,7 +67,7 @@ class GlobalThesis {
   /// Layers of indirect light that the device can bind for frames of this size, a multiple of 4 up
   /// to kMaxBases; 0 or less where it cannot hold such frames at all. Params::clusters is kept
   /// within it.
-  static int most_layers(const gpu::Device& device, Extent extent);
+  static int max_layers(const gpu::Device& device, Extent extent);
 
   /// Takes effect with the next frame. A change of keyframes forgets the past.
   void set_params(const Params& params);
@@ -79,6 +79,10 @@ class GlobalThesis {
     /// Instead: the regions as they are, (slot or −1, number or 0) a pixel.
     const Plane* fixed_regions = nullptr;
     int scored_region = 0;  ///< number of one whose sparsity is wanted in the stats
+
+    gpu::BufferPtr buffer() const {
+      return regions ? regions->plane().buffer : fixed_regions->buffer;
+    }
   };
 
   /// Decomposes `frame` (linear RGB, full scale 1, any values; w is ignored) with the base colors
@@ -106,7 +110,7 @@ class GlobalThesis {
   Stats stats(uint64_t frame) const;
 
   /// Uses these base colors (linear, any scale) instead of the frames' own until `reset`. Throws
-  /// Error(limit) where they are more than `most_layers`.
+  /// Error(limit) where they are more than `max_layers`.
   void set_base_colors(std::span<const Rgb> colors);
   /// Uses those of another decomposition, slot by slot, until `reset`.
   void set_base_colors(const BaseColors& colors);
@@ -145,11 +149,23 @@ class GlobalThesis {
   /// Of all kernels (energy.glsl).
   using Push = shaders::thesis_chapter5_setup_setup::Push;
   struct Kernels;
+  /// What of a frame is run. A plain value: stages obey it.
+  struct Plan {
+    bool warm = false;            ///< starts from the last solution, which has the same layers
+    bool measure_change = false;  ///< of chroma, for cuts
+    bool has_change = false;      ///< the frame before was measured, too
+    bool regions = false;         ///< overrule clusters
+    bool search = false;          ///< for the length of every step
+    bool store_keyframe = false;
+    bool refine = false;  ///< sums the system of the base colors
+    bool score = false;   ///< measures how sparse the light of a region is
+  };
   struct Readback {
     gpu::BufferPtr buffer, table;
     Stats stats;
     std::vector<Rgb> initial, colors;  // of the layers that the system is for
-    bool collected = true, refining = false, scored = false, compared = false, searched = false;
+    Plan plan;
+    bool collected = true;
     uint32_t version = 0;  // of the colors that the system is for
     uint32_t epoch = 0;    // of the resets
   };
@@ -160,26 +176,34 @@ class GlobalThesis {
   void hold_frames(int slots_per_buffer);
   void hold_fields(int groups);
   Push push_for() const;
-  std::array<gpu::BufferPtr, 6> frame_buffers() const;
-  static void clear(Readback& readback, uint32_t epoch);
-  Readback& next_readback(uint64_t number);
+  void check_size(const Plane& frame) const;
+  void clear(Readback& readback) const;
   void forget_frames();
   void cut();
-  void look(gpu::Commands& commands, uint64_t number);
+  Plan plan_frame(const Hints& hints) const;
+  void begin(gpu::Commands& commands, const Hints& hints);
   void prepare(gpu::Commands& commands, const Plane& frame);
+  void measure_change(gpu::Commands& commands, uint64_t number);
+  void set_up(gpu::Commands& commands, const Hints& hints);
   void pack(gpu::Commands& commands, int slot);
   void evaluate(gpu::Commands& commands, int step);
   void hold_energies(gpu::Commands& commands);
   void sum_energy(gpu::Commands& commands, const gpu::BufferPtr& x);
-  void begin_search(gpu::Commands& commands);
+  void check_step(gpu::Commands& commands, const gpu::BufferPtr& x, int mode);
   void search(gpu::Commands& commands);
+  template <typename Shader>
+  void reduce(gpu::Commands& commands, int mode, const gpu::Program<Shader>& program,
+              gpu::Items items);
+  void conjugate_gradients(gpu::Commands& commands);
   void step(gpu::Commands& commands);
+  void solve(gpu::Commands& commands);
   void record_refinement(gpu::Commands& commands);
+  void score_region(gpu::Commands& commands, const Hints& hints);
   void write_layers(gpu::Commands& commands, Layers& layers);
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;
-  int most_layers_ = 0;
+  int max_layers_ = 0;
   Params params_;
   Palette palette_;
   PlanePool pool_, bases_pool_;
@@ -188,14 +212,15 @@ class GlobalThesis {
   const Kernels* at_ = nullptr;                      // of the frame being recorded
   int groups_ = 0;                                   // of it
   int held_groups_ = -1;                             // that the fields have room for
-  gpu::BufferPtr image_, chroma_, targets_, features_, pulls_, constant_pulls_, nodes_, forces_;
+  gpu::BufferPtr image_, chroma_, targets_, features_, sources_, constant_sources_, nodes_,
+      pixel_products_;
   // Fields.
   std::array<gpu::BufferPtr, 2> states_;
   gpu::BufferPtr directions_, preconditioned_, products_, diagonals_;
   size_t current_state_ = 0;
   gpu::BufferPtr scalars_, partials_;
   std::array<gpu::BufferPtr, 3> energy_partials_;
-  gpu::BufferPtr search_, shorten_;  // as in search.comp
+  gpu::BufferPtr search_, rescale_;  // as in search.comp
   gpu::BufferPtr trace_, residuals_, reflectances_, outer_partials_, system_, score_;
   std::vector<gpu::BufferPtr> frames_;  // sample frames, slots_ to a buffer
   int slots_ = 0;
@@ -212,7 +237,7 @@ class GlobalThesis {
   uint32_t state_order_ = 0;     // of the colors that the solution is for
   bool has_state_ = false;
   gpu::BufferPtr cells_, change_;  // of this frame and the one before, by the parity of its number
-  bool looked_ = false;            // at the frame before
+  bool compared_ = false;          // the frame before
   uint64_t scene_since_ = 0;
 };
 

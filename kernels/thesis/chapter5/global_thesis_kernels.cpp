@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The kernels of GlobalThesis for a number of planes of indirect layers.
 #include "global_thesis_programs.hpp"
+#include "kernels/gpu/reduce.hpp"
 
 namespace inverse {
 using namespace global_thesis;
@@ -25,19 +26,19 @@ const GlobalThesis::Kernels& GlobalThesis::kernels(int groups) {
       .product = {device_, {.unit_exponent = unit}},
       .update = {device_, {.groups = groups}},
       .limit_step = {device_},
-      .scalars = {device_, {}, kOneGroup},
+      .scalars = {device_, {}, gpu::kOneGroup},
       .energy = {device_, {.groups = groups}},
-      .energy_pulls = {device_, {.slots = slots_}},
-      .total = {device_, {}, kOneGroup},
+      .energy_samples = {device_, {.slots = slots_}},
+      .total = {device_, {}, gpu::kOneGroup},
       .layers = {device_, {.groups = groups}},
       .indirect = {device_},
       .residual = {device_, {.groups = groups}},
       .normal_equations = {device_},
-      .normal_equations_total = {device_, {}, kOneGroup},
+      .normal_equations_total = {device_, {}, gpu::kOneGroup},
       .score = {device_, {.groups = groups}},
       .cells = {device_},
-      .change = {device_, {}, kOneGroup},
-      .search = {device_, {}, kOneGroup},
+      .change = {device_, {}, gpu::kOneGroup},
+      .search = {device_, {}, gpu::kOneGroup},
       .scale_step = {device_},
   });
   return *held;

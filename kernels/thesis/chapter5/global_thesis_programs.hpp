@@ -6,7 +6,7 @@
 #include "kernels/thesis_chapter5_colors_normal_equations_total.spv.hpp"
 #include "kernels/thesis_chapter5_colors_residual.spv.hpp"
 #include "kernels/thesis_chapter5_energy_energy.spv.hpp"
-#include "kernels/thesis_chapter5_energy_energy_pulls.spv.hpp"
+#include "kernels/thesis_chapter5_energy_energy_samples.spv.hpp"
 #include "kernels/thesis_chapter5_energy_total.spv.hpp"
 #include "kernels/thesis_chapter5_output_indirect.spv.hpp"
 #include "kernels/thesis_chapter5_output_layers.spv.hpp"
@@ -24,10 +24,10 @@
 #include "kernels/thesis_chapter5_solve_mix.spv.hpp"
 #include "kernels/thesis_chapter5_solve_product.spv.hpp"
 #include "kernels/thesis_chapter5_solve_reweight.spv.hpp"
-#include "kernels/thesis_chapter5_solve_scalars.spv.hpp"
 #include "kernels/thesis_chapter5_solve_scale_step.spv.hpp"
 #include "kernels/thesis_chapter5_solve_search.spv.hpp"
 #include "kernels/thesis_chapter5_solve_update.spv.hpp"
+#include "kernels/thesis_shared_scalars.spv.hpp"
 
 namespace inverse {
 
@@ -45,9 +45,9 @@ struct GlobalThesis::Kernels {
   gpu::Program<shaders::thesis_chapter5_solve_product> product;
   gpu::Program<shaders::thesis_chapter5_solve_update> update;
   gpu::Program<shaders::thesis_chapter5_solve_limit_step> limit_step;
-  gpu::Program<shaders::thesis_chapter5_solve_scalars> scalars;
+  gpu::Program<shaders::thesis_shared_scalars> scalars;
   gpu::Program<shaders::thesis_chapter5_energy_energy> energy;
-  gpu::Program<shaders::thesis_chapter5_energy_energy_pulls> energy_pulls;
+  gpu::Program<shaders::thesis_chapter5_energy_energy_samples> energy_samples;
   gpu::Program<shaders::thesis_chapter5_energy_total> total;
   gpu::Program<shaders::thesis_chapter5_output_layers> layers;
   gpu::Program<shaders::thesis_chapter5_output_indirect> indirect;
@@ -63,7 +63,7 @@ struct GlobalThesis::Kernels {
 
 namespace global_thesis {
 
-constexpr uint32_t kOneGroup = 128;  // invocations of the kernels that run as one workgroup
+using Search = shaders::thesis_chapter5_solve_search;
 // Layout of a readback buffer, in vec4.
 constexpr uint64_t kMaxLayers = Palette::kMaxClusters;
 constexpr uint64_t kColors = 2 * Palette::kMaxClusters;

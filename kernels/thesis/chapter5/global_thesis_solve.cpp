@@ -5,6 +5,7 @@
 
 #include "global_thesis_programs.hpp"
 #include "kernels/gpu/reduce.hpp"
+#include "kernels/thesis/shared/sample_frames.hpp"
 
 namespace inverse {
 using namespace global_thesis;
@@ -14,14 +15,6 @@ constexpr auto kStrip = static_cast<uint32_t>(shaders::thesis_chapter5_solve_pro
 constexpr uint32_t kOuterLanes = 2048;  // invocations that the pixels of an outer product share
 
 }  // namespace
-
-/// As the shaders bind them; those that there are not are never read.
-std::array<gpu::BufferPtr, 6> GlobalThesis::frame_buffers() const {
-  std::array<gpu::BufferPtr, 6> buffers;
-  buffers.fill(frames_.front());
-  std::copy(frames_.begin(), frames_.end(), buffers.begin());
-  return buffers;
-}
 
 void GlobalThesis::pack(gpu::Commands& commands, int slot) {
   Push push = push_for();
@@ -61,110 +54,75 @@ void GlobalThesis::evaluate(gpu::Commands& commands, int step) {
   hold_energies(commands);
   Push push = push_for();
   sum_energy(commands, solution());
-  const auto frames = frame_buffers();
-  commands.dispatch(at_->energy_pulls,
-                    {.frames0 = frames[0],
-                     .frames1 = frames[1],
-                     .frames2 = frames[2],
-                     .frames3 = frames[3],
-                     .frames4 = frames[4],
-                     .frames5 = frames[5],
-                     .features = features_,
-                     .state = solution(),
-                     .partials = energy_partials_[2]},
-                    push, pixels);
+  dispatch_with_frames(
+      commands, at_->energy_samples, frames_,
+      {.features = features_, .state = solution(), .partials = energy_partials_[2]}, push, pixels);
   std::vector<Energy>& trace = current_->stats.energy;
   push.count = static_cast<int32_t>(gpu::partial_count(*at_->energy.kernel(), pixels));
   push.slot = static_cast<int32_t>(trace.size());
   commands.dispatch(at_->total,
                     {.first = energy_partials_[0],
-                     .pulls = energy_partials_[2],
+                     .samples = energy_partials_[2],
                      .second = energy_partials_[1],
                      .trace = trace_},
-                    push, {kOneGroup});
+                    push, {gpu::kOneGroup});
   trace.push_back({step, 0, 0, 0, 0, 0, 0, 0, 0});
 }
 
-void GlobalThesis::begin_search(gpu::Commands& commands) {
-  hold_energies(commands);
-  sum_energy(commands, solution());
+/// Whether the line search accepts x, with a mode of search.comp.
+void GlobalThesis::check_step(gpu::Commands& commands, const gpu::BufferPtr& x, int mode) {
+  sum_energy(commands, x);
   Push push = push_for();
+  push.mode = mode;
   push.count = static_cast<int32_t>(
       gpu::partial_count(*at_->energy.kernel(), {extent_.width, extent_.height}));
   commands.dispatch(at_->search,
                     {.first = energy_partials_[0],
                      .second = energy_partials_[1],
                      .search = search_,
-                     .shorten = shorten_},
-                    push, {kOneGroup});
+                     .rescale = rescale_},
+                    push, {gpu::kOneGroup});
 }
 
-/// Shortens the step from the present state to the next one where it has to be.
+/// Shortens the step from the present state to the next one if it raises the energy.
 void GlobalThesis::search(gpu::Commands& commands) {
-  const gpu::BufferPtr& from = states_[current_state_];
   const gpu::BufferPtr& next = states_[1 - current_state_];
-  const gpu::Items field{extent_.width, extent_.height, static_cast<uint32_t>(groups_) + 1};
-  Push push = push_for();
-  push.count = static_cast<int32_t>(
-      gpu::partial_count(*at_->energy.kernel(), {extent_.width, extent_.height}));
-  const auto judge = [&](int mode) {
-    sum_energy(commands, next);
-    push.mode = mode;
-    commands.dispatch(at_->search,
-                      {.first = energy_partials_[0],
-                       .second = energy_partials_[1],
-                       .search = search_,
-                       .shorten = shorten_},
-                      push, {kOneGroup});
+  const auto scale = [&] {
+    commands.dispatch(
+        at_->scale_step, {.state = states_[current_state_], .search = search_, .next = next},
+        push_for(), {extent_.width, extent_.height, static_cast<uint32_t>(groups_) + 1});
   };
-  judge(1);
-  commands.when(shorten_, 0, [&] {
-    commands.dispatch(at_->scale_step, {.state = from, .search = search_, .next = next}, push,
-                      field);
-    judge(2);
-    commands.dispatch(at_->scale_step, {.state = from, .search = search_, .next = next}, push,
-                      field);
-    judge(3);
-    commands.dispatch(at_->scale_step, {.state = from, .search = search_, .next = next}, push,
-                      field);
+  check_step(commands, next, Search::kStep);
+  commands.when(rescale_, 0, [&] {
+    scale();
+    check_step(commands, next, Search::kShortened);
+    scale();
+    check_step(commands, next, Search::kLast);
+    scale();
   });
 }
 
-void GlobalThesis::step(gpu::Commands& commands) {
-  const gpu::Items pixels{extent_.width, extent_.height};
-  const gpu::BufferPtr& from = states_[current_state_];
-  const gpu::BufferPtr& next = states_[1 - current_state_];
-  Push push = push_for();
-  const auto frames = frame_buffers();
-  commands.dispatch(at_->sample,
-                    {.frames0 = frames[0],
-                     .frames1 = frames[1],
-                     .frames2 = frames[2],
-                     .frames3 = frames[3],
-                     .frames4 = frames[4],
-                     .frames5 = frames[5],
-                     .features = features_,
-                     .constant_pulls = constant_pulls_,
-                     .pulls = pulls_},
-                    push, pixels);
-  commands.dispatch(at_->reweight,
-                    {.table = current_->table,
-                     .state = from,
-                     .image = image_,
-                     .features = features_,
-                     .pulls = pulls_,
-                     .nodes = nodes_,
-                     .diagonals = diagonals_,
-                     .preconditioned = preconditioned_,
-                     .next = next,
-                     .partials = partials_},
-                    push, pixels);
-  push.count = static_cast<int32_t>(gpu::partial_count(*at_->reweight.kernel(), pixels));
-  commands.dispatch(at_->scalars, {.partials = partials_, .scalars = scalars_}, push, {kOneGroup});
+/// The scalars of the conjugate gradients, from the partial sums of a dispatch.
+template <typename Shader>
+void GlobalThesis::reduce(gpu::Commands& commands, int mode, const gpu::Program<Shader>& program,
+                          gpu::Items items) {
+  commands.dispatch(at_->scalars, {.partials = partials_, .scalars = scalars_},
+                    {.count = static_cast<int32_t>(gpu::partial_count(*program.kernel(), items)),
+                     .mode = mode,
+                     .first = 1,
+                     .tolerance = 0},
+                    {gpu::kOneGroup});
+}
 
+void GlobalThesis::conjugate_gradients(gpu::Commands& commands) {
+  using Scalars = shaders::thesis_shared_scalars;
+  const gpu::BufferPtr& next = states_[1 - current_state_];
   const auto planes = static_cast<uint32_t>(groups_) + 1;
+  const gpu::Items pixels{extent_.width, extent_.height};
   const gpu::Items strips{extent_.width, (extent_.height - 1) / kStrip + 1, planes};
   const gpu::Items tall{extent_.width, (extent_.height * planes - 1) / kStrip + 1};
+  const Push push = push_for();
+  reduce(commands, Scalars::kSystem, at_->reweight, pixels);
   for (int k = 0; k < params_.pcg_iterations; ++k) {
     commands.dispatch(at_->mix,
                       {.table = current_->table,
@@ -173,41 +131,76 @@ void GlobalThesis::step(gpu::Commands& commands) {
                        .nodes = nodes_,
                        .scalars = scalars_,
                        .directions = gpu::aliased(directions_),
-                       .forces = forces_},
+                       .pixel_products = pixel_products_},
                       push, pixels);
     commands.dispatch(at_->product,
                       {.table = current_->table,
                        .directions = directions_,
-                       .state = from,
-                       .forces = forces_,
+                       .state = states_[current_state_],
+                       .pixel_products = pixel_products_,
                        .diagonals = diagonals_,
                        .products = products_,
                        .partials = partials_},
                       push, strips);
-    push.mode = 1;
-    push.count = static_cast<int32_t>(gpu::partial_count(*at_->product.kernel(), strips));
-    commands.dispatch(at_->scalars, {.partials = partials_, .scalars = scalars_}, push,
-                      {kOneGroup});
+    reduce(commands, Scalars::kAlpha, at_->product, strips);
     commands.dispatch(at_->update,
-                      {.next = next,
+                      {.solution = next,
                        .preconditioned = preconditioned_,
                        .directions = directions_,
                        .products = products_,
                        .diagonals = diagonals_,
                        .scalars = scalars_,
-                       .next_out = gpu::aliased(next),
+                       .solution_out = gpu::aliased(next),
                        .preconditioned_out = gpu::aliased(preconditioned_),
                        .partials = partials_},
                       push, tall);
-    push.mode = 2;
-    push.count = static_cast<int32_t>(gpu::partial_count(*at_->update.kernel(), tall));
-    commands.dispatch(at_->scalars, {.partials = partials_, .scalars = scalars_}, push,
-                      {kOneGroup});
+    reduce(commands, Scalars::kBeta, at_->update, tall);
   }
+}
+
+void GlobalThesis::step(gpu::Commands& commands) {
+  const gpu::Items pixels{extent_.width, extent_.height};
+  const gpu::BufferPtr& from = states_[current_state_];
+  const gpu::BufferPtr& next = states_[1 - current_state_];
+  const Push push = push_for();
+  dispatch_with_frames(
+      commands, at_->sample, frames_,
+      {.features = features_, .constant_sources = constant_sources_, .sources = sources_}, push,
+      pixels);
+  commands.dispatch(at_->reweight,
+                    {.table = current_->table,
+                     .state = from,
+                     .image = image_,
+                     .features = features_,
+                     .sources = sources_,
+                     .nodes = nodes_,
+                     .diagonals = diagonals_,
+                     .preconditioned = preconditioned_,
+                     .next = next,
+                     .partials = partials_},
+                    push, pixels);
+  conjugate_gradients(commands);
   commands.dispatch(at_->limit_step, {.state = from, .next = next, .next_out = gpu::aliased(next)},
-                    push, {extent_.width, extent_.height, planes});
-  if (params_.line_search) search(commands);
+                    push, {extent_.width, extent_.height, static_cast<uint32_t>(groups_) + 1});
+  if (current_->plan.search) search(commands);
   current_state_ = 1 - current_state_;
+}
+
+void GlobalThesis::solve(gpu::Commands& commands) {
+  if (current_->plan.search) {
+    hold_energies(commands);
+    check_step(commands, solution(), Search::kStart);
+  }
+  for (int n = 0; n <= params_.steps; ++n) {
+    const bool last = n == params_.steps;
+    pack(commands, 0);
+    if (params_.trace || (last && params_.energy)) evaluate(commands, n - 1);
+    if (!last) step(commands);
+  }
+  if (current_->plan.search)
+    commands.copy(search_, current_->buffer, search_->bytes(), 0, 16 * kSearchAt);
+  has_state_ = true;
+  state_order_ = colors_.order();
 }
 
 /// The sums of the system for the base colors, into the frame's readback.
@@ -246,16 +239,29 @@ void GlobalThesis::record_refinement(gpu::Commands& commands) {
                     push, items);
   push.count = static_cast<int32_t>(partials / entries);
   commands.dispatch(at_->normal_equations_total, {.partials = outer_partials_, .entries = system_},
-                    push, {kOneGroup * entries});
+                    push, {gpu::kOneGroup * entries});
   commands.copy(system_, current_->buffer, 16 * static_cast<uint64_t>(entries), 0, 16 * kSystemAt);
   colors_.fix();
-  current_->refining = true;
-  current_->stats.refining = true;
   current_->version = colors_.version();
   current_->colors = colors_.layer_colors();
   current_->initial = colors_.layer_colors(true);
   system_pending_ = true;
   commands.stage("refinement");
+}
+
+/// How sparse the indirect light of a region is, into the frame's readback.
+void GlobalThesis::score_region(gpu::Commands& commands, const Hints& hints) {
+  const gpu::Items pixels{extent_.width, extent_.height};
+  if (!score_) score_ = gpu::Buffer::create(device_, gpu::Element::vec4, 1);
+  Push push = push_for();
+  push.slot = hints.scored_region;
+  commands.dispatch(at_->score,
+                    {.state = solution(), .regions = hints.buffer(), .partials = partials_}, push,
+                    pixels);
+  push.count = static_cast<int32_t>(gpu::partial_count(*at_->score.kernel(), pixels));
+  commands.dispatch(at_->normal_equations_total, {.partials = partials_, .entries = score_}, push,
+                    {gpu::kOneGroup});
+  commands.copy(score_, current_->buffer, 16, 0, 16 * kScoreAt);
 }
 
 void GlobalThesis::write_layers(gpu::Commands& commands, Layers& layers) {

@@ -17,7 +17,7 @@ inline Options thesis_options(ThesisParams& params, Extent& extent, std::string&
           {"--irls", integer(params.irls_iterations)},
           {"--pcg", integer(params.pcg_iterations)},
           {"--levels", integer(params.levels)},
-          {"--settled", number(params.settled)},
+          {"--settled", number(params.residual_tolerance)},
           {"--epsilon", number(params.epsilon)}};
 }
 

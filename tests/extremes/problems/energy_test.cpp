@@ -36,7 +36,7 @@ Plane picture(int width, int height, unsigned seed) {
 struct Frozen {
   reference::SampleFrame targets;
   Plane clusters;
-  reference::PullPlane pulls;
+  reference::SourcePlane sources;
 };
 Frozen freeze(const reference::ThesisLevel& level, const Plane& start, const ThesisParams& params) {
   Frozen frozen{make_sample_frame(level, start), Plane(start.width, start.height), {}};
@@ -46,11 +46,11 @@ Frozen freeze(const reference::ThesisLevel& level, const Plane& start, const The
       frozen.clusters.data[n][c] = std::round(2 * start.data[n][c]) / 2;
     frozen.clusters.data[n][3] = params.w_clustering;
   }
-  frozen.pulls = draw_samples(level, {&frozen.targets}, 0, 0, params);
+  frozen.sources = draw_samples(level, {&frozen.targets}, 0, 0, params);
   for (size_t n = 0; n < start.size(); ++n) {
     for (size_t c = 0; c < 3; ++c)
-      frozen.pulls.data[n][c] += params.w_clustering * frozen.clusters.data[n][c];
-    frozen.pulls.data[n][3] += params.w_clustering;
+      frozen.sources.data[n][c] += params.w_clustering * frozen.clusters.data[n][c];
+    frozen.sources.data[n][3] += params.w_clustering;
   }
   return frozen;
 }
@@ -72,7 +72,7 @@ void descend(const std::string& name, ThesisParams params, const Lab& lab, bool 
   };
   ThesisLab method(lab, image, params);
   method.set_up();
-  method.set_pulls(frozen.pulls);
+  method.set_sources(frozen.sources);
   method.set_solution(x);
   const double first = energy(x);
   double before = first;

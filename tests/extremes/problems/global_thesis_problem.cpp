@@ -13,8 +13,8 @@
 #include "kernels/thesis_chapter5_solve_mix.spv.hpp"
 #include "kernels/thesis_chapter5_solve_product.spv.hpp"
 #include "kernels/thesis_chapter5_solve_reweight.spv.hpp"
-#include "kernels/thesis_chapter5_solve_scalars.spv.hpp"
 #include "kernels/thesis_chapter5_solve_update.spv.hpp"
+#include "kernels/thesis_shared_scalars.spv.hpp"
 #include "tests/reference/thesis/global_thesis_energy.hpp"
 #include "thesis_problem.hpp"
 
@@ -29,7 +29,7 @@ constexpr int kWidth = 7, kHeight = 5;  // 280 unknowns
 constexpr int32_t kGroups = 1;          // planes of four layers
 constexpr size_t kLayers = 4 * kGroups;
 constexpr int kRuns = 4, kIterations = 280;
-constexpr uint32_t kStrip = 8, kOneGroup = 128;
+constexpr uint32_t kStrip = 8;
 
 /// A step from x.
 struct Step {
@@ -41,6 +41,7 @@ struct Step {
 double single(double value) { return static_cast<double>(static_cast<float>(value)); }
 
 using Push = shaders::thesis_chapter5_solve_reweight::Push;
+using Scalars = shaders::thesis_shared_scalars;
 
 Push push_of(const Step& step) {
   const Params& p = step.params;
@@ -81,17 +82,17 @@ std::vector<double> solve_on_device(const Lab& lab, const Step& step) {
       device, {.groups = kGroups, .unit_exponent = unit});
   const gpu::Program<shaders::thesis_chapter5_solve_update> update(
       device, {.groups = kGroups, .unit_exponent = unit});
-  const gpu::Program<shaders::thesis_chapter5_solve_scalars> scalars(device, {}, kOneGroup);
-  Pixels image, pulls, features, table(4 * 3 * kMaxBases, 0.0F);
+  const gpu::Program<Scalars> scalars(device, {}, gpu::kOneGroup);
+  Pixels image, sources, features, table(4 * 3 * kMaxBases, 0.0F);
   for (size_t i = 0; i < n; ++i) {
     const reference::Vec4& target = step.scene.targets.data[i];
-    const double pull = step.params.lambda_clustering * target[3];
+    const double weight = step.params.lambda_clustering * target[3];
     for (size_t c = 0; c < 3; ++c) {
       image.push_back(static_cast<float>(step.scene.image.data[i][c]));
-      pulls.push_back(static_cast<float>(pull * target[c]));
+      sources.push_back(static_cast<float>(weight * target[c]));
     }
     image.push_back(1);
-    pulls.push_back(static_cast<float>(pull));
+    sources.push_back(static_cast<float>(weight));
     const double monochrome = step.params.lambda_monochrome * step.scene.retinex[i];
     features.insert(features.end(), {0, 0, static_cast<float>(monochrome), 0});
   }
@@ -100,10 +101,10 @@ std::vector<double> solve_on_device(const Lab& lab, const Step& step) {
     for (size_t c = 0; c < 3; ++c) color[c] = static_cast<float>(step.scene.colors[k][c]);
     color[3] = 1;
   }
-  const auto image_buffer = lab.upload(image), pulls_buffer = lab.upload(pulls),
+  const auto image_buffer = lab.upload(image), sources_buffer = lab.upload(sources),
              features_buffer = lab.upload(features), table_buffer = lab.upload(table),
              state = lab.upload(planes_of(step.x));
-  const auto nodes = lab.buffer(2 * n), forces = lab.buffer(2 * n);
+  const auto nodes = lab.buffer(2 * n), pixel_products = lab.buffer(2 * n);
   const auto diagonals = lab.buffer(field), preconditioned = lab.buffer(field),
              next = lab.buffer(field), directions = lab.buffer(field), products = lab.buffer(field);
   const gpu::Items pixels{kWidth, kHeight}, strips{kWidth, (kHeight - 1) / kStrip + 1, kGroups + 1},
@@ -116,11 +117,11 @@ std::vector<double> solve_on_device(const Lab& lab, const Step& step) {
                 after_update = partials_of(update, tall);
   const auto partials =
       lab.buffer(static_cast<uint64_t>(std::max({after_reweight, after_product, after_update})));
-  const auto numbers = gpu::Buffer::create(device, gpu::Element::scalar, 3);
-  Push push = push_of(step);
+  const auto numbers = gpu::Buffer::create(device, gpu::Element::scalar, Scalars::CG_SIZE);
+  const Push push = push_of(step);
   const auto reduce = [&](gpu::Commands& commands, int mode, int32_t count) {
-    push.mode = mode, push.count = count;
-    commands.dispatch(scalars, {.partials = partials, .scalars = numbers}, push, {kOneGroup});
+    commands.dispatch(scalars, {.partials = partials, .scalars = numbers},
+                      {.count = count, .mode = mode, .first = 1, .tolerance = 0}, {gpu::kOneGroup});
   };
   lab.run([&](gpu::Commands& commands) {
     for (const auto& buffer : {partials, numbers, directions}) commands.fill(buffer);
@@ -129,14 +130,14 @@ std::vector<double> solve_on_device(const Lab& lab, const Step& step) {
                        .state = state,
                        .image = image_buffer,
                        .features = features_buffer,
-                       .pulls = pulls_buffer,
+                       .sources = sources_buffer,
                        .nodes = nodes,
                        .diagonals = diagonals,
                        .preconditioned = preconditioned,
                        .next = next,
                        .partials = partials},
                       push, pixels);
-    reduce(commands, 0, after_reweight);
+    reduce(commands, Scalars::kSystem, after_reweight);
     commands.fill(next);  // the change alone: beside x it would lose digits
   });
   for (int run = 0; run < kRuns; ++run)
@@ -149,30 +150,30 @@ std::vector<double> solve_on_device(const Lab& lab, const Step& step) {
                            .nodes = nodes,
                            .scalars = numbers,
                            .directions = gpu::aliased(directions),
-                           .forces = forces},
+                           .pixel_products = pixel_products},
                           push, pixels);
         commands.dispatch(product,
                           {.table = table_buffer,
                            .directions = directions,
                            .state = state,
-                           .forces = forces,
+                           .pixel_products = pixel_products,
                            .diagonals = diagonals,
                            .products = products,
                            .partials = partials},
                           push, strips);
-        reduce(commands, 1, after_product);
+        reduce(commands, Scalars::kAlpha, after_product);
         commands.dispatch(update,
-                          {.next = next,
+                          {.solution = next,
                            .preconditioned = preconditioned,
                            .directions = directions,
                            .products = products,
                            .diagonals = diagonals,
                            .scalars = numbers,
-                           .next_out = gpu::aliased(next),
+                           .solution_out = gpu::aliased(next),
                            .preconditioned_out = gpu::aliased(preconditioned),
                            .partials = partials},
                           push, tall);
-        reduce(commands, 2, after_update);
+        reduce(commands, Scalars::kBeta, after_update);
       }
     });
   const Pixels got = lab.download(next);

@@ -41,7 +41,7 @@ reference::Plane patches(unsigned seed) {
 
 /// A frozen system of the thesis' method as a problem for one of its solvers.
 Problem thesis_problem(const std::string& name, Solver solver, const reference::Plane& image,
-                       const ThesisParams& params, const reference::PullPlane& pulls,
+                       const ThesisParams& params, const reference::SourcePlane& sources,
                        reference::ThesisSystem system) {
   system.edges = in_single_precision(system.edges);
   for (int y = 0; y < kHeight; ++y)
@@ -55,10 +55,10 @@ Problem thesis_problem(const std::string& name, Solver solver, const reference::
     }
   std::vector<double> b;
   for (const reference::Vec4& value : system.b.data) b.insert(b.end(), value.begin(), value.end());
-  const auto on_device = [image, params, pulls, edges = system.edges, solver](const Lab& lab) {
+  const auto on_device = [image, params, sources, edges = system.edges, solver](const Lab& lab) {
     ThesisLab method(lab, image, params);
     method.set_edges(edges);
-    method.set_pulls(pulls);
+    method.set_sources(sources);
     const bool schwarz = solver == Solver::schwarz;
     for (int k = 0; k < (schwarz ? kSweeps : kRestarts); ++k)
       method.step(schwarz, schwarz ? kInnerIterations : kIterations, k);
@@ -85,13 +85,13 @@ Problem irls_problem(const std::string& name, Solver solver, const ThesisParams&
   for (reference::Vec4& value : x0.data)
     value = start == Start::flat ? reference::Vec4{-1, -1, -1, -1}
                                  : reference::Vec4{value[0] / 2, value[1] / 2, value[2] / 2, 0};
-  reference::PullPlane pulls(kWidth, kHeight);
+  reference::SourcePlane sources(kWidth, kHeight);
   for (size_t k = 0; k < strokes.size(); ++k) {
-    reference::Vec4& pull = pulls.at(static_cast<int>(2 + 3 * k), static_cast<int>(1 + 2 * k));
-    pull = {-0.5 * strokes[k], -0.7 * strokes[k], -1.1 * strokes[k], strokes[k]};
+    reference::Vec4& source = sources.at(static_cast<int>(2 + 3 * k), static_cast<int>(1 + 2 * k));
+    source = {-0.5 * strokes[k], -0.7 * strokes[k], -1.1 * strokes[k], strokes[k]};
   }
-  pulls = in_single_precision(pulls);
-  return thesis_problem(name, solver, image, params, pulls, assemble(level, x0, pulls, params));
+  sources = in_single_precision(sources);
+  return thesis_problem(name, solver, image, params, sources, assemble(level, x0, sources, params));
 }
 
 std::string decade(double value) {
@@ -136,9 +136,9 @@ void add_thesis(std::vector<Problem>& problems, Solver solver) {
     // Every edge's weight by itself, uniform in its logarithm.
     const reference::Plane image = patches(2);
     const reference::ThesisLevel level(image, {});
-    reference::PullPlane pulls(kWidth, kHeight);
-    for (reference::Vec4& pull : pulls.data) pull = {-0.5, -0.75, -1.125, 1};
-    reference::ThesisSystem system = assemble(level, level.log_image, pulls, {});
+    reference::SourcePlane sources(kWidth, kHeight);
+    for (reference::Vec4& source : sources.data) source = {-0.5, -0.75, -1.125, 1};
+    reference::ThesisSystem system = assemble(level, level.log_image, sources, {});
     std::mt19937 random(3);
     std::uniform_real_distribution<double> exponent(-decades / 2, decades / 2);
     for (int y = 0; y < kHeight; ++y)
@@ -149,7 +149,7 @@ void add_thesis(std::vector<Problem>& problems, Solver solver) {
         if (y + 1 == kHeight) edge[1] = edge[3] = 0;
       }
     problems.push_back(thesis_problem("edges over " + decade(decades) + " decades", solver, image,
-                                      {}, pulls, system));
+                                      {}, sources, system));
   }
 }
 

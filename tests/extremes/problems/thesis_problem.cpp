@@ -9,7 +9,7 @@
 namespace inverse::extremes {
 namespace {
 
-constexpr uint32_t kStrip = 8, kOneGroup = 128, kBlock = 16, kBlockGroup = 64;
+constexpr uint32_t kStrip = 8, kBlock = 16, kBlockGroup = 64;
 
 Pixels pixels_of(const reference::Plane& plane) {
   Pixels pixels;
@@ -30,17 +30,18 @@ ThesisLab::ThesisLab(const Lab& lab, const reference::Plane& image,
   reweight_ = {device};
   direction_ = {device};
   update_ = {device};
-  scalars_kernel_ = {device, {}, kOneGroup};
+  scalars_kernel_ = {device, {}, gpu::kOneGroup};
   schwarz_ = {device, {}, kBlockGroup};
   const uint64_t n = extent_.pixels();
   for (auto* buffer : {&links_, &edges_, &nodes_, &preconditioned_, &products_, &solution_, &spare_,
                        &directions_[0], &directions_[1]})
     *buffer = lab.buffer(n);
   image_ = lab.upload(pixels_of(image));
-  pulls_ = lab.upload(Pixels(4 * n, 0.0F));
+  sources_ = lab.upload(Pixels(4 * n, 0.0F));
   partials_ = lab.buffer(
       gpu::partial_count(*direction_.kernel(), {extent_.width, (extent_.height - 1) / kStrip + 1}));
-  scalars_ = gpu::Buffer::create(device, gpu::Element::scalar, 3);
+  scalars_ =
+      gpu::Buffer::create(device, gpu::Element::scalar, shaders::thesis_shared_scalars::CG_SIZE);
   lab.run([&](gpu::Commands& commands) {
     commands.fill(partials_);
     commands.fill(scalars_);
@@ -56,7 +57,7 @@ ThesisLab::Push ThesisLab::push() const {
           .other_size = {0, 0},
           .shift = {0, 0},
           .count = 0,
-          .mode = 0,
+          .clustered = 0,
           .samples = 0,
           .frames = 0,
           .ring_start = 0,
@@ -79,8 +80,7 @@ ThesisLab::Push ThesisLab::push() const {
           .chroma_floor = number(params_.chroma_floor),
           .p = number(p),
           .epsilon2 = frozen_ ? 1.0F : number(params_.epsilon * params_.epsilon),
-          .irls_factor = number(params_.consistent_irls ? p / 2 : 1),
-          .settled = 0};
+          .irls_factor = number(params_.consistent_irls ? p / 2 : 1)};
 }
 
 void ThesisLab::set_up() const {
@@ -95,8 +95,8 @@ void ThesisLab::set_edges(const reference::Plane& edges) {
   links_ = lab_.upload(pixels_of(edges));
 }
 
-void ThesisLab::set_pulls(const reference::PullPlane& pulls) {
-  pulls_ = lab_.upload(pixels_of(pulls));
+void ThesisLab::set_sources(const reference::SourcePlane& sources) {
+  sources_ = lab_.upload(pixels_of(sources));
 }
 
 void ThesisLab::set_solution(const reference::Plane& x) {
@@ -113,15 +113,15 @@ reference::Plane ThesisLab::solution() const {
 }
 
 void ThesisLab::conjugate_gradients(gpu::Commands& commands, int iterations) const {
-  Push push = this->push();
+  using Scalars = shaders::thesis_shared_scalars;
+  const Push push = this->push();
   const gpu::Items strips{extent_.width, (extent_.height - 1) / kStrip + 1};
-  push.count = static_cast<int32_t>(gpu::partial_count(*direction_.kernel(), strips));
+  const auto count = static_cast<int32_t>(gpu::partial_count(*direction_.kernel(), strips));
   const auto reduce = [&](int mode) {
-    push.mode = mode;
-    commands.dispatch(scalars_kernel_, {.partials = partials_, .scalars = scalars_}, push,
-                      {kOneGroup});
+    commands.dispatch(scalars_kernel_, {.partials = partials_, .scalars = scalars_},
+                      {.count = count, .mode = mode, .first = 1, .tolerance = 0}, {gpu::kOneGroup});
   };
-  reduce(0);
+  reduce(Scalars::kSystem);
   for (int k = 0; k < iterations; ++k) {
     const auto& before = directions_[static_cast<size_t>(k + 1) % 2];
     const auto& direction = directions_[static_cast<size_t>(k) % 2];
@@ -135,7 +135,7 @@ void ThesisLab::conjugate_gradients(gpu::Commands& commands, int iterations) con
                        .products = products_,
                        .partials = partials_},
                       push, strips);
-    reduce(1);
+    reduce(Scalars::kAlpha);
     commands.dispatch(update_,
                       {.solution = gpu::aliased(solution_),
                        .preconditioned = gpu::aliased(preconditioned_),
@@ -147,7 +147,7 @@ void ThesisLab::conjugate_gradients(gpu::Commands& commands, int iterations) con
                        .preconditioned_out = preconditioned_,
                        .partials = partials_},
                       push, strips);
-    reduce(2);
+    reduce(Scalars::kBeta);
   }
 }
 
@@ -157,7 +157,7 @@ void ThesisLab::step(bool schwarz, int iterations, int step) {
     commands.dispatch(reweight_,
                       {.solution = solution_,
                        .links = links_,
-                       .pulls = pulls_,
+                       .sources = sources_,
                        .image = image_,
                        .edges = edges_,
                        .nodes = nodes_,

@@ -6,10 +6,10 @@
 
 #include "kernels/thesis_chapter3_direction.spv.hpp"
 #include "kernels/thesis_chapter3_reweight.spv.hpp"
-#include "kernels/thesis_chapter3_scalars.spv.hpp"
 #include "kernels/thesis_chapter3_schwarz.spv.hpp"
 #include "kernels/thesis_chapter3_setup.spv.hpp"
 #include "kernels/thesis_chapter3_update.spv.hpp"
+#include "kernels/thesis_shared_scalars.spv.hpp"
 #include "tests/extremes/support/lab.hpp"
 #include "tests/extremes/support/problem.hpp"
 #include "tests/reference/thesis/intrinsic_thesis_energy.hpp"
@@ -27,7 +27,7 @@ class ThesisLab {
   void set_up() const;
   /// The edges of a frozen system instead (ThesisSystem): every IRLS step finds the same ones.
   void set_edges(const reference::Plane& edges);
-  void set_pulls(const reference::PullPlane& pulls);
+  void set_sources(const reference::SourcePlane& sources);
   void set_solution(const reference::Plane& x);
   reference::Plane solution() const;
 
@@ -48,9 +48,9 @@ class ThesisLab {
   gpu::Program<shaders::thesis_chapter3_reweight> reweight_;
   gpu::Program<shaders::thesis_chapter3_direction> direction_;
   gpu::Program<shaders::thesis_chapter3_update> update_;
-  gpu::Program<shaders::thesis_chapter3_scalars> scalars_kernel_;
+  gpu::Program<shaders::thesis_shared_scalars> scalars_kernel_;
   gpu::Program<shaders::thesis_chapter3_schwarz> schwarz_;
-  gpu::BufferPtr image_, links_, pulls_, edges_, nodes_, preconditioned_, products_;
+  gpu::BufferPtr image_, links_, sources_, edges_, nodes_, preconditioned_, products_;
   gpu::BufferPtr solution_, spare_, directions_[2], partials_, scalars_;
 };
 

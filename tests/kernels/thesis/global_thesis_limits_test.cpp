@@ -158,13 +158,13 @@ TEST_F(GlobalThesisTest, SamplesRaiseTheRestOfTheEnergyByLittleInAll) {
 }
 
 TEST_F(GlobalThesisTest, LayersThatTheDeviceCannotBindAreOmitted) {
-  EXPECT_EQ(GlobalThesis::most_layers(*device, {64, 48}), static_cast<int>(kMaxBases));
+  EXPECT_EQ(GlobalThesis::max_layers(*device, {64, 48}), static_cast<int>(kMaxBases));
   // The first of these sizes that does not take all.
   Extent extent{640, 480};
-  while (GlobalThesis::most_layers(*device, extent) == static_cast<int>(kMaxBases) &&
+  while (GlobalThesis::max_layers(*device, extent) == static_cast<int>(kMaxBases) &&
          extent.pixels() < 8'000'000)
     extent.width += 640;
-  const int largest = GlobalThesis::most_layers(*device, extent);
+  const int largest = GlobalThesis::max_layers(*device, extent);
   if (largest == static_cast<int>(kMaxBases)) GTEST_SKIP() << "the device binds all of them";
   EXPECT_EQ(largest, 12) << extent.width;
   GlobalThesis method(device, extent);

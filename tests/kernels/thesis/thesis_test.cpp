@@ -326,12 +326,12 @@ TEST_F(ThesisTest, LayersMultiplyToTheInputWhereTheDataTermBinds) {
 TEST_F(ThesisTest, ConjugateGradientsEndWhenTheResidualIsSmall) {
   const Extent extent{96, 72};
   const Plane frame = plane(extent, scene(extent, 5));
-  const auto stats_with = [&](float settled, int iterations) {
+  const auto stats_with = [&](float tolerance, int iterations) {
     ThesisParams params;
     params.energy = true;
     params.samples = 0;  // lagged samples and clusters pull the solution past the least energy
     params.w_clustering = 0;
-    params.settled = settled;
+    params.residual_tolerance = tolerance;
     params.pcg_iterations = iterations;
     ThesisDecomposition method(device, extent);
     method.set_params(params);

@@ -164,11 +164,11 @@ GlobalSystem assemble(const GlobalThesisScene& scene, const GlobalField& x,
   system.reflectance.resize(x.pixels());
   system.product.resize(x.pixels());
   system.monochrome.resize(x.pixels());
-  system.pull.resize(x.pixels());
+  system.weight.resize(x.pixels());
   for (GlobalField* field : {&system.local, &system.right, &system.down, &system.b}) {
     *field = GlobalField(x.width, x.height, layers);
   }
-  const PullPlane drawn =
+  const SourcePlane drawn =
       draw_samples(scene.sampling, samples.frames, 0, samples.epoch, sampling_params(params));
   for (std::size_t n = 0; n < x.pixels(); ++n) {
     const double* v = x.at(n);
@@ -179,7 +179,7 @@ GlobalSystem assemble(const GlobalThesisScene& scene, const GlobalField& x,
     const Vec3 tint = colored(s);
     const double clustering = params.lambda_clustering * target[3];
     system.monochrome[n] = params.lambda_monochrome * scene.retinex[n];
-    system.pull[n] = clustering + drawn.data[n][3];
+    system.weight[n] = clustering + drawn.data[n][3];
     for (std::size_t k = 3; k < x.unknowns; ++k) {
       if (k > 3) local[k] = params.lambda_i_sparsity * abs_weight(v[k], params);
       local[k] += params.lambda_non_negativity * negativity_weight(v[k], params);
@@ -192,9 +192,9 @@ GlobalSystem assemble(const GlobalThesisScene& scene, const GlobalField& x,
       const double e = scene.image.data[n][c] - reflectance * s[c];
       b[c] = params.lambda_data * e * reflectance * s[c] + clustering * (target[c] - v[c]) +
              drawn.data[n][c] - drawn.data[n][3] * v[c];
-      const double pull = params.lambda_data * e * reflectance - system.monochrome[n] * tint[c];
-      b[3] += pull;
-      for (std::size_t k = 0; k < layers; ++k) b[4 + k] += scene.colors[k][c] * pull;
+      const double shading = params.lambda_data * e * reflectance - system.monochrome[n] * tint[c];
+      b[3] += shading;
+      for (std::size_t k = 0; k < layers; ++k) b[4 + k] += scene.colors[k][c] * shading;
     }
   }
   for_each_edge(x.width, x.height, [&](std::size_t n, std::size_t m, int down) {
@@ -223,7 +223,7 @@ void apply(const GlobalSystem& system, const GlobalField& v, GlobalField* out) {
     for (int c = 0; c < 3; ++c) {
       // Minus the change of the data residual.
       const double change = system.product[n][c] * d[c] + system.reflectance[n][c] * ds[c];
-      q[c] = system.lambda_data * system.product[n][c] * change + system.pull[n] * d[c];
+      q[c] = system.lambda_data * system.product[n][c] * change + system.weight[n] * d[c];
       const double force =
           system.lambda_data * system.reflectance[n][c] * change + system.monochrome[n] * tint[c];
       q[3] += force;
@@ -247,7 +247,7 @@ GlobalField diagonal(const GlobalSystem& system) {
     double* d = result.at(n);
     for (int c = 0; c < 3; ++c) {
       const double data = system.lambda_data * squared(system.reflectance[n][c]);
-      d[c] = system.lambda_data * squared(system.product[n][c]) + system.pull[n];
+      d[c] = system.lambda_data * squared(system.product[n][c]) + system.weight[n];
       d[3] += data;
       for (std::size_t k = 0; k < scene.layers(); ++k) {
         d[4 + k] += data * squared(scene.colors[k][c]) +

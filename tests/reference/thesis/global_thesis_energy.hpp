@@ -122,7 +122,7 @@ struct GlobalSystem {
   std::vector<Vec3> reflectance;   ///< R
   std::vector<Vec3> product;       ///< R ⊙ S
   std::vector<double> monochrome;  ///< λ w_SR
-  std::vector<double> pull;        ///< λ_clustering and samples: Σ weights on r
+  std::vector<double> weight;      ///< λ_clustering and samples: Σ weights on r
   GlobalField local;               ///< weights of T_k² by sparsity and non-negativity
   GlobalField right, down;         ///< weights of an unknown's difference to the next pixel
   GlobalField b;

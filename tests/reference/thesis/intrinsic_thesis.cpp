@@ -193,13 +193,13 @@ void IntrinsicThesis::solve_level(int index) {
       previous = energy.total();
     }
     if (step == steps) break;
-    PullPlane pull = draw_samples(level, sources, stream, epoch(), params_);
+    SourcePlane source = draw_samples(level, sources, stream, epoch(), params_);
     for (std::size_t n = 0; n < clusters.size(); ++n) {
       const Vec4& cluster = clusters.data[n];
-      for (int c = 0; c < 3; ++c) pull.data[n][c] += cluster[3] * cluster[c];
-      pull.data[n][3] += cluster[3];
+      for (int c = 0; c < 3; ++c) source.data[n][c] += cluster[3] * cluster[c];
+      source.data[n][3] += cluster[3];
     }
-    irls_step(assemble(level, x, pull, params_), step, &x);
+    irls_step(assemble(level, x, source, params_), step, &x);
   }
 }
 

@@ -108,18 +108,18 @@ SampleFrame make_sample_frame(const ThesisLevel& level, const Plane& x) {
   return frame;
 }
 
-PullPlane draw_samples(const ThesisLevel& level, const std::vector<const SampleFrame*>& frames,
-                       std::uint32_t stream, std::uint32_t epoch, const ThesisParams& params) {
-  PullPlane pull(level.image.width, level.image.height);
-  for (std::size_t n = 0; n < pull.size(); ++n) {
+SourcePlane draw_samples(const ThesisLevel& level, const std::vector<const SampleFrame*>& frames,
+                         std::uint32_t stream, std::uint32_t epoch, const ThesisParams& params) {
+  SourcePlane source(level.image.width, level.image.height);
+  for (std::size_t n = 0; n < source.size(); ++n) {
     const double g = params.w_non_local * level.log_image.data[n][3];  // (3.13)
     for_each_sample(level, frames, n, stream, epoch, params, [&](const Vec4& sample, bool agree) {
       if (!agree) return;
-      for (int c = 0; c < 3; ++c) pull.data[n][c] += g * sample[c];
-      pull.data[n][3] += g;
+      for (int c = 0; c < 3; ++c) source.data[n][c] += g * sample[c];
+      source.data[n][3] += g;
     });
   }
-  return pull;
+  return source;
 }
 
 ThesisEnergy thesis_energy(const ThesisLevel& level, const Plane& x, const Plane& clusters,
@@ -161,7 +161,7 @@ ThesisEnergy thesis_energy(const ThesisLevel& level, const Plane& x, const Plane
   return energy;
 }
 
-ThesisSystem assemble(const ThesisLevel& level, const Plane& x, const PullPlane& pull,
+ThesisSystem assemble(const ThesisLevel& level, const Plane& x, const SourcePlane& source,
                       const ThesisParams& params) {
   ThesisSystem system;
   system.edges = Plane(x.width, x.height);
@@ -188,11 +188,11 @@ ThesisSystem assemble(const ThesisLevel& level, const Plane& x, const PullPlane&
       const double iw = i[3];
       const double m = mean(i);
       system.node.data[n][0] = iw;
-      system.node.data[n][1] = pull.data[n][3];
+      system.node.data[n][1] = source.data[n][3];
       Vec4& b = system.b.data[n];
       for (int c = 0; c < 3; ++c) {
         b[c] = params.w_data * iw * kChannelWeight[c] * i[c] +
-               params.w_chromaticity * iw * (i[c] - m) + pull.data[n][c];
+               params.w_chromaticity * iw * (i[c] - m) + source.data[n][c];
         b[3] += params.w_data * iw * kChannelWeight[c] * i[c];
       }
     }

@@ -66,14 +66,14 @@ using SampleFrame = Plane;
 /// Makes the frame that samples of this level and solution are drawn from.
 SampleFrame make_sample_frame(const ThesisLevel& level, const Plane& x);
 
-/// A constant pull towards a target: rgb = Σ weight · target, w = Σ weight.
-using PullPlane = Plane;
+/// Source terms of targets of r: rgb = Σ weight · target, w = Σ weight.
+using SourcePlane = Plane;
 
 /// Eqs. 3.12–3.13: for every pixel the sum over its samples of w_non_local g_i (r_ti, 1).
 /// `frames[0]` is the current one, the others are keyframes; `stream` is the second hash counter's
 /// upper part (the pyramid level) and `epoch` the frame number where samples are redrawn.
-PullPlane draw_samples(const ThesisLevel& level, const std::vector<const SampleFrame*>& frames,
-                       std::uint32_t stream, std::uint32_t epoch, const ThesisParams& params);
+SourcePlane draw_samples(const ThesisLevel& level, const std::vector<const SampleFrame*>& frames,
+                         std::uint32_t stream, std::uint32_t epoch, const ThesisParams& params);
 
 /// Energy per term, summed over pixels.
 struct ThesisEnergy {
@@ -98,14 +98,14 @@ ThesisEnergy thesis_energy(const ThesisLevel& level, const Plane& x, const Plane
 /// the kernels keep them.
 struct ThesisSystem {
   Plane edges;  ///< right and down: a = W · c(d), then V
-  Plane node;   ///< ω_iw, Σ weights of pulls, Σ a, Σ V over the existing neighbors
+  Plane node;   ///< ω_iw, Σ weights of targets, Σ a, Σ V over the existing neighbors
   Plane b;
   double w_data = 0;
   double w_chromaticity = 0;
 };
 
-/// The system at the linearization point x; `pull` sums samples and clusters.
-ThesisSystem assemble(const ThesisLevel& level, const Plane& x, const PullPlane& pull,
+/// The system at the linearization point x; `source` sums samples and clusters.
+ThesisSystem assemble(const ThesisLevel& level, const Plane& x, const SourcePlane& source,
                       const ThesisParams& params);
 
 /// A v, as if the image ended at the borders of the block [x0, x1) × [y0, y1) where v is zero

@@ -52,15 +52,15 @@ TEST(IntrinsicThesisReference, SystemIsHalfTheGradientOfTheEnergy) {
     const Plane x = random_plane(7, 5, 4, -2, 1);
     const Plane clusters = random_plane(7, 5, 5, 0.1, 2);
     const SampleFrame targets = make_sample_frame(level, random_plane(7, 5, 6, -2, 1));
-    PullPlane pull = draw_samples(level, {&targets}, 0, 0, params);
+    SourcePlane source = draw_samples(level, {&targets}, 0, 0, params);
     double bound = 0;
-    for (std::size_t n = 0; n < pull.size(); ++n) {
-      bound += pull.data[n][3];
-      for (int c = 0; c < 3; ++c) pull.data[n][c] += clusters.data[n][3] * clusters.data[n][c];
-      pull.data[n][3] += clusters.data[n][3];
+    for (std::size_t n = 0; n < source.size(); ++n) {
+      bound += source.data[n][3];
+      for (int c = 0; c < 3; ++c) source.data[n][c] += clusters.data[n][3] * clusters.data[n][c];
+      source.data[n][3] += clusters.data[n][3];
     }
     ASSERT_GT(bound, 0);
-    const ThesisSystem system = assemble(level, x, pull, params);
+    const ThesisSystem system = assemble(level, x, source, params);
     Plane product(7, 5);
     apply(system, x, 0, 0, 7, 5, &product);
     for (std::size_t n = 0; n < x.size(); ++n) {
@@ -83,8 +83,8 @@ TEST(IntrinsicThesisReference, SystemIsHalfTheGradientOfTheEnergy) {
 TEST(IntrinsicThesisReference, DiagonalIsThatOfTheOperator) {
   const ThesisParams params;
   const ThesisLevel level(random_plane(6, 4, 1, 0, 1), params);
-  const PullPlane pull = random_plane(6, 4, 2, 0, 1);
-  const ThesisSystem system = assemble(level, random_plane(6, 4, 3, -1, 1), pull, params);
+  const SourcePlane source = random_plane(6, 4, 2, 0, 1);
+  const ThesisSystem system = assemble(level, random_plane(6, 4, 3, -1, 1), source, params);
   for (std::size_t n = 0; n < 24; ++n) {
     for (int c = 0; c < 4; ++c) {
       Plane unit(6, 4);
@@ -101,7 +101,7 @@ TEST(IntrinsicThesisReference, OppositeShiftOfTheLayersIsTheNullSpace) {
   params.samples = 0;
   const ThesisLevel level(random_plane(9, 8, 1, 0, 1), params);
   const ThesisSystem system =
-      assemble(level, random_plane(9, 8, 2, -1, 1), PullPlane(9, 8), params);
+      assemble(level, random_plane(9, 8, 2, -1, 1), SourcePlane(9, 8), params);
   Plane shift(9, 8);
   Plane product(9, 8);
   for (Vec4& value : shift.data) value = {1, 1, 1, -1};
@@ -117,8 +117,8 @@ TEST(IntrinsicThesisReference, ConjugateGradientsSolveTheSystem) {
   const ThesisLevel level(checkers(21, 14), params);
   Plane x = random_plane(21, 14, 1, -1, 1);
   const SampleFrame frame = make_sample_frame(level, x);
-  const PullPlane pull = draw_samples(level, {&frame}, 0, 0, params);
-  const ThesisSystem system = assemble(level, x, pull, params);
+  const SourcePlane source = draw_samples(level, {&frame}, 0, 0, params);
+  const ThesisSystem system = assemble(level, x, source, params);
   ConjugateGradients(21, 14).run(system, 2000, 1e-12, 0, 0, 21, 14, x, &x);
   Plane product(21, 14);
   apply(system, x, 0, 0, 21, 14, &product);

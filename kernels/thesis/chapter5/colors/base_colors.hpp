@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernels/palette/palette.hpp"
+#include "kernels/thesis_chapter5_setup_setup.spv.hpp"
 
 namespace inverse {
 
@@ -16,7 +17,8 @@ namespace inverse {
 /// color that was estimated: if it followed, each would chase the other and neither come to rest.
 class BaseColors {
  public:
-  static constexpr int kMaxColors = static_cast<int>(Palette::kMaxClusters);
+  static constexpr int kMaxColors = shaders::thesis_chapter5_setup_setup::kMaxColors;
+  static_assert(kMaxColors == Palette::kMaxClusters);
   /// Channels are kept above this: reflectance of a black base color.
   static constexpr float kDarkest = 1e-3f;
   using Rgb = std::array<float, 3>;

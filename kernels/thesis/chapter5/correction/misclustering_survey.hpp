@@ -8,6 +8,7 @@
 #include "kernels/image/plane.hpp"
 #include "kernels/thesis/chapter5/colors/base_colors.hpp"
 #include "kernels/thesis/chapter5/regions/marked_regions.hpp"
+#include "kernels/thesis_chapter5_correction_survey.spv.hpp"
 
 namespace inverse {
 
@@ -20,7 +21,7 @@ struct Survey {
   /// Slot of the base color that each marked region has been given, by its number; −1: none.
   std::array<int, MarkedRegions::kMaxRegions + 1> given;
 
-  static constexpr int kClusterCodes = 32;
+  static constexpr int kClusterCodes = shaders::thesis_chapter5_correction_survey::kClusterCodes;
 };
 
 /// Connected pixels of one cluster that look like another base color than they have.

@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 
-// A smaller frame in which misclustered regions are looked for on the host: of each `factor`² pixels the mean color of those
+// A smaller frame, in which the host searches for misclustered regions: of each `factor`² pixels the mean color of those
 // that have the cluster of the middle one, so that no color is mixed across a border, and, of the middle one, its cluster + 1
 // (0: none) and kClusterCodes times the number of the marked region that it is in.
 layout(push_constant) uniform Push {
@@ -16,7 +16,7 @@ PLANE_IN(1, features);
 PLANE_IN(2, regions);
 PLANE_OUT(3, survey);
 
-const float kClusterCodes = 32.0;
+const int kClusterCodes = 32;
 
 void main() {
   ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -31,6 +31,6 @@ void main() {
       int n = y * push.fine_size.x + x;
       sum += FETCH(features, n).w == cluster ? vec4(FETCH(image, n).rgb, 1.0) : vec4(0.0);
     }
-  float code = cluster + 1.0 + kClusterCodes * FETCH(regions, m).y;
+  float code = cluster + 1.0 + float(kClusterCodes) * FETCH(regions, m).y;
   STORE(survey, at.y * push.size.x + at.x, vec4(sum.rgb / sum.w, code));
 }

@@ -49,7 +49,7 @@ class Runner {
 void GlobalThesis::warm_up() const {
   // What decides which kernels there are.
   device_->warm_up_once("GlobalThesis, " + std::to_string(slots_) + " slots, " +
-                            std::to_string(most_layers_) + " layers" +
+                            std::to_string(max_layers_) + " layers" +
                             (params_.p == 1 ? "" : ", any p"),
                         [this] { play_all(); });
 }
@@ -73,7 +73,7 @@ void GlobalThesis::play_all() const {
     tiny.record_colors(commands, frame);
     return 0;
   });
-  for (int layers = 0; layers <= most_layers_; layers += 4) {
+  for (int layers = 0; layers <= max_layers_; layers += 4) {
     tiny.set_base_colors(std::vector<Rgb>(static_cast<size_t>(layers), {0.9f, 0.2f, 0.1f}));
     Hints hints;
     hints.fixed_regions = &regions;

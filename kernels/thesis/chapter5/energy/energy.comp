@@ -54,11 +54,11 @@ void main() {
     negative += total(negativity(light));
   }
   vec3 e = FETCH(image, n).rgb - exp(x.rgb) * s;
-  vec4 goal = FETCH(targets, n);
-  vec3 pull = x.rgb - goal.rgb;
+  vec4 target = FETCH(targets, n);
+  vec3 off_target = x.rgb - target.rgb;
   vec3 tint = colored(s);
   float inside = float(gl_GlobalInvocationID.x < uint(w));
-  SUM_PARTIALS(first_partials, inside * vec4(push.lambda_data * dot(e, e), goal.w * dot(pull, pull), sparse_r, 0.0));
+  SUM_PARTIALS(first_partials, inside * vec4(push.lambda_data * dot(e, e), target.w * dot(off_target, off_target), sparse_r, 0.0));
   SUM_PARTIALS(second_partials,
                inside * vec4(FETCH(features, n).z * dot(tint, tint), push.lambda_i_sparsity * sparse,
                              push.lambda_smoothness * piecewise, push.lambda_non_negativity * negative));

@@ -39,7 +39,7 @@ const float kDarkest = 1e-6;  // mean shading below which a pixel has no light
 layout(push_constant) uniform Push {
   ivec2 size;
   int count;          // partial sums to add up
-  int mode;           // what a kernel with several meanings is to do
+  int mode;           // of a kernel with several (targets.comp, search.comp)
   int samples;        // N_s
   int frames;         // frames to draw from: the current one and the keyframes so far
   int ring_start;     // slot of the oldest keyframe, from 0

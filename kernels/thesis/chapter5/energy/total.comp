@@ -7,14 +7,14 @@
 
 // One workgroup: adds the partial sums of an energy up into two entries of the trace.
 PLANE_IN(0, first);
-PLANE_IN(1, pulls);
+PLANE_IN(1, samples);
 PLANE_IN(2, second);
 PLANE_OUT(3, trace);
 
 void main() {
   vec4 a = vec4(0.0), b = vec4(0.0);
   for (int i = int(gl_LocalInvocationID.x); i < push.count; i += int(gl_WorkGroupSize.x)) {
-    a += FETCH(first, i) + FETCH(pulls, i);
+    a += FETCH(first, i) + FETCH(samples, i);
     b += FETCH(second, i);
   }
   a = workgroup_sum(a);

@@ -17,7 +17,7 @@ void join(uint a, uint b) {
     uint low = min(a, b), high = max(a, b);
     uint before = atomicMin(roots_data[high], low);
     if (before == high) return;
-    // Somebody else was faster: what they joined `high` to has to be joined, too.
+    // Another invocation won: what it joined `high` to has to be joined, too.
     a = before;
     b = low;
   }

@@ -16,7 +16,7 @@ uint claiming_region(uint claim) { return claim % uint(kMaxRegions); }
 int pixels_at(uint number) { return int(number); }
 int claimed_at(uint number) { return kMaxRegions + int(number); }
 
-// The host's orders for a frame are words: for each region the slot of its color + 1, then its claim where it goes on from
+// The host's orders for a frame are words: for each region the slot of its color + 1, then its claim if it continues from
 // the frame before, or 0, then (x, y, claim, the only cluster that it may have + 1, or 0) of each click.
 
 layout(push_constant) uniform Push {

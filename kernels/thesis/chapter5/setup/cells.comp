@@ -5,14 +5,14 @@
 #include "thesis/chapter5/energy/energy.glsl"
 #include "thesis/chapter5/energy/terms.glsl"
 
-// What cuts are found by: the mean of ln c in each of 32 x 32 parts of the frame, of up to 16 of its pixels, and how much
+// For scene cuts: the mean of ln c in each of 32 x 32 parts of the frame, of up to 16 of its pixels, and how much
 // light is there, into half `slot` of `cells`. One part an invocation.
 PLANE_IN(0, chroma);
 PLANE_IN(1, image);
 PLANE_OUT(2, cells);
 
 const int kAcross = 32;
-const int kSide = 4;       // pixels looked at, along an axis
+const int kSide = 4;       // pixels read, along an axis
 const float kDark = 0.01;  // below it, color is noise
 
 void main() {

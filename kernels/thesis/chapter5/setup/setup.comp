@@ -6,7 +6,7 @@
 #include "thesis/chapter5/energy/terms.glsl"
 #include "thesis/shared/packed_chromaticity.glsl"
 
-// What a frame knows before it is solved: features (packed chromaticity, 1 − w_intensity (1 − |I|), λ_monochrome w_SR, slot
+// Per-frame constants: features (packed chromaticity, 1 − w_intensity (1 − |I|), λ_monochrome w_SR, slot
 // of the cluster whose center is the nearest in ln c, −1 if there are none).
 PLANE_IN(0, image);
 #define TABLE_SLOT 1

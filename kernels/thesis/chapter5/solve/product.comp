@@ -10,7 +10,7 @@
 // q = A d, with partial sums of dᵀq and dᵀM d. The dispatch's z is the plane of the field.
 PLANE_IN(1, directions);
 PLANE_IN(2, state);
-PLANE_IN(3, forces);
+PLANE_IN(3, pixel_products);
 PLANE_IN(4, diagonals);
 PLANE_OUT(5, products);
 PLANE_OUT(6, partials);
@@ -21,14 +21,14 @@ void main() {
   int w = push.size.x, h = push.size.y, plane = w * h;
   int group = int(gl_WorkGroupID.z);
   int base = group * plane;
-  int shared_at = min(group, 1) * plane;  // in `forces`
+  int shared_at = min(group, 1) * plane;  // in `pixel_products`
   bool inside = int(gl_GlobalInvocationID.x) < w;
   int x = min(int(gl_GlobalInvocationID.x), w - 1);
   int first = int(gl_GlobalInvocationID.y) * kStrip;
   int left = max(x - 1, 0), right = min(x + 1, w - 1);
   mat4 colors = base_colors(max(group, 1));
   vec4 exists = vec4(colors[0].w, colors[1].w, colors[2].w, colors[3].w);
-  // Of plane 0 the forces themselves are stored.
+  // Those of plane 0 are stored without base colors.
   if (group == 0) colors = mat4(1.0);
   vec2 sum = vec2(0.0);
 
@@ -48,7 +48,7 @@ void main() {
                 (here - FETCH(directions, base + start + left));
     vec4 across = edge_weight(group, at - FETCH(state, base + start + right)) *
                   (here - FETCH(directions, base + start + right));
-    vec4 q = FETCH(forces, shared_at + start + x) * colors + local_weight(group, at, exists) * here + up + down + back +
+    vec4 q = FETCH(pixel_products, shared_at + start + x) * colors + local_weight(group, at, exists) * here + up + down + back +
              across;
     if (inside && y < h) {
       STORE(products, n, q);

@@ -12,7 +12,7 @@
 PLANE_IN(1, state);
 PLANE_IN(2, image);
 PLANE_IN(3, features);
-PLANE_IN(4, pulls);
+PLANE_IN(4, sources);
 PLANE_OUT(5, nodes);
 PLANE_OUT(6, diagonals);
 PLANE_OUT(7, preconditioned);
@@ -23,7 +23,7 @@ int w, plane, n, left, right, above, below;
 bool inside;
 float sum = 0.0;
 
-/// Adds an edge to b and M. A pixel across the border is the pixel itself: it pulls with nothing, but must not count in M.
+/// Adds an edge to b and M. A pixel across the border is the pixel itself: it adds nothing to b, and must not count in M.
 void add_edge(int group, int base, vec4 x, int neighbor, inout vec4 b, inout vec4 m) {
   vec4 d = x - FETCH(state, base + neighbor);
   vec4 weight = float(neighbor != n) * edge_weight(group, d);
@@ -67,22 +67,22 @@ void main() {
   vec3 reflectance = exp(x.rgb);
   vec3 product = reflectance * s;
   vec3 e = FETCH(image, n).rgb - product;
-  vec4 pull = FETCH(pulls, n);
+  vec4 source = FETCH(sources, n);
   float monochrome = FETCH(features, n).z;
-  vec3 force = push.lambda_data * e * reflectance - monochrome * colored(s);
+  vec3 shading_residual = push.lambda_data * e * reflectance - monochrome * colored(s);
   vec3 stiffness = push.lambda_data * reflectance * reflectance;
   if (inside) {
     STORE(nodes, n, vec4(reflectance, monochrome));
-    STORE(nodes, plane + n, vec4(product, pull.w));
+    STORE(nodes, plane + n, vec4(product, source.w));
   }
-  finish(0, x, vec4(1.0), vec4(push.lambda_data * e * product + pull.rgb - pull.w * x.rgb, sum3(force)),
-         vec4(push.lambda_data * product * product + pull.w, sum3(stiffness)));
+  finish(0, x, vec4(1.0), vec4(push.lambda_data * e * product + source.rgb - source.w * x.rgb, sum3(shading_residual)),
+         vec4(push.lambda_data * product * product + source.w, sum3(stiffness)));
   for (int g = 1; g <= kGroups; ++g) {
     mat4 b = base_colors(g);
     mat4 squared = matrixCompMult(b, b);
     vec4 total = vec4(1.0, 1.0, 1.0, 0.0) * b;
     vec4 tint = max(vec4(1.0, 1.0, 1.0, 0.0) * squared - total * total * (1.0 / 3.0), 0.0);
-    finish(g, FETCH(state, g * plane + n), vec4(b[0].w, b[1].w, b[2].w, b[3].w), vec4(force, 0.0) * b,
+    finish(g, FETCH(state, g * plane + n), vec4(b[0].w, b[1].w, b[2].w, b[3].w), vec4(shading_residual, 0.0) * b,
            vec4(stiffness, 0.0) * squared + monochrome * tint);
   }
   SUM_PARTIALS(partials, vec4(sum, 0.0, 0.0, 0.0));

@@ -4,18 +4,20 @@
 #include "gpu/common.glsl"
 #include "thesis/chapter5/energy/energy.glsl"
 #include "gpu/workgroup_sum.glsl"
+#include "search.glsl"
 
 // One workgroup: whether a step is taken as it is, by the energy without samples. A step is linear in what the data term
-// is not; where light spans decades it may overshoot by far, and is shortened then, twice at most before it is not taken.
+// is not; where light spans decades it may overshoot by far, and is shortened then, at most twice before it is rejected.
 // The penalty of negative light bounds nothing (energy.glsl): what a step adds of it falls in the steps after, and holding
 // it down slows them. Samples are in no bound either, as they follow the reflectance: with them a step may raise the energy
 // by kSamples, but no step to more than that above where the frame starts.
-// mode 0: x is where the frame starts. 1: after a step. 2: after a shortened one. 3: after the last one.
-// `search` is (energy, factor that the step is to be shortened by, shortened steps of the frame, energy where it starts).
 PLANE_IN(0, first);
 PLANE_IN(1, second);
 SCALAR_INOUT(2, search);
-WORD_OUT(3, shorten);
+WORD_OUT(3, rescale);  // 1: the step is to be scaled by SEARCH_FACTOR
+
+// Modes: x is the start of the frame, follows a step, follows one shortened once, or twice.
+const int kStart = 0, kStep = 1, kShortened = 2, kLast = 3;
 
 const float kRounding = 1e-5;
 const float kSamples = 0.05;
@@ -31,14 +33,15 @@ void main() {
   b = workgroup_sum(b);
   if (gl_LocalInvocationID.x != 0u) return;
   float rest = a.x + a.y + a.z + b.x + b.y + b.z;
-  float before = LOAD(search, 0);
-  float most = before * (1.0 + kRounding);
-  if (push.samples > 0) most = max(most, min(before, LOAD(search, 3)) * (1.0 + kSamples));
+  float before = LOAD(search, SEARCH_ENERGY);
+  float bound = before * (1.0 + kRounding);
+  if (push.samples > 0) bound = max(bound, min(before, LOAD(search, SEARCH_START)) * (1.0 + kSamples));
   // Not by what is larger, so that what is not a number is refused.
-  bool good = push.mode == 0 || rest <= most;
-  STORE(search, 0, good ? rest + b.w : before);
-  STORE(search, 1, good ? 1.0 : (push.mode == 3 ? 0.0 : kShorter));
-  STORE(search, 2, push.mode == 0 ? 0.0 : LOAD(search, 2) + (push.mode == 1 && !good ? 1.0 : 0.0));
-  if (push.mode == 0) STORE(search, 3, rest + b.w);
-  STORE(shorten, 0, good ? 0u : 1u);
+  bool good = push.mode == kStart || rest <= bound;
+  STORE(search, SEARCH_ENERGY, good ? rest + b.w : before);
+  STORE(search, SEARCH_FACTOR, good ? 1.0 : (push.mode == kLast ? 0.0 : kShorter));
+  float shortened = push.mode == kStart ? 0.0 : LOAD(search, SEARCH_SHORTENED);
+  STORE(search, SEARCH_SHORTENED, shortened + (push.mode == kStep && !good ? 1.0 : 0.0));
+  if (push.mode == kStart) STORE(search, SEARCH_START, rest + b.w);
+  STORE(rescale, 0, good ? 0u : 1u);
 }
