@@ -30,11 +30,10 @@ class Palette {
     int clusters = 10;     ///< K, 1…16
     int iterations = 8;    ///< of k-means a frame, 1…64
     float decay = 0.1f;    ///< share of the newest frame in histogram and scale, 0…1
-    float fade = 0.1f;     ///< the same for bins that are empty in the newest frame: 0.3 removes a
-                           ///< color of 20 000 pixels in two seconds after it is gone, 0.1 in six
-    float apart = 0;       ///< min chromaticity distance (mean 1) of a cluster that starts after
-                           ///< the first frame from the others, 0…3: keeps a color from getting
-                           ///< another index
+    float fade = 0.1f;     ///< the same for bins that are empty in the newest frame: 0.3 removes an
+                           ///< absent color of 20 000 pixels in two seconds, 0.1 in six
+    float apart = 0;       ///< min chromaticity distance (mean 1) of a new cluster, after the first
+                           ///< frame, from the others, 0…3: keeps a color's index
     float tau_cc = 0.05f;  ///< merge below this chromaticity distance (mean 1), 0…3
     float tau_intensity = 0.15f;    ///< and below this difference of ln mean R, ≥ 0
     float chroma_floor = 3e-3f;     ///< ε_c of the chromaticity, > 0
@@ -57,7 +56,8 @@ class Palette {
   void set_params(const Params& params);
   const Params& params() const { return params_; }
 
-  /// Adds a frame: rgb of `log_reflectance` is ln R in any scale that stays the same over time.
+  /// Adds a frame: rgb of `log_reflectance` is ln R, up to a constant that is the same for all
+  /// frames.
   /// Throws Error(limit) beyond 2³² / 255 pixels, the limit of the histogram's sums.
   void record_update(gpu::Commands& commands, const Plane& log_reflectance);
 
@@ -66,7 +66,7 @@ class Palette {
   void record_assign(gpu::Commands& commands, const Plane& log_reflectance,
                      const Plane& clusters) const;
 
-  /// Forgets histogram, scale and clusters.
+  /// Discards histogram, scale and clusters.
   void reset() { first_ = true; }
 
   /// One scalar: ln of the factor that brings R into the palette's scale.

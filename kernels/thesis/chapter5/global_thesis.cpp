@@ -15,7 +15,8 @@ namespace inverse {
 using namespace global_thesis;
 namespace {
 
-// What the palette forgets a frame of a color that is gone: it retires within two seconds.
+// Share of its history that the palette drops each frame for an absent color: gone within two
+// seconds.
 constexpr float kFade = 0.3f;
 constexpr auto kCells = static_cast<uint32_t>(shaders::thesis_chapter5_setup_cells::kAcross *
                                               shaders::thesis_chapter5_setup_cells::kAcross);
@@ -106,7 +107,7 @@ void GlobalThesis::set_params(const Params& params) {
   }
 }
 
-/// Sample frames, so many to a buffer; those before are forgotten.
+/// Allocates sample frames, and discards those before.
 void GlobalThesis::hold_frames(int slots_per_buffer) {
   const auto slots = static_cast<uint64_t>(params_.keyframes) + 1;
   const auto per_buffer = std::min(static_cast<uint64_t>(slots_per_buffer), slots);
@@ -163,7 +164,7 @@ void GlobalThesis::set_base_colors(const BaseColors& colors) {
   has_state_ = false;
 }
 
-/// Fields for so many planes of indirect layers.
+/// Allocates fields for `groups` planes of indirect layers.
 void GlobalThesis::hold_fields(int groups) {
   if (groups <= held_groups_) return;
   const uint64_t entries = (static_cast<uint64_t>(groups) + 1) * extent_.pixels();
@@ -370,7 +371,7 @@ void GlobalThesis::collect(uint64_t frame) {
   if (readback.collected) return;
   readback.collected = true;
   if (readback.plan.refine) system_pending_ = false;
-  if (readback.epoch != epoch_) return;  // of a scene that is over
+  if (readback.epoch != epoch_) return;  // from before a reset or cut
   const auto* values = readback.buffer->map_as<float>();
   const bool compared = readback.plan.has_change && params_.cut_fraction > 0;
   if (compared && values[4 * kChangeAt] > params_.cut_fraction) {
@@ -386,7 +387,7 @@ void GlobalThesis::collect(uint64_t frame) {
     const float change = colors_.refine(delta);
     rounds_ = change < params_.refine_tolerance ? params_.refine_rounds : rounds_ + 1;
   }
-  if (frame < collected_) return;  // a later frame's palette is known already
+  if (frame < collected_) return;  // a later frame was collected
   collected_ = frame + 1;
   colors_.update(Palette::read(values + 4 * kColorsAt, params_.clusters), params_.tau_neutral);
   if (scene_since_ == UINT64_MAX) scene_since_ = recorded_;

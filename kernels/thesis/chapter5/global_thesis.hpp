@@ -20,15 +20,15 @@ namespace inverse {
 /// reflectance, direct light and one layer of indirect light for each base color. The energy and
 /// the systems are in energy.glsl. Keeps keyframes, palette and base colors from frame to frame.
 ///
-/// The base colors live on the host, as the kernels are built for their number: a frame is
-/// decomposed with those that are known when it is recorded, and what it finds (its
-/// palette, the system of their refinement) is taken in by `collect` when the device is done with
-/// it, so that no frame waits. Who wants the very first frame decomposed with its own colors
-/// records `record_colors` before, waits and calls `collect_colors`.
+/// The base colors live on the host, because the kernels are built for their number. A frame is
+/// decomposed with the base colors known when it is recorded. Its own palette, and the system that
+/// refines the colors, are read by `collect` when the device is done with it, so that no frame
+/// waits. To decompose the first frame with its own colors, call `record_colors`, wait, and call
+/// `collect_colors` before.
 ///
-/// A cut of the scene is found in the same way, and so as late as its frame is collected: from the
-/// next frame on, keyframes and palette are the new scene's, and base colors when that frame's
-/// palette is known; until then, those of the old scene serve. Colors that were given stay.
+/// A scene cut is found in the same way when its frame is collected. From the next frame on,
+/// keyframes and palette are those of the new scene. The base colors of the old scene are used
+/// until that frame's palette is known. Given base colors stay.
 class GlobalThesis {
  public:
   using Params = GlobalThesisParams;
@@ -51,12 +51,12 @@ class GlobalThesis {
     int steps = 0;               ///< Gauss–Newton steps
     int pcg_iterations = 0;      ///< for each
     int keyframes = 0;           ///< that samples were drawn from
-    bool warm = false;           ///< began where the last frame ended
+    bool warm = false;           ///< started from the last frame's solution
     bool refining = false;       ///< the frame recorded the system of the base colors
-    int shortened = 0;           ///< steps that would have raised the energy
+    int shortened = 0;           ///< steps, because they would have raised the energy
     std::vector<Energy> energy;  ///< as Params::energy and Params::trace ask for
-    bool cut = false;            ///< a cut was found here when the frame was collected
-    float change = 0;            ///< of chroma from the frame before, as Params::cut_fraction
+    bool cut = false;            ///< found when the frame was collected
+    float change = 0;            ///< of chroma from the frame before, unit of Params::cut_fraction
     float score = 0;             ///< Σ_k |T_k| over the region asked for in `record` (5.5.2.2)
     float region = 0;            ///< its pixels
   };
@@ -64,66 +64,63 @@ class GlobalThesis {
   /// Throws Error(limit, out_of_memory).
   GlobalThesis(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// Layers of indirect light that the device can bind for frames of this size, a multiple of 4 up
-  /// to kMaxBases; 0 or less where it cannot hold such frames at all. Params::clusters is kept
-  /// within it.
+  /// Maximum number of indirect layers for frames of this size on this device: a multiple of 4, up
+  /// to kMaxBases; 0 or less if the device cannot hold such frames. Limits Params::clusters.
   static int max_layers(const gpu::Device& device, Extent extent);
 
-  /// Takes effect with the next frame. A change of keyframes forgets the past.
+  /// Takes effect with the next frame. A change of keyframes discards all frames before.
   void set_params(const Params& params);
   const Params& params() const { return params_; }
 
-  /// What is known of a frame when it is recorded.
+  /// Optional input of `record`.
   struct Hints {
-    MarkedRegions* regions = nullptr;  ///< of the same size; takes the frame in
-    /// Instead: the regions as they are, (slot or −1, number or 0) a pixel.
+    MarkedRegions* regions = nullptr;  ///< of the same size; tracked in this frame
+    /// Instead of `regions`: (slot or −1, number or 0) of every pixel.
     const Plane* fixed_regions = nullptr;
-    int scored_region = 0;  ///< number of one whose sparsity is wanted in the stats
+    int scored_region = 0;  ///< number of the region of Stats::score; 0: none
 
     gpu::BufferPtr buffer() const {
       return regions ? regions->plane().buffer : fixed_regions->buffer;
     }
   };
 
-  /// Decomposes `frame` (linear RGB, full scale 1, any values; w is ignored) with the base colors
-  /// known now, into Role::intrinsic = (R, S), S the mean of the shading; Role::light = the color
-  /// of the light Σ_k b_k T_k / S and T_0 / S; the roles of indirect light = T_k / S, four layers a
-  /// plane, as many planes as there are layers; Role::bases = b_1 … b_K; and the same as model. R
-  /// has the scale of the base colors, whose largest channel is 1. Returns the frame's number for
-  /// `collect` and `stats`. Throws Error(out_of_memory).
+  /// Decomposes `frame` (linear RGB, full scale 1, any values; w is ignored) with the present base
+  /// colors. Writes Role::intrinsic = (R, S), S the mean of the shading; Role::light = (color of
+  /// the light Σ_k b_k T_k / S, T_0 / S); the roles of indirect light = T_k / S, four layers a
+  /// plane; Role::bases = b_1 … b_K; and the same planes as model. R has the scale of the base
+  /// colors, whose largest channel is 1. Returns the frame's number for `collect` and `stats`.
+  /// Throws Error(out_of_memory).
   uint64_t record(gpu::Commands& commands, const Plane& frame, Layers& layers, const Hints& hints);
   uint64_t record(gpu::Commands& commands, const Plane& frame, Layers& layers) {
     return record(commands, frame, layers, Hints{});
   }
-  /// Only finds the base colors of `frame`: no frame for `collect` and `stats`.
+  /// Finds the base colors of `frame` without decomposing it. Not a frame for `collect` or `stats`.
   void record_colors(gpu::Commands& commands, const Plane& frame);
-  /// Takes them in, once the Commands have been waited for.
+  /// Reads them back. Wait for the Commands of `record_colors` first.
   void collect_colors();
 
-  /// Reads the base colors of one of the last three frames, once its Commands have
-  /// been waited for. Frames that were collected before, or that are older than what is known
-  /// already, change nothing.
+  /// Reads the base colors of one of the last three frames. Wait for its Commands first. Does
+  /// nothing for frames that are older or were collected before.
   void collect(uint64_t frame);
 
-  /// Of one of the last three frames, once its Commands have been waited for; empty before the
-  /// first frame. Throws Error(internal) for older ones.
+  /// Statistics of one of the last three frames. Wait for its Commands first. Empty before the
+  /// first frame; throws Error(internal) for older ones.
   Stats stats(uint64_t frame) const;
 
-  /// Uses these base colors (linear, any scale) instead of the frames' own until `reset`. Throws
-  /// Error(limit) where they are more than `max_layers`.
+  /// Uses these base colors (linear, any scale) until `reset`. Throws Error(limit) if they are more
+  /// than `max_layers`.
   void set_base_colors(std::span<const Rgb> colors);
-  /// Uses those of another decomposition, slot by slot, until `reset`.
+  /// Uses the base colors of another decomposition, with their slots, until `reset`.
   void set_base_colors(const BaseColors& colors);
   const BaseColors& colors() const { return colors_; }
 
   /// Refines the base colors again, for at most Params::refine_rounds frames.
   void refine() { rounds_ = 0; }
   bool refining() const { return rounds_ < params_.refine_rounds && colors_.layers() > 0; }
-  /// Number of the first frame that was recorded with base colors of the scene: 0 before the first
-  /// cut, UINT64_MAX from a cut until they are known.
+  /// Number of the first frame recorded with base colors of the present scene: 0 before the first
+  /// cut, UINT64_MAX between a cut and the first base colors after it.
   uint64_t scene_since() const { return scene_since_; }
-  /// Forgets keyframes, palette and base colors, and refines the next ones: at a flush or a
-  /// discontinuity.
+  /// Discards keyframes, palette and base colors, for a flush or a discontinuity.
   void reset();
 
   /// The field of the last frame, plane behind plane: (r, T_0), T_1 … T_4, …. Valid until the next
@@ -132,14 +129,14 @@ class GlobalThesis {
   /// (r_cluster, λ_clustering) and (packed chromaticity, …) of the last frame.
   const gpu::BufferPtr& targets() const { return targets_; }
   const gpu::BufferPtr& features() const { return features_; }
-  /// The last frame without what is not finite or negative. Valid until the next record.
+  /// The last frame with negative and non-finite values replaced. Valid until the next record.
   Plane image() const { return {extent_, image_}; }
   Extent extent() const { return extent_; }
 
-  /// Builds the kernels for any number of base colors and runs each once on a tiny frame, which is
-  /// when a software device compiles them; for the present exponent p. Otherwise that is done when
-  /// a frame first needs them. Does nothing if it was done on this device before for what it
-  /// depends on. Waits for the device.
+  /// Builds the kernels for all numbers of base colors and the present exponent p, and runs each
+  /// once on a tiny frame, because software devices compile on first use. Without it, the first
+  /// frame that needs a kernel builds it. Runs once for a device and its settings. Waits for the
+  /// device.
   void warm_up() const;
 
   /// Device memory of a pixel with K layers, in bytes.
@@ -169,7 +166,7 @@ class GlobalThesis {
     uint32_t version = 0;  // of the colors that the system is for
     uint32_t epoch = 0;    // of the resets
   };
-  /// What warm_up does (warm_up.cpp).
+  /// The frames of warm_up (warm_up.cpp).
   void play_all() const;
 
   const Kernels& kernels(int groups);
@@ -228,12 +225,12 @@ class GlobalThesis {
   Readback colors_readback_;     // of record_colors
   Readback* current_ = nullptr;  // of the frame being recorded
   uint64_t recorded_ = 0;        // frames since construction
-  uint64_t collected_ = 0;       // the oldest number that may still bring something new
+  uint64_t collected_ = 0;       // the oldest frame that may still change the base colors
   uint32_t since_reset_ = 0;     // frames since the last reset
   uint32_t epoch_ = 0;           // resets
   int stored_keyframes_ = 0;     // since the last reset
   int rounds_ = 0;               // of refinement
-  bool system_pending_ = false;  // a system is under way
+  bool system_pending_ = false;  // a recorded system is not collected
   uint32_t state_order_ = 0;     // of the colors that the solution is for
   bool has_state_ = false;
   gpu::BufferPtr cells_, change_;  // of this frame and the one before, by the parity of its number

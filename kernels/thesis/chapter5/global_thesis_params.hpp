@@ -21,18 +21,19 @@ struct GlobalThesisParams {
   float lambda_i_sparsity = 3.0f;      ///< of few indirect layers a pixel (5.11), 0…1e6
   float lambda_smoothness = 3.0f;      ///< of piecewise constant light (5.12), 0…1e6
   float lambda_non_negativity = 1000.0f;  ///< of light that is not negative (5.13), 0…1e6
-  /// Weight of small changes of the base colors (5.14), 1e-3…1e9. The data term sums over pixels
-  /// and these two do not: as printed they bind little at any usual frame size.
+  /// Weight of small changes of the base colors (5.14), 1e-3…1e9. Unlike the data term, this weight
+  /// and lambda_cr do not scale with the number of pixels: at usual frame sizes they have little
+  /// effect.
   float lambda_ir = 10.0f;
-  float lambda_cr = 100.0f;  ///< of base colors that keep their chromaticity (5.14), 0…1e9
+  float lambda_cr = 100.0f;  ///< weight of constant chromaticity of base colors (5.14), 0…1e9
   float p = 1.0f;            ///< exponent of reflectance sparsity (5.7), 0…2
   float alpha_sr = 50.0f;    ///< rise of w_SR with chromaticity steps, mean 1 (5.10), 0…1e4; 1e4
                              ///< makes nearly every pixel count: without the soft Retinex weight
   float w_intensity = 0.8f;  ///< how much less dark pixels' samples count (3.6), 0…1
   float tau_cc = 0.05f;      ///< chromaticity distance up to which samples bind (3.13), 0…3; not
                              ///< printed in the thesis
-  float tau_merge = 0.3f;    ///< and up to which clusters merge, so that four to eight are left of
-                             ///< ten (5.7.1), 0…3; not printed either
+  float tau_merge = 0.3f;    ///< chromaticity distance up to which clusters merge, so that four to
+                             ///< eight of ten remain (5.7.1), 0…3; not printed in the thesis
   float tau_neutral =
       0.05f;  ///< base colors this near to white in chromaticity get no indirect
               ///< layer, as it could not be distinguished from direct light, 0…3; 0: all do
@@ -44,20 +45,19 @@ struct GlobalThesisParams {
   float indirect_start = 0.1f;  ///< all indirect layers together start as this share of the direct
                                 ///< light, 0…1; not printed in the thesis
   Irls irls = Irls::consistent;  ///< form of the weights
-  int clusters = 10;             ///< K, at most: superfluous ones go (5.5.1), 1…16
+  int clusters = 10;             ///< maximum K: duplicates are removed (5.5.1), 1…16
   int steps = 5;                 ///< Gauss–Newton steps a frame, 1…64
   int pcg_iterations = 16;       ///< conjugate-gradient steps for each (5.7.1), 1…256
   bool line_search = true;       ///< shorten steps that would raise the energy, see search.comp
-  bool warm_start = false;       ///< begin where the last frame ended instead of at its clusters
+  bool warm_start = false;       ///< start from the last frame's solution instead of the clusters
   int samples = 9;               ///< N_s a pixel (3.12), 0…64
   int keyframes = 5;             ///< past frames to sample from, 0…5; 0 for stills
   int keyframe_spacing = 5;      ///< frames from one keyframe to the next, 1…1000
   bool resample = false;         ///< draw new sample positions every frame instead of the same ones
-  int refine_rounds = 10;        ///< refinements of the base colors after a reset, at most, 0…100
-  float refine_tolerance = 1e-3f;  ///< they end where no channel changes by more, 0…1
-  /// Mean change of chroma, in halves of a natural log unit, from which on a frame is a cut of the
-  /// scene, 0…1; 0: there are no cuts. Three videos change by .05 at most from frame to frame, and
-  /// by .34, .75 and .77 from one to another.
+  int refine_rounds = 10;        ///< maximum refinements of the base colors after a reset, 0…100
+  float refine_tolerance = 1e-3f;  ///< refinements end if no channel changes by more, 0…1
+  /// Mean change of chroma, in units of 0.5 in ln chroma, above which a frame is a scene cut, 0…1;
+  /// 0: no cuts. Within three videos it is at most .05, and .34, .75 and .77 between them.
   float cut_fraction = 0.2f;
   bool energy = false;  ///< evaluate the energy of the result, for stats
   bool trace = false;   ///< evaluate it at every step

@@ -13,13 +13,13 @@ namespace inverse {
 /// The base colors b_1 … b_K of a video (thesis, 5.5.1) on the host: found by the palette in
 /// ln chromaticity or given, refined, and each with an indirect layer where it needs one.
 ///
-/// Refined colors are those of the light. What the reflectance is drawn to (r_cluster) stays the
-/// color that was estimated: if it followed, each would chase the other and neither come to rest.
+/// Refinement changes the colors of the light only. The target of the reflectance (r_cluster) stays
+/// the estimated color: if it followed, the two would not converge.
 class BaseColors {
  public:
   static constexpr int kMaxColors = shaders::thesis_chapter5_setup_setup::kMaxColors;
   static_assert(kMaxColors == Palette::kMaxClusters);
-  /// Channels are kept above this: reflectance of a black base color.
+  /// Minimum of a channel: reflectance of a black base color.
   static constexpr float kDarkest = 1e-3f;
   using Rgb = std::array<float, 3>;
 
@@ -32,19 +32,19 @@ class BaseColors {
     int layer;    ///< its indirect layer, from 0, or −1
   };
 
-  /// Takes a new palette in: colors that it no longer has retire, new ones join, the others follow
-  /// it until they are fixed. Does nothing if colors were given.
+  /// Follows a new palette: adds its new colors, removes those it no longer has, and moves the
+  /// others unless they are fixed. Does nothing if colors were given.
   void update(std::span<const Palette::Cluster> clusters, float tau_neutral);
   /// Uses these colors (linear, any scale), one layer each, until `reset`. At most kMaxColors.
   void set(std::span<const Rgb> colors);
-  /// The palette moves the present colors no more: their refinement begins.
+  /// `update` no longer moves the present colors: their refinement begins.
   void fix();
-  /// b_k += Δb_k for the layers in their order, kept within kDarkest … 1; a channel that would
-  /// not be finite stays as it is. Returns the largest change of a channel, 1 if one stayed.
+  /// b_k += Δb_k for the layers in order, clamped to kDarkest … 1. A channel whose change is not
+  /// finite stays unchanged. Returns the largest change of a channel, 1 if one was not finite.
   float refine(std::span<const Rgb> delta);
-  /// The palette may move all colors again: of another scene.
+  /// `update` moves all colors again: they are of another scene.
   void loosen();
-  /// Keeps the present colors whatever the palette finds, until `reset`.
+  /// Keeps the present colors until `reset`, as if they were given.
   void hold() { given_ = true; }
   void reset();
 
@@ -55,9 +55,9 @@ class BaseColors {
   bool given() const { return given_; }
   /// The colors of the layers, in their order; `initial`: before refinement.
   std::vector<Rgb> layer_colors(bool initial = false) const;
-  /// Another number whenever the layers' colors or their order change.
+  /// Changes with every change of the layers' colors or their order.
   uint32_t version() const { return version_; }
-  /// Another number whenever other colors have layers, or in another order.
+  /// Changes with every change of which colors have layers, or of their order.
   uint32_t order() const { return order_; }
 
   /// Fills the kernels' table (table.glsl): 3 · kMaxColors vec4.

@@ -7,11 +7,11 @@
 namespace inverse {
 
 /// The changes Δb_k of the base colors that minimize (5.14), chromaticity linearized at the present
-/// colors. `sums` are the device's outer products, four floats an entry, entry k + K l: rgb holds
-/// Σ_x R² T_k T_l for l ≤ k and, in entry k + K K, Σ_x R T_k e. `colors` are the K present base
-/// colors, `initial` those that were estimated, whose chromaticities they are drawn to. The dense
-/// 3K × 3K system is solved by singular value decomposition (5.7.1) in double precision; directions
-/// that nothing determines stay as they are.
+/// colors. `sums` are the device's outer products, four floats an entry: the rgb of entry k + K l
+/// is Σ_x R² T_k T_l for l ≤ k, that of entry k + K K is Σ_x R T_k e. `colors` are the K present
+/// base colors, `initial` the estimated ones, to which the weight of chromaticity refers. The dense
+/// 3K × 3K system is solved by singular value decomposition (5.7.1) in double precision;
+/// undetermined directions do not change.
 std::vector<std::array<float, 3>> solve_refinement(std::span<const float> sums,
                                                    std::span<const std::array<float, 3>> colors,
                                                    std::span<const std::array<float, 3>> initial,

@@ -30,7 +30,7 @@ MisclusteringCorrection::Level& MisclusteringCorrection::level(size_t index) {
   return level;
 }
 
-/// Takes the frame and its regions for the next region that has no color.
+/// Starts on the next region without a color: copies the frame and its regions.
 void MisclusteringCorrection::begin(gpu::Commands& commands, const GlobalThesis& method,
                                     const MarkedRegions& regions) {
   for (const MarkedRegions::Region& region : regions.regions()) {
@@ -46,7 +46,7 @@ void MisclusteringCorrection::begin(gpu::Commands& commands, const GlobalThesis&
     }
     job.wanted = job.candidates.size();
     while (!has(thin_, region) && job.level < kMaxHalvings &&
-           region.pixels >> (2 * job.level + 2) >= kFewestPixels)
+           region.pixels >> (2 * job.level + 2) >= kMinPixels)
       ++job.level;
     Level& at = level(job.level);
     Plane image = method.image();
@@ -78,7 +78,7 @@ uint64_t MisclusteringCorrection::record(gpu::Commands& commands, const GlobalTh
     throw Error(ErrorKind::internal, "the correction was made for another frame size");
   const uint64_t number = recorded_++;
   Frame& frame = frames_[number];
-  // Nobody collected that frame: once more.
+  // Not collected: try its candidate again.
   if (frame.pending && job_ && frame.job == jobs_) job_->candidates.push_back(frame.candidate);
   frame.pending = false;
   // From a cut on until the scene's base colors are known, there is nothing to choose from.

@@ -14,47 +14,47 @@
 
 namespace inverse {
 
-/// Finds the base colors of marked regions (thesis, 5.5.2.2): decomposes a frame once for every
-/// candidate, measures how sparse the region's indirect light comes out (5.11), and gives the
-/// region the color with the sparsest. The color that the region was taken for is no candidate: it
-/// explains the region as paint in white light, without any indirect light, and would always win.
+/// Finds the base colors of marked regions (thesis, 5.5.2.2): decomposes a frame with every
+/// candidate, measures how sparse the region's indirect light is (5.11), and gives the region the
+/// color with the sparsest. The region's own cluster is no candidate: it explains the region as
+/// paint in white light, without any indirect light, and would always be the sparsest.
 ///
-/// In the background of a live stream: one candidate a frame. It is decomposed at a quarter of the
-/// frame's width, so that a frame takes about a sixteenth longer while a region is being decided;
-/// at half of it (a quarter longer) for regions of fewer than 1024 pixels, and at full size (twice
-/// as long) for those of fewer than 256 or that cannot be seen in a smaller frame.
+/// One candidate a frame, beside a live stream. Candidates are decomposed at a quarter of the
+/// frame's width, which adds about a sixteenth to the time of a frame; at half the width (a quarter
+/// more) for regions of fewer than 1024 pixels; and at full size (twice the time) for regions of
+/// fewer than 256 pixels or that vanish at a smaller size.
 class MisclusteringCorrection {
  public:
   struct Result {
     int number;   ///< of the region
-    int cluster;  ///< slot that it was taken for
-    int color;    ///< slot that it was given
-    std::vector<std::pair<int, float>>
-        scores;  ///< mean Σ_k |T_k| of its pixels for each slot tried
+    int cluster;  ///< slot that its pixels were assigned to
+    int color;    ///< slot given to it
+    /// Mean Σ_k |T_k| of its pixels for each slot tried.
+    std::vector<std::pair<int, float>> scores;
   };
 
   /// Throws Error(limit, out_of_memory).
   MisclusteringCorrection(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// After `method` has recorded a frame with `regions`: records a candidate's decomposition where
-  /// a region wants one. Returns a number for `collect`.
+  /// Records the decomposition of a candidate if a region has no color. Call it after `method` has
+  /// recorded a frame with `regions`. Returns a number for `collect`.
   uint64_t record(gpu::Commands& commands, const GlobalThesis& method,
                   const MarkedRegions& regions);
-  /// Reads the results of one of the last three frames, once its Commands have been waited for.
-  /// Gives the result, and the region its color, when the last candidate is through.
+  /// Reads the results of one of the last three frames. Wait for its Commands first. After a
+  /// region's last candidate, gives the region its color and returns the result.
   std::optional<Result> collect(uint64_t frame, MarkedRegions& regions);
 
-  /// Drops what is under way: at a flush, a discontinuity or a scene cut.
+  /// Discards all pending work, for a flush, a discontinuity or a scene cut.
   void reset();
   bool busy() const { return job_.has_value(); }
-  /// Numbers of regions that no base color is left to be tried for, since this was last asked for.
+  /// Regions without any candidate, found since the last call.
   std::vector<int> take_hopeless() { return std::exchange(reported_hopeless_, {}); }
 
  private:
   static constexpr int kMaxHalvings = 2;
-  static constexpr uint32_t kFewestPixels = 64;  ///< of a region in the smaller frame
-  using RegionName = std::pair<int, uint64_t>;   ///< number, since
-  /// Of a frame size, half the one before.
+  static constexpr uint32_t kMinPixels = 64;    ///< of a region in the smaller frame
+  using RegionName = std::pair<int, uint64_t>;  ///< number, since
+  /// A frame size, half the one before.
   struct Level {
     Extent extent;
     Plane image, regions, trial;
@@ -63,7 +63,7 @@ class MisclusteringCorrection {
   struct Job {
     MarkedRegions::Region region;
     size_t level;
-    std::vector<int> candidates;  ///< still to be recorded, the next one last
+    std::vector<int> candidates;  ///< not recorded yet, the next one last
     size_t wanted;                ///< scores
     std::vector<std::pair<int, float>> scores;
   };
@@ -86,8 +86,8 @@ class MisclusteringCorrection {
   std::optional<Job> job_;
   uint32_t jobs_ = 0;
   std::vector<RegionName> hopeless_;    ///< regions without candidates
-  std::vector<int> reported_hopeless_;  ///< those not asked for yet
-  std::vector<RegionName> thin_;        ///< not to be seen in a smaller frame
+  std::vector<int> reported_hopeless_;  ///< not taken yet
+  std::vector<RegionName> thin_;        ///< without pixels in a smaller frame
   gpu::FrameRing<Frame> frames_;
   uint64_t recorded_ = 0;
 };

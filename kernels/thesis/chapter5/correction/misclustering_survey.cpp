@@ -13,24 +13,24 @@ using Rgb = BaseColors::Rgb;
 constexpr size_t kSlots = BaseColors::kMaxColors;
 constexpr float kFloor = 3e-3f;  // ε_c of chromaticities, as in the method's default
 
-// All of these were chosen on the project's own scenes and hold on those that are given, see
+// All of these were chosen on the project's own scenes and hold on others, see
 // docs/reference/methods/globalintrinsicthesis.md.
-constexpr float kMinArea = 0.003f;     // of the frame
-constexpr int kMinPixels = 12;         // of the small frame
-constexpr float kMinShare = 0.1f;      // of a region's border, to the cluster of its base color
-constexpr float kMinBorder = 0.5f;     // share of it that is none of paint
-constexpr float kMinContrast = 0.15f;  // distance of two base colors, ln chroma
-constexpr float kNear = 0.5f;          // "the same chroma", in distances of the two base colors
-constexpr float kShadow = 0.15f;       // by how much a shadow is darker
-constexpr float kBrighter = 1.3f;      // at most, than the surface in other light
-constexpr float kHidden = 3;           // see the header
-constexpr float kMinTint = 0.02f;      // share of colored light
-constexpr float kWorstTint = 0.3f;     // ln chroma that it leaves unexplained,
-constexpr float kWorstShare = 0.6f;    // also as a share of the difference
+constexpr float kMinArea = 0.003f;       // of the frame
+constexpr int kMinPixels = 12;           // of the small frame
+constexpr float kMinShare = 0.1f;        // of a region's border, to the cluster of its base color
+constexpr float kMinBorder = 0.5f;       // share of it that is none of paint
+constexpr float kMinContrast = 0.15f;    // distance of two base colors, ln chroma
+constexpr float kNear = 0.5f;            // "the same chroma", in distances of the two base colors
+constexpr float kShadow = 0.15f;         // by how much a shadow is darker
+constexpr float kMaxBrighter = 1.3f;     // than the surface in other light
+constexpr float kHidden = 3;             // see the header
+constexpr float kMinTint = 0.02f;        // share of colored light
+constexpr float kMaxTint = 0.3f;         // ln chroma left unexplained,
+constexpr float kMaxUnexplained = 0.6f;  // also as a share of the difference
 constexpr float kMinScore = 0.05f;
-constexpr int kShares = 20;    // of colored light that are tried
-constexpr int kCell = 8;       // pixels, along an axis, that are looked at as one from afar
-constexpr int kLookouts = 64;  // pixels of a region that look
+constexpr int kShares = 20;   // of colored light that are tried
+constexpr int kCell = 8;      // pixels, along an axis, of a cell of light
+constexpr int kSamples = 64;  // pixels of a region that receive light
 
 float mean(const Rgb& v) { return (v[0] + v[1] + v[2]) / 3; }
 
@@ -48,7 +48,7 @@ float length(const Rgb& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] *
 struct Component {
   int cluster = -1, region = 0, pixels = 0;
   Rgb chroma{};  // sum of ln chroma, then mean
-  std::vector<int> lookouts;
+  std::vector<int> samples;
 };
 
 /// Of a component's border to a cluster, in steps from pixel to pixel.
@@ -64,16 +64,16 @@ class Search {
         h_(static_cast<int>(survey.extent.height)) {
     for (const BaseColors::Color& color : survey.colors)
       by_slot_.at(static_cast<size_t>(color.slot)) = &color;
-    least_ = std::max(kMinPixels, static_cast<int>(kMinArea * static_cast<float>(w_ * h_)));
+    min_pixels_ = std::max(kMinPixels, static_cast<int>(kMinArea * static_cast<float>(w_ * h_)));
   }
 
   SurveyResult run() {
     read();
     find_components();
-    look_around();
+    collect_light();
     measure_borders();
     for (size_t c = 0; c < components_.size(); ++c)
-      if (components_[c].pixels >= least_) judge(c);
+      if (components_[c].pixels >= min_pixels_) score(c);
     place();
     std::stable_sort(
         result_.found.begin(), result_.found.end(),
@@ -143,15 +143,15 @@ class Search {
       found.pixels = static_cast<int>(open.size());
       for (float& c : found.chroma) c /= static_cast<float>(found.pixels);
       found.region = static_cast<int>(std::max_element(in.begin(), in.end()) - in.begin());
-      if (found.pixels >= least_)
-        for (int i = 0; i < kLookouts; ++i)
-          found.lookouts.push_back(open[static_cast<size_t>(i * found.pixels / kLookouts)]);
+      if (found.pixels >= min_pixels_)
+        for (int i = 0; i < kSamples; ++i)
+          found.samples.push_back(open[static_cast<size_t>(i * found.pixels / kSamples)]);
       components_.push_back(std::move(found));
     }
   }
 
   /// How much light each base color sends from every cell of the frame.
-  void look_around() {
+  void collect_light() {
     across_ = (w_ - 1) / kCell + 1;
     const auto cells = static_cast<size_t>(across_ * ((h_ - 1) / kCell + 1));
     light_.assign(cells, {});
@@ -164,14 +164,14 @@ class Search {
     return static_cast<size_t>(n / w_ / kCell * across_ + n % w_ / kCell);
   }
 
-  /// Each base color's share of what the component sees of the frame but for itself.
+  /// Each base color's share of the light that the component receives from the rest of the frame.
   std::array<float, kSlots> surroundings(size_t index) const {
     const Component& c = components_[index];
     std::vector<float> near(light_.size(), 0);
     for (size_t i = 0; i < light_.size(); ++i) {
       const float x = (static_cast<float>(i % static_cast<size_t>(across_)) + 0.5f) * kCell;
       const float y = (static_cast<float>(i / static_cast<size_t>(across_)) + 0.5f) * kCell;
-      for (const int n : c.lookouts) {
+      for (const int n : c.samples) {
         const float dx = static_cast<float>(n % w_) - x, dy = static_cast<float>(n / w_) - y;
         near[i] += 1 / (dx * dx + dy * dy + kCell * kCell);
       }
@@ -193,7 +193,7 @@ class Search {
   void measure_borders() {
     borders_.assign(components_.size(), {});
     for (int n = 0; n < pixels(); ++n) {
-      if (cluster(n) < 0 || components_[static_cast<size_t>(component(n))].pixels < least_)
+      if (cluster(n) < 0 || components_[static_cast<size_t>(component(n))].pixels < min_pixels_)
         continue;
       for (const int m : neighbors(n)) {
         if (component(m) == component(n) || cluster(m) < 0) continue;
@@ -229,11 +229,11 @@ class Search {
   float unexplained(const Rgb& tint, const std::array<float, kSlots>& around) const {
     float best = 3.4e38f;
     for (const BaseColors::Color& k : s_.colors) {
-      const float most = std::min(kHidden * around[static_cast<size_t>(k.slot)], 1.0f);
+      const float max_share = std::min(kHidden * around[static_cast<size_t>(k.slot)], 1.0f);
       const float scale = 1 / std::max(mean(k.initial), 1e-6f);
       for (int i = 1; i <= kShares; ++i) {
         const float share = static_cast<float>(i) / kShares;
-        if (share > most || share < kMinTint) continue;
+        if (share > max_share || share < kMinTint) continue;
         Rgb light{};
         for (size_t c = 0; c < 3; ++c) light[c] = 1 - share + share * k.initial[c] * scale;
         best = std::min(best, length(minus(tint, log_chroma(light))));
@@ -242,24 +242,24 @@ class Search {
     return best;
   }
 
-  void judge(size_t index) {
+  void score(size_t index) {
     const Component& c = components_[index];
     float steps = 0;
     for (const Border& border : borders_[index]) steps += border.steps;
     std::array<float, kSlots> around{};
-    bool looked = false;
+    bool has_around = false;
     Misclustered best{0, 0, c.pixels, c.cluster, -1, c.region, 0, static_cast<int>(index)};
     for (const BaseColors::Color& b : s_.colors) {
       const Border& border = borders_[index][static_cast<size_t>(b.slot)];
       const float share = border.steps / std::max(steps, 1.0f);
       const float soft = std::max(border.gradual, border.shadow) / std::max(border.steps, 1.0f);
       if (b.slot == c.cluster || share < kMinShare || soft < kMinBorder) continue;
-      if (border.here > kBrighter * border.there) continue;
+      if (border.here > kMaxBrighter * border.there) continue;
       if (length(minus(color(c.cluster).center, b.center)) < kMinContrast) continue;
-      if (!std::exchange(looked, true)) around = surroundings(index);
+      if (!std::exchange(has_around, true)) around = surroundings(index);
       const Rgb tint = minus(c.chroma, b.center);
       const float left = unexplained(tint, around), all = length(tint);
-      if (left > kWorstTint || left > kWorstShare * all) continue;
+      if (left > kMaxTint || left > kMaxUnexplained * all) continue;
       const float score = share * soft * (1 - left / all);
       if (score < kMinScore || score <= best.score) continue;
       best.score = score;
@@ -272,15 +272,15 @@ class Search {
   void place() {
     std::vector<int> depth(colors_.size());
     const auto pass = [&](int n, bool up) {
-      int least = depth[static_cast<size_t>(n)];
+      int smallest = depth[static_cast<size_t>(n)];
       for (const int m : neighbors(n)) {
         if (m == n || component(m) != component(n)) {
-          least = std::min(least, 1);
+          smallest = std::min(smallest, 1);
         } else if (up ? m > n : m < n) {
-          least = std::min(least, depth[static_cast<size_t>(m)] + 1);
+          smallest = std::min(smallest, depth[static_cast<size_t>(m)] + 1);
         }
       }
-      depth[static_cast<size_t>(n)] = least;
+      depth[static_cast<size_t>(n)] = smallest;
     };
     std::fill(depth.begin(), depth.end(), w_ + h_);
     for (int n = 0; n < pixels(); ++n) pass(n, false);
@@ -297,7 +297,7 @@ class Search {
   }
 
   const Survey& s_;
-  int w_, h_, least_ = 0, across_ = 0;
+  int w_, h_, min_pixels_ = 0, across_ = 0;
   std::array<const BaseColors::Color*, kSlots> by_slot_{};
   std::vector<Rgb> colors_, chromas_;
   std::vector<int> clusters_, regions_;

@@ -12,26 +12,26 @@
 
 namespace inverse {
 
-/// A small frame in which misclustered regions are looked for.
+/// A small frame to search for misclustered regions.
 struct Survey {
   Extent extent;
   /// Linear rgb, and cluster + 1 + kClusterCodes · number of the marked region, of each pixel.
   std::span<const float> pixels;
   std::span<const BaseColors::Color> colors;
-  /// Slot of the base color that each marked region has been given, by its number; −1: none.
+  /// Slot of the base color given to each marked region, by its number; −1: none.
   std::array<int, MarkedRegions::kMaxRegions + 1> given;
 
   static constexpr int kClusterCodes = shaders::thesis_chapter5_correction_survey::kClusterCodes;
 };
 
-/// Connected pixels of one cluster that look like another base color than they have.
+/// Connected pixels of one cluster that seem to have another base color.
 struct Misclustered {
   int x, y;       ///< of a pixel in it, far from its border
   int pixels;     ///< of the small frame
-  int cluster;    ///< slot that they were taken for
+  int cluster;    ///< slot that they were assigned to
   int color;      ///< slot of the base color that they seem to have
   int region;     ///< number of the marked region that they are in, 0: none
-  float score;    ///< how much speaks for it, 0…1
+  float score;    ///< 0…1, 1 is certain
   int component;  ///< its number in SurveyResult::components
 };
 
@@ -41,19 +41,17 @@ struct SurveyResult {
   std::vector<int> components;
 };
 
-/// Finds regions that strong inter-reflections have given another cluster than their reflectance
-/// has (the thesis leaves this to the user, 5.5.2.1), by what such light does:
+/// Finds regions that were assigned to a wrong cluster because of strong inter-reflections. (The
+/// thesis leaves this to the user, 5.5.2.1.) A region is reported if both hold:
 ///
-/// - Somewhere the light changes and the surface does not. There the border to the cluster of its
-///   true base color is no border of paint: either chroma changes gradually across it, or it is a
-///   shadow's, and the light that is missing behind it, times the reflectance, has the chroma of
-///   that base color, as direct light is white.
-/// - The region's color is that base color under white light and light of a base color that there
-///   is enough of around it: a share of all light of up to kHidden times that base color's share of
-///   what the region sees of the frame, by 1/distance².
+/// - Its border to the cluster of the reported base color is mostly not a change of paint: chroma
+///   changes gradually across it; or it is the border of a shadow, where the missing light times
+///   the reflectance has the chroma of that base color, as direct light is white.
+/// - Its color is the reported base color under a mixture of white light and light of one base
+///   color. The share of the latter is at most kHidden times that base color's share of the light
+///   that the region receives from the rest of the frame, weighted by 1/distance².
 ///
-/// A region that neither its borders nor its surroundings explain stays as it is. Takes about a
-/// millisecond for 160 × 120 pixels.
+/// Takes about a millisecond for 160 × 120 pixels.
 SurveyResult find_misclustered(const Survey& survey);
 
 }  // namespace inverse

@@ -18,15 +18,15 @@ const MarkedRegions::Region* find(const MarkedRegions& regions, int number) {
 }  // namespace
 
 RegionProposals::RegionProposals(const std::shared_ptr<gpu::Device>& device, Extent extent,
-                                 size_t most)
-    : device_(device), extent_(extent), most_(most), survey_(device) {
+                                 size_t max_count)
+    : device_(device), extent_(extent), max_count_(max_count), survey_(device) {
   const auto part = [&](uint32_t size) { return (size - 1) / static_cast<uint32_t>(factor_) + 1; };
   do {
     small_ = {part(extent.width), part(extent.height)};
   } while (small_.pixels() > kMaxPixels && ++factor_);
 }
 
-/// Nothing that was recorded in another mode counts in this one.
+/// Discards results that were recorded in another mode.
 void RegionProposals::change(Mode mode, MarkedRegions& regions) {
   if (mode == mode_) return;
   if (mode_ == Mode::correct) {
@@ -94,8 +94,8 @@ std::vector<RegionProposals::Proposal> RegionProposals::collect(uint64_t number,
   const SurveyResult result = find_misclustered(
       {small_, {frame.pixels->map_as<float>(), 4 * small_.pixels()}, frame.colors, frame.given});
   for (Seen& seen : seen_) ++seen.misses;
-  std::vector<Proposal> news;
-  std::vector<int> marked;  // clusters that regions just marked were taken for
+  std::vector<Proposal> added;
+  std::vector<int> marked;  // clusters of regions just marked
   for (const Misclustered& found : result.found) {
     const auto seen = std::find_if(seen_.begin(), seen_.end(), [&](const Seen& s) {
       const auto at = static_cast<size_t>(s.y) * small_.width + static_cast<size_t>(s.x);
@@ -108,8 +108,8 @@ std::vector<RegionProposals::Proposal> RegionProposals::collect(uint64_t number,
       seen->misses = 0;
       if (seen->refused || seen->region > 0 || frame.mode == Mode::report) continue;
     }
-    if (found.region > 0) continue;  // somebody has clicked on it
-    if (seen == seen_.end() && seen_.size() >= most_) continue;
+    if (found.region > 0) continue;  // clicked
+    if (seen == seen_.end() && seen_.size() >= max_count_) continue;
     const auto of_frame = [&](int v, uint32_t size) {
       return std::min(v * factor_ + factor_ / 2, static_cast<int>(size) - 1);
     };
@@ -133,7 +133,7 @@ std::vector<RegionProposals::Proposal> RegionProposals::collect(uint64_t number,
     } else {
       seen_.push_back({found.x, found.y, proposal.region, 0, false});
     }
-    news.push_back(proposal);
+    added.push_back(proposal);
   }
   std::erase_if(seen_, [&](const Seen& seen) {
     if (seen.refused || seen.misses < kMisses) return false;
@@ -142,13 +142,12 @@ std::vector<RegionProposals::Proposal> RegionProposals::collect(uint64_t number,
   });
   const bool waits = std::any_of(seen_.begin(), seen_.end(),
                                  [](const Seen& s) { return !s.refused && s.misses > 0; });
-  quiet_ = news.empty() && !waits && marked.empty();
+  quiet_ = added.empty() && !waits && marked.empty();
   if (!quiet_) due_ = std::min(due_, recorded_ + kSoon);
-  return news;
+  return added;
 }
 
-/// Regions that are gone for another reason, or are another one's by now: they may be proposed once
-/// more.
+/// Regions that were lost, or whose number has another region, may be proposed once more.
 void RegionProposals::forget_lost(const MarkedRegions& regions) {
   for (Seen& seen : seen_) {
     if (seen.region == 0) continue;

@@ -12,54 +12,51 @@
 
 namespace inverse {
 
-/// Proposes regions of a video that look like another base color than they have, without a click
-/// (find_misclustered), and marks them where that is wanted. In the background of a live stream:
-/// every few frames the device makes a small one, and the host looks at it once the device is done
-/// with the frame.
+/// Proposes regions of a video that seem to have another base color than their cluster's
+/// (find_misclustered), and marks them in Mode::correct. Every few frames the device makes a small
+/// frame, which the host searches when the device is done, beside a live stream.
 class RegionProposals {
  public:
   enum class Mode : uint8_t {
     off,
     report,   ///< only reports
-    correct,  ///< marks the regions as a click would and gives them the color that they seem to
-              ///< have
+    correct,  ///< marks the regions as a click would and gives them their supposed color
   };
   struct Proposal {
     int x, y;         ///< of a pixel of the frame in it
     uint64_t pixels;  ///< of the frame, about
-    int cluster;      ///< slot that they were taken for
+    int cluster;      ///< slot that they were assigned to
     int color;        ///< slot that they seem to have
-    float score;      ///< how much speaks for it, 0…1
-    int region;       ///< number of the region that was marked, 0: none
+    float score;      ///< 0…1, 1 is certain
+    int region;       ///< number of the marked region, 0: none
   };
 
-  /// Of `most` proposals at a time is kept in mind that they were made; there are no others until
-  /// some are over. Throws Error(limit, out_of_memory).
-  RegionProposals(const std::shared_ptr<gpu::Device>& device, Extent extent, size_t most = 256);
+  /// At most `max_count` proposals at a time. Throws Error(limit, out_of_memory).
+  RegionProposals(const std::shared_ptr<gpu::Device>& device, Extent extent,
+                  size_t max_count = 256);
 
-  /// After `method` has recorded a frame with `regions`: records a small one where one is due.
-  /// Returns a number for `collect`. With the first frame that is not in Mode::correct any more the
-  /// regions that were proposed go (Loss::withdrawn), from the next one on; what frames before it
-  /// may still report is ignored.
+  /// Records a small frame if one is due. Call it after `method` has recorded a frame with
+  /// `regions`. Returns a number for `collect`. When the mode is no longer Mode::correct, proposed
+  /// regions are removed from the next frame on (Loss::withdrawn), and pending results are ignored.
   uint64_t record(gpu::Commands& commands, const GlobalThesis& method, MarkedRegions& regions,
                   Mode mode);
-  /// Reads the results of one of the last three frames, once its Commands have been waited for.
-  /// Gives what is proposed anew. In Mode::correct regions are marked where numbers are free, and
-  /// those that have not looked misclustered for a while go again.
+  /// Reads the results of one of the last three frames, and returns new proposals. Wait for its
+  /// Commands first. Mode::correct marks regions while numbers are free, and removes those that
+  /// have not seemed misclustered for kMisses searches.
   std::vector<Proposal> collect(uint64_t number, MarkedRegions& regions);
 
-  /// Proposes this region no more until `reset`, as somebody has taken its mark away.
+  /// Does not propose this region again until `reset`.
   void refuse(int region);
-  /// Forgets everything: at a flush, a discontinuity or a scene cut.
+  /// Discards all proposals, for a flush, a discontinuity or a scene cut.
   void reset();
-  /// Whether frames in this mode may still bring something new while the picture stays as it is.
+  /// Whether an unchanged picture may still bring new proposals in this mode.
   bool pending(Mode mode) const { return !quiet_ || mode != mode_; }
-  /// What is proposed at present.
+  /// Present proposals.
   int count() const;
 
  private:
   static constexpr uint64_t kMaxPixels = 160 * 160;  ///< of a small frame
-  static constexpr uint64_t kSoon = 4, kLater = 15;  ///< frames from one to the next
+  static constexpr uint64_t kSoon = 4, kLater = 15;  ///< frames between two small ones
   static constexpr int kMisses = 3;                  ///< after which a proposal is over
   static constexpr int kMaxFailures = 2;             ///< after which it is refused
   struct Frame {
@@ -70,7 +67,7 @@ class RegionProposals {
     uint32_t epoch = 0;
     bool pending = false;
   };
-  /// A proposal of before.
+  /// An earlier proposal.
   struct Seen {
     int x, y;  ///< of the small frame
     int region;
@@ -84,7 +81,7 @@ class RegionProposals {
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_, small_;
-  size_t most_;
+  size_t max_count_;
   int factor_ = 1;
   gpu::Program<shaders::thesis_chapter5_correction_survey> survey_;
   gpu::BufferPtr pixels_;

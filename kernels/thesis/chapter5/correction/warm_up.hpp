@@ -6,10 +6,9 @@
 
 namespace inverse {
 
-/// As GlobalThesis::warm_up, for marked regions, RegionProposals and MisclusteringCorrection:
-/// corrects a region of a tiny frame, once a device. Waits for the device. False if the
-/// correction did not end, so that some kernels may still have to be built in mid-stream. Throws
-/// Error(out_of_memory).
+/// As GlobalThesis::warm_up, for MarkedRegions, RegionProposals and MisclusteringCorrection:
+/// corrects a region of a tiny frame, once a device. Waits for the device. False if the correction
+/// did not end: some kernels may then be built in mid-stream. Throws Error(out_of_memory).
 bool warm_up_correction(const std::shared_ptr<gpu::Device>& device);
 
 }  // namespace inverse

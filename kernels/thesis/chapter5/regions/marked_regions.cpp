@@ -9,7 +9,7 @@
 namespace inverse {
 namespace {
 
-constexpr uint32_t kFewPixels = 32;  // as a few may well become many
+constexpr uint32_t kFewPixels = 32;  // smaller regions may grow as if they had as many
 // The layout of orders and counts is in regions.glsl.
 using Shader = shaders::thesis_chapter5_regions_regions_probe;
 constexpr uint64_t kNumbers = Shader::kMaxRegions;
@@ -19,13 +19,13 @@ constexpr uint64_t kCounts = 2 * kNumbers;
 constexpr uint64_t kClicksAt = 2 * kNumbers;
 constexpr uint64_t kOrders = kClicksAt + 4 * MarkedRegions::kMaxClicks;
 
-/// Whose claim on a component wins, from the lowest: somebody's click goes before whatever was only
-/// proposed, also where the proposal comes after it, as it is of a frame from before.
+/// Rank of a claim on a component; the highest wins. Clicks outrank proposals, also later ones,
+/// which are of an earlier frame.
 enum class Rank : uint32_t { proposed, tracked_proposal, tracked, clicked };
 
-uint32_t claim(const MarkedRegions::Region& region, bool goes_on) {
-  const Rank rank = region.proposed ? (goes_on ? Rank::tracked_proposal : Rank::proposed)
-                                    : (goes_on ? Rank::tracked : Rank::clicked);
+uint32_t claim(const MarkedRegions::Region& region, bool continued) {
+  const Rank rank = region.proposed ? (continued ? Rank::tracked_proposal : Rank::proposed)
+                                    : (continued ? Rank::tracked : Rank::clicked);
   return static_cast<uint32_t>(region.number) +
          static_cast<uint32_t>(kNumbers) * static_cast<uint32_t>(rank);
 }
@@ -65,11 +65,11 @@ int MarkedRegions::add(const Click& click, int color, bool proposed) {
                                               [&](const Region& r) { return r.number == number; }))
     ++number;
   if (number > kMaxRegions) {
-    const Region* least = nullptr;
+    const Region* smallest = nullptr;
     for (const Region& region : regions_)
-      if (region.proposed && (!least || region.pixels < least->pixels)) least = &region;
-    if (proposed || !least) return 0;
-    number = least->number;
+      if (region.proposed && (!smallest || region.pixels < smallest->pixels)) smallest = &region;
+    if (proposed || !smallest) return 0;
+    number = smallest->number;
     remove(number, Loss::made_room);
   }
   Region region{number, -1, color};

@@ -15,39 +15,38 @@
 
 namespace inverse {
 
-/// Regions of a video that look like another base color than they have, as strong inter-reflections
-/// make them (thesis, 5.5.2.1): each begins with a click, is filled over cluster ids, follows its
-/// pixels from frame to frame by probe and fill, and may be given a base color. All of the filling
-/// is done on the device.
+/// Regions of a video whose pixels were assigned to a wrong base color because of strong
+/// inter-reflections (thesis, 5.5.2.1). A region starts at a click, is filled over cluster ids on
+/// the device, is tracked from frame to frame, and can be given a base color.
 class MarkedRegions {
  public:
   static constexpr int kMaxRegions = 15;    ///< numbers 1 … 15
-  static constexpr size_t kMaxClicks = 16;  ///< taken in a frame: more than there are numbers
-  /// A tracked region that grows by more from one frame to the next is no longer what was marked:
-  /// its component has joined another one, and goes.
+  static constexpr size_t kMaxClicks = 16;  ///< a frame: more than kMaxRegions
+  /// Maximum growth of a tracked region from one frame to the next. It is removed if it grows by
+  /// more: its component has joined another one.
   static constexpr uint32_t kMaxGrowth = 3;
 
   struct Region {
     int number;   ///< 1 … kMaxRegions
     int cluster;  ///< slot of the palette that its pixels are assigned to; −1: not filled yet
-    int color;    ///< slot of the base color that it is given; −1: none yet
+    int color;    ///< slot of the base color given to it; −1: none yet
     uint32_t pixels = 0;          ///< in the last frame that was collected
-    uint64_t since = UINT64_MAX;  ///< number of the frame that took its click in
-    bool proposed = false;        ///< by `propose`: gives way to what was clicked
+    uint64_t since = UINT64_MAX;  ///< number of the frame in which it was filled
+    bool proposed = false;        ///< by `propose`: clicked regions replace it
   };
 
   /// Why a region was removed.
   enum class Loss : uint8_t {
     nothing_there,  ///< no cluster was under the click
     taken_over,     ///< its pixels went to another region
-    lost,           ///< none of its pixels could be followed
+    lost,           ///< none of its pixels could be tracked
     spilled,        ///< it grew into its surroundings of the same cluster (kMaxGrowth)
-    no_candidates,  ///< there was no base color to give it (MisclusteringCorrection)
-    unmarked,       ///< somebody removed it
+    no_candidates,  ///< no base color is left to try (MisclusteringCorrection)
+    unmarked,       ///< removed by `remove`
     withdrawn,      ///< a proposal that no longer seems misclustered, or proposals were disabled
                     ///< (RegionProposals)
     made_room,      ///< it was proposed, and a click needed its number
-    cut,            ///< of the scene
+    cut,            ///< scene cut
     reset,          ///< a flush, a discontinuity, another frame size
   };
   struct Lost {
@@ -58,45 +57,41 @@ class MarkedRegions {
   /// Throws Error(limit, out_of_memory).
   MarkedRegions(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// Marks the region around a pixel, from the next frame on. Returns its number, or 0 if the
-  /// pixel is outside the frame or all numbers are taken. A click into a region that is marked
-  /// already makes another one, which takes its pixels over. Where all numbers are taken, the
-  /// smallest region that was only proposed gives its own away.
+  /// Marks the region around a pixel in the next frame, and takes that pixel's component over from
+  /// any other region. Returns the region's number, or 0 if the pixel is outside the frame or no
+  /// number is free. If none is free, the smallest proposed region is removed (Loss::made_room).
   int click(int x, int y);
-  /// The same without anybody's click, where a number is free and if the pixel still has that
-  /// cluster then (Loss::nothing_there if not); gives the region a base color at once. Takes
-  /// nothing over from other regions (Loss::taken_over), whether they were marked before or are
-  /// with the same frame; a click takes it over.
+  /// As `click`, but marks only if the pixel still has this cluster (else Loss::nothing_there),
+  /// gives the region a base color at once, and neither takes over pixels of other regions
+  /// (Loss::taken_over) nor removes a region for its number.
   int propose(int x, int y, int cluster, int color);
-  /// The base color (slot) that a region has whatever it looks like; −1: that of its cluster.
-  /// Numbers that mark nothing are ignored.
+  /// Gives a region a base color (slot); −1: that of its cluster. Ignores unknown numbers.
   void set_color(int number, int slot);
-  /// False if the number marks nothing.
+  /// False if there is no such region.
   bool remove(int number, Loss loss = Loss::unmarked);
-  /// Forgets all regions: at a flush, a discontinuity or a scene cut.
+  /// Removes all regions, for a flush, a discontinuity or a scene cut.
   void reset(Loss loss = Loss::reset);
 
-  /// Takes in a frame: w of `features` is each pixel's cluster, −1 if there is none.
+  /// Fills and tracks regions in a frame: w of `features` is each pixel's cluster, −1 if there is
+  /// none.
   void record(gpu::Commands& commands, const Plane& features);
   /// Number of the last frame that was recorded, for `collect`.
   uint64_t last() const { return recorded_ - 1; }
-  /// Takes in the regions' sizes of one of the last three frames, once its Commands have been
-  /// waited for. Regions that are lost (no pixel is left, or there was no cluster under the click)
-  /// go.
+  /// Reads the sizes of regions in one of the last three frames, and removes lost regions. Wait for
+  /// its Commands first.
   void collect(uint64_t frame);
 
   const std::vector<Region>& regions() const { return regions_; }
-  /// Regions that went since this was last asked for, in that order.
+  /// Regions removed since the last call, in order.
   std::vector<Lost> take_lost() { return std::exchange(lost_, {}); }
   bool has_lost() const { return !lost_.empty(); }
-  /// (slot of the color that overrules the cluster or −1, number or 0) of each pixel of the last
-  /// frame.
+  /// (slot of the given color or −1, number or 0) of each pixel of the last frame.
   Plane plane() const { return {extent_, plane_}; }
 
  private:
   struct Click {
     int x, y, number;
-    int cluster;  // that there must be, −1: any
+    int cluster;  // required; −1: any
   };
   int add(const Click& click, int color, bool proposed);
   struct Frame {
@@ -116,7 +111,7 @@ class MarkedRegions {
   gpu::FrameRing<Frame> frames_;
   std::vector<Region> regions_;  // by number
   std::vector<Click> waiting_;   // for the next frame
-  std::vector<Lost> lost_;       // not asked for yet
+  std::vector<Lost> lost_;       // not taken yet
   uint64_t recorded_ = 0;
   uint32_t epoch_ = 0;  // resets
   bool clear_ = true;
