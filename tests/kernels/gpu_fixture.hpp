@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <random>
 #include <string>
 #include <vector>
@@ -39,6 +40,30 @@ class GpuTest : public ::testing::Test {
     record(commands);
     commands.submit();
     commands.wait();
+  }
+  /// Plays `count` frames, kFramesInFlight at a time: record(commands, t) records frame t, and
+  /// collect(t) follows when it is done. No frame is recorded after a collect() that returns false.
+  template <typename Record, typename Collect>
+  void play_frames(size_t count, Record record, Collect collect) {
+    std::vector<std::unique_ptr<gpu::Commands>> commands;
+    for (size_t i = 0; i < gpu::kFramesInFlight; ++i)
+      commands.push_back(std::make_unique<gpu::Commands>(device));
+    bool more = true;
+    size_t recorded = 0, collected = 0;
+    const auto collect_next = [&] {
+      commands[collected % commands.size()]->wait();
+      more &= collect(collected++);
+    };
+    for (size_t t = 0; t < count; ++t) {
+      if (t >= commands.size()) collect_next();
+      if (!more) break;
+      gpu::Commands& own = *commands[t % commands.size()];
+      own.begin();
+      record(own, t);
+      own.submit();
+      ++recorded;
+    }
+    while (collected < recorded) collect_next();
   }
   Pixels download(const gpu::BufferPtr& buffer) {
     auto host =

@@ -69,16 +69,18 @@ TEST_F(GlobalThesisTest, StepsAreShortenedAsInTheReference) {
         static_cast<double>(decades), final_energy[0], final_energy[1], shortened[1],
         reference_energy[0], reference_energy[1], reference_shortened[1]);
     EXPECT_EQ(shortened[0], 0);
-    EXPECT_NEAR(final_energy[1], reference_energy[1], 0.1 * reference_energy[1]);
     if (decades < 2) {
       // Nothing to be shortened: the same result.
+      EXPECT_NEAR(final_energy[1], reference_energy[1], 1e-4 * reference_energy[1]);
       EXPECT_EQ(shortened[1], 0);
       EXPECT_EQ(reference_shortened[1], 0);
       EXPECT_EQ(final_energy[0], final_energy[1]);
     } else {
-      EXPECT_GT(shortened[1], 0);
-      EXPECT_GT(reference_shortened[1], 0);
-      EXPECT_LE(final_energy[1], 1.05 * final_energy[0]);
+      // Rounding decides which steps are shortened: 2 to 6 on the variants, energies within 2 %.
+      EXPECT_NEAR(final_energy[1], reference_energy[1], 0.03 * reference_energy[1]);
+      EXPECT_GE(shortened[1], 2);
+      EXPECT_EQ(reference_shortened[1], 6);
+      EXPECT_LT(final_energy[1], 0.97 * final_energy[0]);
     }
   }
 }
@@ -154,7 +156,7 @@ TEST_F(GlobalThesisTest, SamplesRaiseTheRestOfTheEnergyByLittleInAll) {
     EXPECT_LE(rest, std::max(without_samples(trace[k - 1]), 1.05 * start) * (1 + 2e-5))
         << "step " << k;
   }
-  EXPECT_GT(highest, 1.01) << "the samples do not pull at all";
+  EXPECT_GT(highest, 1.01) << "the samples have no effect";
 }
 
 TEST_F(GlobalThesisTest, LayersThatTheDeviceCannotBindAreOmitted) {

@@ -313,33 +313,26 @@ TEST_F(MisclusteringTest, TheCorrectionFindsTheColorInTheBackground) {
     MisclusteringCorrection correction(device, kExtent);
     const int number = regions.click(20, 12);
     const Plane frame = plane(kExtent, pixels);
-    std::vector<std::unique_ptr<gpu::Commands>> commands;
-    for (size_t i = 0; i < gpu::kFramesInFlight; ++i)
-      commands.push_back(std::make_unique<gpu::Commands>(device));
-    std::array<std::array<uint64_t, 3>, gpu::kFramesInFlight> numbers{};
+    std::array<uint64_t, gpu::kFramesInFlight> corrections{};
     std::optional<MisclusteringCorrection::Result> result;
-    for (size_t t = 0; t < 20 && !result; ++t) {
-      const size_t slot = t % commands.size();
-      if (t >= commands.size()) {
-        commands[slot]->wait();
-        method.collect(numbers[slot][0]);
-        regions.collect(numbers[slot][1]);
-        if (correct) result = correction.collect(numbers[slot][2], regions);
-      }
-      commands[slot]->begin();
-      Layers output;
-      GlobalThesis::Hints hints;
-      hints.regions = &regions;
-      numbers[slot][0] = method.record(*commands[slot], frame, output, hints);
-      numbers[slot][1] = regions.last();
-      if (correct) numbers[slot][2] = correction.record(*commands[slot], method, regions);
-      commands[slot]->submit();
-      if (t == 3) {
-        commands[slot]->wait();
-        results[correct].push_back(download(output[Role::intrinsic]->buffer));
-      }
-    }
-    for (auto& own : commands) own->wait();
+    std::array<Layers, 4> outputs;
+    play_frames(
+        20,
+        [&](gpu::Commands& commands, size_t t) {
+          GlobalThesis::Hints hints;
+          hints.regions = &regions;
+          method.record(commands, frame, outputs[std::min<size_t>(t, 3) - (t > 3)], hints);
+          if (correct)
+            corrections[t % corrections.size()] = correction.record(commands, method, regions);
+        },
+        [&](size_t t) {
+          method.collect(t);
+          regions.collect(t);
+          if (t == 3) results[correct].push_back(download(outputs[3][Role::intrinsic]->buffer));
+          if (correct && !result)
+            result = correction.collect(corrections[t % corrections.size()], regions);
+          return !result;
+        });
     if (!correct) continue;
     ASSERT_TRUE(result.has_value());
     EXPECT_EQ(result->number, number);

@@ -154,31 +154,24 @@ class RegionProposalsTest : public GlobalThesisTest {
                                               const std::vector<Mode>& modes) {
     std::vector<RegionProposals::Proposal> all;
     const Plane frame = plane(kExtent, pixels);
-    std::vector<std::unique_ptr<gpu::Commands>> commands;
-    for (size_t i = 0; i < gpu::kFramesInFlight; ++i)
-      commands.push_back(std::make_unique<gpu::Commands>(device));
     std::array<std::array<uint64_t, 3>, gpu::kFramesInFlight> numbers{};
-    const auto take = [&](size_t slot) {
-      commands[slot]->wait();
-      method->collect(numbers[slot][0]);
-      regions->collect(numbers[slot][1]);
-      for (const auto& proposal : proposals->collect(numbers[slot][2], *regions))
-        all.push_back(proposal);
-    };
-    for (size_t t = 0; t < modes.size(); ++t) {
-      const size_t slot = t % commands.size();
-      if (t >= commands.size()) take(slot);
-      commands[slot]->begin();
-      Layers output;
-      GlobalThesis::Hints hints;
-      hints.regions = &*regions;
-      numbers[slot][0] = method->record(*commands[slot], frame, output, hints);
-      numbers[slot][1] = regions->last();
-      numbers[slot][2] = proposals->record(*commands[slot], *method, *regions, modes[t]);
-      commands[slot]->submit();
-    }
-    for (size_t t = modes.size() - std::min(modes.size(), commands.size()); t < modes.size(); ++t)
-      take(t % commands.size());
+    play_frames(
+        modes.size(),
+        [&](gpu::Commands& commands, size_t t) {
+          Layers output;
+          GlobalThesis::Hints hints;
+          hints.regions = &*regions;
+          const uint64_t number = method->record(commands, frame, output, hints);
+          numbers[t % numbers.size()] = {number, regions->last(),
+                                         proposals->record(commands, *method, *regions, modes[t])};
+        },
+        [&](size_t t) {
+          const auto& [number, region, proposal] = numbers[t % numbers.size()];
+          method->collect(number);
+          regions->collect(region);
+          for (const auto& made : proposals->collect(proposal, *regions)) all.push_back(made);
+          return true;
+        });
     return all;
   }
   std::optional<GlobalThesis> method;
@@ -187,13 +180,13 @@ class RegionProposalsTest : public GlobalThesisTest {
 };
 
 TEST_F(RegionProposalsTest, ReportsOnceAndMarksNothing) {
-  const auto told = play(stage_pixels({}), Mode::report, 60);
-  ASSERT_EQ(told.size(), 1U);
-  EXPECT_EQ(told[0].cluster, kRed);
-  EXPECT_EQ(told[0].color, kGray);
-  EXPECT_EQ(told[0].region, 0);
+  const auto proposed = play(stage_pixels({}), Mode::report, 60);
+  ASSERT_EQ(proposed.size(), 1U);
+  EXPECT_EQ(proposed[0].cluster, kRed);
+  EXPECT_EQ(proposed[0].color, kGray);
+  EXPECT_EQ(proposed[0].region, 0);
   EXPECT_TRUE(in_shade(
-      {}, static_cast<size_t>(told[0].y) * kExtent.width + static_cast<size_t>(told[0].x)));
+      {}, static_cast<size_t>(proposed[0].y) * kExtent.width + static_cast<size_t>(proposed[0].x)));
   EXPECT_TRUE(regions->regions().empty());
   EXPECT_EQ(proposals->count(), 1);
   EXPECT_FALSE(proposals->pending(Mode::report));
@@ -204,9 +197,9 @@ TEST_F(RegionProposalsTest, ReportsOnceAndMarksNothing) {
 
 TEST_F(RegionProposalsTest, MarksAndGivesTheColor) {
   const Pixels pixels = stage_pixels({});
-  const auto told = play(pixels, Mode::correct, 30);
-  ASSERT_EQ(told.size(), 1U);
-  EXPECT_EQ(told[0].region, 1);
+  const auto proposed = play(pixels, Mode::correct, 30);
+  ASSERT_EQ(proposed.size(), 1U);
+  EXPECT_EQ(proposed[0].region, 1);
   ASSERT_EQ(regions->regions().size(), 1U);
   EXPECT_TRUE(regions->regions()[0].proposed);
   EXPECT_EQ(regions->regions()[0].color, kGray);
@@ -313,9 +306,9 @@ TEST_F(RegionProposalsTest, OffStopsWhatIsUnderWay) {
   regions->reset();
   proposals->reset();
   for (const Mode mode : {Mode::off, Mode::report}) {
-    const auto told = play(pixels, {Mode::correct, mode, mode, mode, mode, mode});
-    EXPECT_EQ(told.size(), mode == Mode::report ? 1U : 0U);
-    for (const auto& proposal : told) EXPECT_EQ(proposal.region, 0);
+    const auto proposed = play(pixels, {Mode::correct, mode, mode, mode, mode, mode});
+    EXPECT_EQ(proposed.size(), mode == Mode::report ? 1U : 0U);
+    for (const auto& proposal : proposed) EXPECT_EQ(proposal.region, 0);
     EXPECT_TRUE(regions->regions().empty());
     proposals->reset();
   }

@@ -21,25 +21,14 @@ class WarmUp : public OnANewDevice<GlobalThesisTest> {
     MarkedRegions regions(device, kExtent);
     MisclusteringCorrection correction(device, kExtent);
     RegionProposals proposals(device, kExtent);
-    std::vector<std::unique_ptr<gpu::Commands>> commands;
-    for (size_t i = 0; i < gpu::kFramesInFlight; ++i)
-      commands.push_back(std::make_unique<gpu::Commands>(device));
     struct Numbers {
       uint64_t method, regions, correction, proposals;
     };
     std::vector<Numbers> numbers;
     std::vector<Plane> frames;
     int corrected = 0;
-    for (uint32_t t = 0; t < 60; ++t) {
-      gpu::Commands& own = *commands[t % commands.size()];
-      if (t >= commands.size()) {
-        own.wait();
-        const Numbers& done = numbers[t - commands.size()];
-        method.collect(done.method);
-        regions.collect(done.regions);
-        corrected += correction.collect(done.correction, regions).has_value();
-        proposals.collect(done.proposals, regions);
-      }
+    const auto record = [&](gpu::Commands& commands, size_t frame) {
+      const auto t = static_cast<uint32_t>(frame);
       if (t == 4) regions.click(5, 5);
       if (t == 20) method.refine();
       if (t > 20 && t % 10 == 5) {
@@ -48,7 +37,6 @@ class WarmUp : public OnANewDevice<GlobalThesisTest> {
       }
       if (t >= 30 && t < 35) method.set_base_colors(random_colors(4 * (t - 30), t));
       if (t == 35) method.reset();
-      own.begin();
       Layers output;
       GlobalThesis::Hints hints;
       hints.regions = &regions;
@@ -56,12 +44,18 @@ class WarmUp : public OnANewDevice<GlobalThesisTest> {
       if (t > 45)
         for (size_t i = 0; i < pixels.size(); i += 4) std::swap(pixels[i], pixels[i + 1]);
       frames.push_back(plane(kExtent, pixels));
-      const uint64_t number = method.record(own, frames.back(), output, hints);
-      numbers.push_back({number, regions.last(), correction.record(own, method, regions),
-                         proposals.record(own, method, regions, RegionProposals::Mode::correct)});
-      own.submit();
-    }
-    for (auto& own : commands) own->wait();
+      const uint64_t number = method.record(commands, frames.back(), output, hints);
+      numbers.push_back(
+          {number, regions.last(), correction.record(commands, method, regions),
+           proposals.record(commands, method, regions, RegionProposals::Mode::correct)});
+    };
+    play_frames(60, record, [&](size_t t) {
+      method.collect(numbers[t].method);
+      regions.collect(numbers[t].regions);
+      corrected += correction.collect(numbers[t].correction, regions).has_value();
+      proposals.collect(numbers[t].proposals, regions);
+      return true;
+    });
     return corrected;
   }
 };
