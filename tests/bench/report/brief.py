@@ -207,11 +207,11 @@ the own stills apart and gives each peer one setting for all scenes; here each h
 No method is best everywhere: R = I / max_c I is best on palettes of constant value. Intervals and paired differences: [accuracy](../reference/accuracy.md).
 
 ## Indirect light
-Means over {f['light']['scenes']} scenes (four own stills, seven rendered sequences; all were looked at while `globalintrinsic` was tuned). `ind`: squared error of the indirect layer, relative to its
-square, at its own best scale; `indJ`, `dirJ`: of indirect and direct light at the scale of their sum; `tint`: rms of ln chroma of light. Guesses are a share of `intrinsicdecomp`'s shading.
+Means over {f['light']['scenes']} scenes (four own stills, seven rendered sequences; all were in view while `globalintrinsic` was tuned). `ind`: squared error of the indirect layer, relative to its
+square, at its own best scale; `indJ`, `dirJ`: of indirect and direct light at the scale of their sum; `tint`: rms of ln chroma of light. Guesses are a fixed share of `intrinsicdecomp`'s shading.
 
 {table(['', '`ind`', '`indJ`', '`dirJ`', '`tint`'], [[n] + [figure(v) for v in values] for n, *values in f['light']['means']])}
-`globalintrinsicthesis` was measured on fewer scenes; its `ind`: {', '.join(f'{g} {figure(v)}' for g, v in f['light']['thesis'].items())}.
+`globalintrinsicthesis` was measured on fewer scenes; its `ind`: {', '.join(f'{g} {figure(v)}' for g, v in f['light']['thesis'].items()) or '–'}.
 
 ## Skipped work
 ![Adaptivity](adaptivity.png)
