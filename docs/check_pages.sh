@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Fails where docs/reference/elements is not what the elements say of themselves; run ./dev docs then.
+# Fails if docs/reference/elements differs from the elements' property tables; then run ./dev docs.
 set -euo pipefail
 fresh=$(mktemp -d)
 trap 'rm -rf "$fresh"' EXIT

@@ -19,7 +19,7 @@ class Builder {
   std::vector<Primitive> primitives_;
 };
 
-const Frame kFacingViewer = rotation({1, 0, 0}, kPi / 2);  // local y to world z, local z downwards
+const Frame kFacingViewer = rotation({1, 0, 0}, kPi / 2);  // local y to world z, local z downward
 
 void add_room(Builder& b) {
   Paint paper{Pattern::kWallpaper, {srgb(0xd8cdb4), srgb(0xb9c0a6), srgb(0x8a5a4e)}, 0.12f, ""};

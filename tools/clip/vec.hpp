@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Three-component vectors and right-handed frames for the clip renderer. Lengths are meters,
-// colors linear Rec. 709; y points up and z towards the viewer.
+// colors linear Rec. 709; y points up and z toward the viewer.
 #pragma once
 
 #include <algorithm>

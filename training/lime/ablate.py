@@ -15,7 +15,7 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 import torch  # noqa: E402
 
 from lime import ablations, corpus, stages  # noqa: E402
-from lime.networks import SIZES, Networks  # noqa: E402
+from lime.networks import INPUT, Networks  # noqa: E402
 import descent  # noqa: E402
 
 BATCH, RATE, TIMES = 32, 1e-3, 3  # TIMES that each sample is used
@@ -58,7 +58,7 @@ def prepare(trunk, seed):
 def main():
     args, trunk, samples, sets = ablations.begin(__doc__, 40000)
     variants, heads = prepare(trunk, args.seed)
-    stream = corpus.Stream(samples, args.seed, 0, BATCH, SIZES["standard"]["input"], corpus.TAUGHT, twice=True)
+    stream = corpus.Stream(samples, args.seed, 0, BATCH, INPUT, corpus.TAUGHT, twice=True)
     batches, steps = corpus.Again(stream, TIMES), args.samples // BATCH
     for step in range(steps):
         batch = next(batches)

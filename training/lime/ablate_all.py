@@ -17,13 +17,12 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 import torch  # noqa: E402
 
 from lime import ablations, corpus, stages  # noqa: E402
-from lime.networks import SIZES, Networks  # noqa: E402
+from lime.networks import INPUT, Networks  # noqa: E402
 import descent  # noqa: E402
 
-SIZE = SIZES["standard"]["input"]
 # Stages in their order, pixels of their pictures, share of the samples. Small pictures are quick, as in train.py.
-PLAN = (("specular", SIZE // 2, 0.32), ("specular", SIZE, 0.12), ("mirror", SIZE // 2, 0.12), ("mirror", SIZE, 0.04),
-        ("albedo", SIZE, 0.06), ("exponent", SIZE, 0.06), ("chain-albedo", SIZE, 0.08), ("heads", SIZE, 0.20))
+PLAN = (("specular", INPUT // 2, 0.32), ("specular", INPUT, 0.12), ("mirror", INPUT // 2, 0.12), ("mirror", INPUT, 0.04),
+        ("albedo", INPUT, 0.06), ("exponent", INPUT, 0.06), ("chain-albedo", INPUT, 0.08), ("heads", INPUT, 0.20))
 
 
 class Learner:
@@ -62,7 +61,7 @@ def teach(stage, variants, samples, drawn, pixels, count, seed):
     parts = {name: [p for p in stage.parts if variants[name].use_mirror or p != "mirror"] for name in variants}
     learners = [Learner(dataclasses.replace(stage, parts=parts[name]), variants[name], ablations.VARIANTS[name][1])
                 for name in first.values()]
-    batch = stage.batch * (SIZE // pixels) ** 2
+    batch = stage.batch * (INPUT // pixels) ** 2
     steps = max(count // batch, 1)
     stream = corpus.Stream(samples, seed, drawn, batch, pixels, corpus.TAUGHT, twice=True)
     batches, started = corpus.Again(stream, stage.times), time.monotonic()

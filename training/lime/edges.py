@@ -18,7 +18,7 @@ import torch
 from torch.nn import functional
 
 from lime import corpus, datasets, encoding
-from lime.networks import SIZES, load_checkpoint
+from lime.networks import INPUT, load_checkpoint
 
 TIMES = 4               # pixels along a point
 REACH, NOISE, DARKEST = 2, 1e-3, 0.02  # of the guided_* kernels
@@ -75,7 +75,7 @@ def main():
         errors.setdefault((source, way), {}).setdefault(where, []).append(value)
 
     for first in range(0, args.count, 8):
-        rendered = samples.render(datasets.CHOICES, first, 8, TIMES * SIZES["standard"]["input"], corpus.TEST)
+        rendered = samples.render(datasets.CHOICES, first, 8, TIMES * INPUT, corpus.TEST)
         batch, exposure = corpus.Batch(rendered), 2 ** args.stops
         if args.stops:
             codes = encoding.to_srgb(encoding.to_linear(batch.image) * exposure)

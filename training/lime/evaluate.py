@@ -54,7 +54,7 @@ def main():
 
     @functools.lru_cache(1)
     def held_out(count, flags=0):
-        return datasets.synthetic(samples, args.seed, count, corpus.TEST | flags, networks.size)
+        return datasets.synthetic(samples, args.seed, count, corpus.TEST | flags)
 
     part = args.count // 4
     sets = {"Held-out shapes and maps": (lambda: held_out(args.count), False)}  # what loads them; whether their mask is the true one
@@ -69,9 +69,7 @@ def main():
             ("MIT objects, real", datasets.mit, "mit", True),
             ("The same, white all over", functools.partial(datasets.mit, color=(0.8, 0.8, 0.8)), "mit", True),
             ("The same, green all over", functools.partial(datasets.mit, color=(0.2, 0.5, 0.3)), "mit", True)):
-        if networks.size != 128:
-            print(f"{title}: not scored; its pictures are 128 × 128, and these networks take {networks.size} × {networks.size}")
-        elif (args.data / folder).is_dir():
+        if (args.data / folder).is_dir():
             sets[title] = functools.partial(load, args.data / folder), true_mask
     parts = []
     for number, (title, (load, true_mask)) in enumerate(sets.items()):

@@ -20,7 +20,7 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 import torch  # noqa: E402
 
 from lime import corpus, curves, stages  # noqa: E402
-from lime.networks import SIZES, Networks, exported, warm_start  # noqa: E402
+from lime.networks import INPUT, Networks, exported, warm_start  # noqa: E402
 import descent  # noqa: E402
 import records  # noqa: E402
 
@@ -40,7 +40,6 @@ def arguments():
     p.add_argument("--threads", type=int, default=2, help="of the training")
     p.add_argument("--workers", type=int, default=1, help="threads that render samples")
     p.add_argument("--device", default="cuda" if torch.cuda.is_available() else "cpu")
-    p.add_argument("--wide", action="store_true", help="the 256 × 256 variant, for GPUs")
     p.add_argument("--resume", action="store_true")
     p.add_argument("--overwrite", action="store_true", help="begin where OUT has a checkpoint, which is lost then")
     p.add_argument("--start", type=pathlib.Path, help="folder of exported weights (export.py) to begin with, such as models/lime")
@@ -102,8 +101,7 @@ def check(args, path):
 
 def initial_state(args, path):
     """What a checkpoint says of a training beside its weights, and those of the checkpoint and its optimizer, or none."""
-    size = "wide" if args.wide else "standard"
-    variant = {"size": size, "use_mirror": not args.no_mirror, "regress": args.regress, "settled": args.settled}
+    variant = {"use_mirror": not args.no_mirror, "regress": args.regress, "settled": args.settled}
     state = {"variant": variant, "stages": None, "minutes": MINUTES, "stage": 0, "seconds": 0.0, "samples": 0, "drawn": 0,
              "trained_seconds": 0.0, "seed": 1, "perceptual": True, "plain": False}
     weights = optimizer = None
@@ -140,7 +138,6 @@ class Training:
 
     def __init__(self, args, state, networks, samples, log):
         self.args, self.state, self.networks, self.samples, self.log = args, state, networks, samples, log
-        self.pixels = SIZES[state["variant"]["size"]]["input"]
         self.held_back = {}  # by the kind of pictures that a stage learns from
 
     def write(self, **record):
@@ -156,7 +153,7 @@ class Training:
     def held_out(self, stage, kind):
         """Loss terms by the names of the log."""
         if kind not in self.held_back:
-            arrays = self.samples.render(VALIDATION_SEED, 0, HELD_BACK, self.pixels, corpus.TEST | kind, self.args.threads)
+            arrays = self.samples.render(VALIDATION_SEED, 0, HELD_BACK, INPUT, corpus.TEST | kind, self.args.threads)
             self.held_back[kind] = batches_of(arrays, self.args.device)
         terms = validate(stage, self.networks, self.held_back[kind], self.state["perceptual"])
         return {"held_out_" + name: value for name, value in terms.items()}
@@ -179,8 +176,8 @@ class Training:
             started = time.monotonic()
             progress = state["seconds"] / budget
             coarse = progress < stage.coarse
-            if stream_pixels != self.pixels >> coarse:
-                stream_pixels, batch = self.pixels >> coarse, stage.batch << 2 * coarse
+            if stream_pixels != INPUT >> coarse:
+                stream_pixels, batch = INPUT >> coarse, stage.batch << 2 * coarse
                 if stream:
                     stream.close()
                 stream = corpus.Stream(self.samples, state["seed"], state["drawn"], batch, stream_pixels, corpus.TAUGHT | kind,
@@ -251,7 +248,7 @@ def main():
         if settled:
             warm_start.take(files)
         else:
-            arrays = samples.render(state["seed"], 0, 64, SIZES[state["variant"]["size"]]["input"], corpus.TAUGHT, args.threads)
+            arrays = samples.render(state["seed"], 0, 64, INPUT, corpus.TAUGHT, args.threads)
             first = batches_of(arrays, args.device)
             warm_start.load(files, lambda: [run(networks, batch, anew) for batch in first])
     if args.resume:

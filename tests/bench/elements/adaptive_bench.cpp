@@ -4,11 +4,9 @@
 // so that other load affects all settings alike.
 //
 // usage: adaptive-bench [--element NAME] [--clip FILE] [--size 640x480] [--frames N] [--settle N]
-//                       [--whole N] [--parts] [--brief] [--json FILE]
-// Scenes with much to skip ignore the first frames (--settle, 24), while solves converge. In scenes
-// with nothing to skip, on and off process --whole frames, for an accurate ratio. With --parts each
-// property that skips work is also measured alone and, in scenes with much to skip, switched off
-// alone; --brief shows only such scenes.
+//                       [--whole N] [--brief] [--json FILE]
+// Scenes with much to skip ignore the first frames (--settle, 24), while solves converge. Scenes
+// with nothing to skip show --whole frames, for an accurate ratio; --brief leaves them out.
 #include <gst/check/gstharness.h>
 
 #include <cstdio>
@@ -36,7 +34,6 @@ struct Size {
 
 struct Setting {
   std::string name, line;
-  bool everywhere = true;  ///< measured in all scenes; else only in those with much to skip
 };
 
 /// An element under measurement.
@@ -44,25 +41,6 @@ struct Run {
   GstHarness* harness;
   std::vector<double> wall, processor;
 };
-
-/// Off and on first.
-std::vector<Setting> settings(const std::string& element, bool parts) {
-  std::vector<Setting> all{{"off", element + " adaptive=false"}, {"on", element}};
-  if (!parts) return all;
-  const std::pair<const char*, const char*> named[] = {
-      {"whole frames", "repeat-tolerance"},     {"tiles", "tile-tolerance"},
-      {"edges of tiles", "edge-tolerance"},     {"cycles", "cycle-tolerance"},
-      {"comparing chroma", "chroma-tolerance"}, {"comparing pixels", "gate-tolerance"},
-      {"half resolution", "half-tolerance"}};
-  for (const auto& [name, kept] : named) {
-    std::string others;
-    for (const auto& [other, entry] : named)
-      if (entry != kept) others += (others.empty() ? "" : ":") + std::string(entry) + "=0";
-    all.push_back({name, element + " tuning=" + others, true});
-    all.push_back({std::string("all but ") + name, element + " tuning=" + kept + "=0", false});
-  }
-  return all;
-}
 
 struct Scene {
   const char* name;
@@ -104,8 +82,7 @@ std::string list(const std::vector<double>& values) {
   return "[" + text + "]";
 }
 
-/// Number of frames: per setting, for on and off if nothing can be skipped, and unmeasured ones if
-/// much can.
+/// Number of frames: if much can be skipped, if nothing can, and unmeasured ones if much can.
 struct Frames {
   int all = 48, whole = 0, settling = kWarmUp;
 };
@@ -113,8 +90,7 @@ struct Frames {
 /// Rows of JSON, one for each setting.
 std::string measure(const Scene& scene, const std::string& element, Size size,
                     const std::string& caps, Frames frames, const std::vector<GstBuffer*>& clip,
-                    std::vector<Setting> all) {
-  if (!scene.brief) std::erase_if(all, [](const Setting& s) { return !s.everywhere; });
+                    const std::vector<Setting>& all) {
   std::vector<Run> runs;
   for (const Setting& setting : all) {
     GstHarness* harness = gst_harness_new_parse(setting.line.c_str());
@@ -127,9 +103,8 @@ std::string measure(const Scene& scene, const std::string& element, Size size,
     const size_t shown = scene.draw ? 0 : static_cast<size_t>(k) % clip.size();
     GstBuffer* frame = gst_buffer_copy_deep(clip[shown]);
     if (scene.draw) scene.draw(frame, size, k);
-    const size_t turns = k < frames.all ? runs.size() : 2;
-    for (size_t i = 0; i < turns; ++i)
-      push(runs[k % 2 ? turns - 1 - i : i], frame, k, k >= settling);
+    for (size_t i = 0; i < runs.size(); ++i)
+      push(runs[k % 2 ? runs.size() - 1 - i : i], frame, k, k >= settling);
     gst_buffer_unref(frame);
   }
   std::string rows;
@@ -139,8 +114,8 @@ std::string measure(const Scene& scene, const std::string& element, Size size,
     rows += std::string(i > 0 ? ",\n" : "") + "{\"element\": \"" + element + "\", \"scene\": \"" +
             scene.name + "\", \"width\": " + std::to_string(size.width) +
             ", \"height\": " + std::to_string(size.height) +
-            ", \"frames\": " + std::to_string(i < 2 ? count : frames.all) + ", \"setting\": \"" +
-            all[i].name + "\", \"wall_ms\": " + list(runs[i].wall) +
+            ", \"frames\": " + std::to_string(count) + ", \"setting\": \"" + all[i].name +
+            "\", \"wall_ms\": " + list(runs[i].wall) +
             ", \"processor_ms\": " + list(runs[i].processor) + "}";
     gst_harness_teardown(runs[i].harness);
   }
@@ -155,7 +130,7 @@ int main(int count, char** arguments) {
   std::string element = "intrinsicdecomp", clip = "media/clip.webm", json;
   Size size{640, 480};
   Frames frames;
-  bool parts = false, brief = false;
+  bool brief = false;
   for (int i = 1; i < count; ++i) {
     const std::string argument = arguments[i];
     const auto next = [&] { return std::string(++i < count ? arguments[i] : ""); };
@@ -172,8 +147,6 @@ int main(int count, char** arguments) {
       frames.settling = std::stoi(next());
     else if (argument == "--whole")
       frames.whole = std::stoi(next());
-    else if (argument == "--parts")
-      parts = true;
     else if (argument == "--brief")
       brief = true;
     else if (argument == "--json")
@@ -196,7 +169,7 @@ int main(int count, char** arguments) {
   std::printf(
       "| element | scene | size | adaptive | wall ms a frame | processor ms "
       "|\n|---|---|---|---|---|---|\n");
-  const auto all = settings(element, parts);
+  const std::vector<Setting> all{{"off", element + " adaptive=false"}, {"on", element}};
   std::string rows;
   for (const Scene& scene : kScenes) {
     if (brief && !scene.brief) continue;

@@ -3,7 +3,7 @@
 // half of the resolution. Reports saved time, change of the result, and what was predicted; also
 // the visible change when the resolution switches.
 //
-//   skip-bench terms|half|crossing|cheap|adaptive [--frames N] FOLDER…
+//   skip-bench terms|half|crossing|cheap|adaptive|error [--frames N] FOLDER…
 //
 // The folders hold scenes of ./dev bench (build-bench/tests/bench/scenes; import-scenes) or, named
 // .dump, frames without truth (frames.hpp). Settings take turns on every frame; times are processor
@@ -22,6 +22,7 @@
 #include "tests/bench/support/device_session.hpp"
 #include "tests/bench/support/frames.hpp"
 #include "tests/bench/support/scene.hpp"
+#include "tests/bench/support/timing.hpp"
 
 namespace inverse::bench {
 namespace {
@@ -43,12 +44,6 @@ double distance(const Image& frame, const Image& a, const Image& b) {
   if (!(weights > 0)) return 0;
   const double mean = sum / weights;
   return std::sqrt(std::max(squares / weights - mean * mean, 0.0));
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
 }
 
 double mean(const std::vector<double>& values) {
@@ -371,7 +366,7 @@ void run(int argc, char** argv) {
   }
   if (!measure || files.empty())
     throw std::runtime_error(
-        "usage: skip-bench terms|half|crossing|cheap|adaptive [--frames N] FOLDER…");
+        "usage: skip-bench terms|half|crossing|cheap|adaptive|error [--frames N] FOLDER…");
   std::sort(files.begin(), files.end());
   DeviceSession session("");
   if (measure == terms)

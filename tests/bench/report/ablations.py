@@ -8,11 +8,6 @@ OURS = "intrinsicdecomp"
 CHOSEN = "b v g"  # of the curve "weights": as it ships
 
 
-def wanted(row):
-    """What this module asks of a run's rows; all must be of one run, as others take other frames of a scene."""
-    return row["base"] or row["curve"] in ("without", "weights") or (row["video"] and row["preset"] == "medium")
-
-
 def ratio_of_times(rows, others, clock):
     """Median over scenes of rows' times over others' (both by scene); None where there are none."""
     pairs = [rows[s][clock][1] / others[s][clock][1] for s in rows.keys() & others.keys()
@@ -38,21 +33,6 @@ def stills(rows, method, clock):
     return [{"term": e["term"], "time": ratio_of_times(e["rows"], whole, clock),
              "errors": {n: mean(r["lmse20"] for s, r in e["rows"].items() if s in common and r["regime"] == n) for n in regimes},
              "scenes": {n: sum(whole[s]["regime"] == n for s in common) for n in regimes}} for e in out]
-
-
-def videos(rows, clock):
-    """The same of terms that only videos have: LMSE, flicker and jitter, by what happens."""
-    rows = [r for r in rows if r["method"] == OURS and r["video"]]
-    whole = by_scene(r for r in rows if r["curve"] == "video quality" and r["preset"] == "medium")
-    out = [{"term": "", "rows": whole}]
-    for term in dict.fromkeys(r["setting"] for r in rows if r["curve"] == "without"):
-        out.append({"term": term, "rows": by_scene(r for r in rows if r["curve"] == "without" and r["setting"] == term)})
-    if len(out) == 1 or not whole:
-        return []
-    common = set.intersection(*(set(e["rows"]) for e in out))
-    return [{"term": e["term"], "time": ratio_of_times(e["rows"], whole, clock),
-             "figures": {s: {k: e["rows"][s].get(k) for k in ("lmse20", "flicker", "jitter")} for s in sorted(common)}}
-            for e in out]
 
 
 def leave_one_out(rows):

@@ -15,7 +15,8 @@ import summary
 import tables
 from tables import figure
 
-REGIMES = ["own stills", "MIT objects", "diverse value", "near-constant value" + summary.MARK, "hard shadow" + summary.MARK]
+GIVEN = "diverse value, given"
+REGIMES = ["own stills", "MIT objects", GIVEN, "near-constant value" + summary.MARK, "hard shadow" + summary.MARK]
 BASELINES = [("constant shading", "constant shading", ""), ("constant reflectance", "constant reflectance", ""),
              ("R = I / max_c I", "R = I / max_c I", ""), ("gray Retinex .1", "gray Retinex", "t .1"),
              ("color Retinex .5 .1", "color Retinex", "t .5, c .1"), ("color Retinex, chroma", "color Retinex", "c .1")]
@@ -23,7 +24,8 @@ BASELINES = [("constant shading", "constant shading", ""), ("constant reflectanc
 
 def grouped(rows):
     """Rows with the project's own scenes as one regime and training sets apart."""
-    return [{**r, "regime": "own stills" if r["set"] == "own" else r["regime"]} for r in summary.marked(rows)]
+    names = {"diverse value": GIVEN}
+    return [{**r, "regime": "own stills" if r["set"] == "own" else names.get(r["regime"], r["regime"])} for r in summary.marked(rows)]
 
 
 def by_scene(rows, method, setting=None):

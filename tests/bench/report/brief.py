@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The short report that is committed, docs/report: a page, its plots and figures.json, from which both can be drawn again:
+"""The report: a page, its plots and figures.json, from which both can be drawn again. The committed one is docs/report:
 
     tests/bench/report/brief.py docs/report
 """
@@ -12,7 +12,6 @@ import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import intervals
-import light
 import measure
 import summary
 import tables
@@ -34,16 +33,17 @@ def points_of(points, more, every):
 
 
 def light_of(results):
-    """Means of the errors of direct and indirect light over all scenes, of who was measured on all of them; and of the thesis' indirect
-    light by group of scenes."""
+    """Means of the errors of direct and indirect light over all scenes, of the methods measured on all of them; and of the
+    indirect light of globalintrinsicthesis by group of scenes."""
     rows = [r for r in results["rows"] if not r["video"] and r.get("ind") is not None]
     scenes = {(r["set"], r["scene"]) for r in rows}
-    groups = {}
+    groups, thesis = {}, {}
     for r in rows:
         if r["base"] or r["curve"] == "guess":
             groups.setdefault((r["method"], r["setting"] if r["curve"] == "guess" else ""), []).append(r)
-    thesis = light.by_group(light.chosen(results)[0]).get(light.THESIS, {})
-    return {"scenes": len(scenes), "thesis": {light.GROUPS[g]: of["ind"] for g, of in thesis.items()},
+        if r["base"] and r["method"] == "globalintrinsicthesis":
+            thesis.setdefault("own stills" if r["set"] == "own" else summary.mark(r["set"]), []).append(r["ind"])
+    return {"scenes": len(scenes), "thesis": {g: summary.mean(of) for g, of in thesis.items()},
             "means": [[": ".join(n for n in key if n), *(summary.mean(r[f] for r in of) for f in LIGHT)]
                       for key, of in groups.items() if len(of) == len(scenes)]}
 
@@ -70,7 +70,7 @@ def figures(results):
                 by_scene.setdefault(r["scene"], {})[name] = r["lmse20"]
     errors = ["lmse20", "lmse10", "mse", "dssim", "ms_ssim", "whdr", "to_converged", "device_ms", "processor_ms"]
     return measure.compact({
-        "machine": results["machine"], "device": results["device"], "data": results["data"], "full": results["full"],
+        "machine": results["machine"], "commits": {}, "device": results["device"], "data": results["data"], "full": results["full"],
         "methods": {n: {"family": m["family"]} for n, m in results["methods"].items()}, "by_scene": by_scene,
         "own": points_of(own, errors, True),
         "videos": points_of([p for p in results["summary"]["videos"] if p["method"] in CURVES],
@@ -129,11 +129,12 @@ def presets(f):
 
 
 def skipped(f):
-    rows = []
+    rows, scenes = {}, dict.fromkeys(e["scene"] for e in f["through_elements"])
     for e in f["through_elements"]:
-        rows.append([f"`{tables.element_of(e)}`", REPEATED.get(e["scene"], e["scene"]), f"{e['width']}×{e['height']}", f"{e['wall_ms'][0]:.1f} → {e['wall_ms'][1]:.1f}",
-                     tables.ratio(e["processor_ratio"], 3)])
-    return table(["element", "scene", "size", "ms without → with", "processor time (95 % bound)"], rows)
+        rows.setdefault(f"`{e['element']}` {e['width']}×{e['height']}", {})[e["scene"]] = (
+            f"{e['wall_ms'][0]:.1f} → {e['wall_ms'][1]:.1f}; {tables.ratio(e['processor_ratio'], 3)}")
+    return table(["ms without → with; processor time (95 % bound)"] + [REPEATED.get(s, s) for s in scenes],
+                 [[name] + [of.get(s, "–") for s in scenes] for name, of in rows.items()])
 
 
 def drift(f):
@@ -154,20 +155,20 @@ def sizes(f):
 
 def page(f):
     machine = f["machine"]
+    commits = "".join(f" {name}: commit {commit}." for name, commit in f["commits"].items())
     busy = max(machine["load_before"], machine["load_after"]) > 2.5
-    low, medium = (next(p for p in f["videos"] if p["method"] == "intrinsicdecomp" and p["preset"] == q and p["curve"] == "video quality")
-                   for q in ("low", "medium"))
+    low, medium = (next((figure(p["flicker"]) for p in f["videos"] if p["method"] == "intrinsicdecomp" and p["preset"] == q and
+                         p["curve"] == "video quality"), "–") for q in ("low", "medium"))
     return f"""# Report: error against run time
 
-Measured by `./dev bench --full` at commit {machine['commit']} on {f['device']}, {machine['cores']} cores. `--publish` writes this page. It and its plots are drawn
-from [figures.json](figures.json) (`tests/bench/report/brief.py docs/report`). The full tables go to `out/report`, which is not committed.
+Measured by `./dev bench{' --full' if f['full'] else ''}` at commit {machine['commit']} on {f['device']}, {machine['cores']} cores.{commits} `--publish` writes this page
+and [figures.json](figures.json), from which `tests/bench/report/brief.py docs/report` draws page and plots. All rows are in `out/report/results.json`, which is not committed.
 
 {headline(f)}
 
 ![Error against run time](work-precision.png)
 
-*Mean over the own stills. Left is faster, down is better; both axes are logarithmic. Circles: `quality` presets. Bars: quartiles of run time. Gray band: Pareto front. Of a
-peer's settings the one with the smallest error is shown.*
+*Mean over the own stills. Left is faster, down is better; both axes are logarithmic. Circles: `quality` presets. Bars: quartiles of run time. Gray band: Pareto front. Of a peer's settings the one with the smallest error is shown.*
 
 {scenes(f)}
 {differences(f)} No method is best on all four. More data: [accuracy](../reference/accuracy.md).
@@ -177,11 +178,10 @@ peer's settings the one with the smallest error is shown.*
 *The still life: truth, and each method at its default, scaled to the truth by least squares.*
 
 ## Presets
-Own stills, and own videos with history (320×240). Flicker: standard deviation over time of ln reflectance where the truth is constant, one factor per frame removed. Jitter: the same
-from frame to frame.
+Own stills, and own videos with history (320×240). Flicker: standard deviation over time of ln reflectance where the truth is constant, one factor per frame removed. Jitter: the same from frame to frame.
 
 {presets(f)}
-By LMSE of these few stills `low` would do. The default buys steadiness (flicker {medium['flicker']:.4f}, `low` {low['flicker']:.4f}), and full resolution of shadows and small objects:
+By LMSE of these four stills `low` suffices. The default flickers less ({medium}, `low` {low}), and keeps the full resolution of shadows and small objects:
 
 ![Fronts](fronts.png)
 
@@ -191,31 +191,32 @@ By LMSE of these few stills `low` would do. The default buys steadiness (flicker
 A camera zooms (1 to 1.9) and pans over still pictures, 120 frames (`drift-bench`). Common drift: |median over surface points of the change of ln R over 60 frames|, mean over the frames.
 
 {drift(f)}
-## Everybody
-{tables.everybody(f['own'], f['methods'])}
+## All methods
+{tables.all_methods(f['own'], f['methods'])}
 Means over the own stills; run time is that of the method alone, from linear pixels to layers in memory. Errors are means of reflectance and shading and invariant to scale; smaller is
-better except for MS-SSIM. LMSE 20 and 10: windows of 20 (Grosse et al.) and 10 pixels (the thesis). WHDR: share of 2000 pairs of points in wrong order of reflectance. Of a filter's strengths
-the one with the smallest LMSE is shown. *Same energy*: solvers of `intrinsicdecomp`'s energy on the processor (Eigen, double precision).
+better except for MS-SSIM. LMSE 20 and 10: windows of 20 (Grosse et al.) and 10 pixels (the thesis). WHDR: share of 2000 pairs of points in wrong order of reflectance. Of a peer's
+settings, the one with the smallest LMSE is shown; smoothing filters and further tolerances of *same energy* are in the plot only. *Same energy*: solvers of `intrinsicdecomp`'s energy on the processor (Eigen, double precision).
 
 ## Regimes
+Own and given scenes together, by kind: *diverse value* is patches, room_values and lightchange_values; *near-constant value* is toys alone. The [accuracy](../reference/accuracy.md) page keeps
+the own stills apart and gives each peer one setting for all scenes; here each has its best setting per regime. **†: training sets of `intrinsicdecomp`; their figures are optimistic.**
+
 ![By regime](regimes.png)
 
 {tables.by_regime({n: [p for p in of if p['method'] in SHOWN + ['thesis Schwarz']] for n, of in f['regimes'].items()})}
-Own and given data; **†: training sets, on whose frames constants of `intrinsicdecomp` were fitted. Their figures are optimistic.** No method is best everywhere. R = I / max_c I wins on
-palettes of one value, constant answers where their assumption is true. Intervals and paired differences: [accuracy](../reference/accuracy.md).
+No method is best everywhere: R = I / max_c I is best on palettes of constant value. Intervals and paired differences: [accuracy](../reference/accuracy.md).
 
 ## Indirect light
-Means over {f['light']['scenes']} scenes (four own stills, seven rendered sequences; all were looked at while `globalintrinsic` was tuned). `ind`: squared error of the indirect layer, relative to its
-square, at its own best scale; `indJ`, `dirJ`: of indirect and direct light at the scale of their sum; `tint`: rms of ln chroma of light. Guesses are a share of `intrinsicdecomp`'s shading.
+Means over {f['light']['scenes']} scenes (four own stills, seven rendered sequences; all were in view while `globalintrinsic` was tuned). `ind`: squared error of the indirect layer, relative to its
+square, at its own best scale; `indJ`, `dirJ`: of indirect and direct light at the scale of their sum; `tint`: rms of ln chroma of light. Guesses are a fixed share of `intrinsicdecomp`'s shading.
 
 {table(['', '`ind`', '`indJ`', '`dirJ`', '`tint`'], [[n] + [figure(v) for v in values] for n, *values in f['light']['means']])}
-`globalintrinsicthesis` was measured on fewer scenes; its `ind`: {', '.join(f'{g} {figure(v)}' for g, v in f['light']['thesis'].items())}.
+`globalintrinsicthesis` was measured on fewer scenes; its `ind`: {', '.join(f'{g} {figure(v)}' for g, v in f['light']['thesis'].items()) or '–'}.
 
 ## Skipped work
 ![Adaptivity](adaptivity.png)
 
-Whole elements, NV12 in and out, with and without `adaptive`: a repeated frame, a ball that moves over a still picture (a tenth of its width), the same picture under sensor noise, and the bundled
-clip, where light moves everywhere.
+Whole elements, NV12 in and out, with and without `adaptive`: a repeated frame, a ball (a tenth of the width) that moves over a still picture, the same picture under sensor noise, and the bundled clip, in which the light moves everywhere.
 
 {skipped(f)}
 ## Sizes
@@ -225,8 +226,8 @@ clip, where light moves everywhere.
 Frames of the bundled clip as NV12, memory to memory.
 
 ## Caveats
-- One device, lavapipe on two cores of a shared server. {'Other work ran meanwhile: trust ratios and processor time only.' if busy else ''}
-- The own stills are four, and **the ranking on them depends on their light**: in a first version of flatter light, without the clay scene (sculptures), constant shading and Retinex scored best.
+- One device, lavapipe on two cores of a shared server. {'Other work ran meanwhile: use ratios and processor time only.' if busy else ''}
+- The own stills are four, and **the ranking on them depends on their light**.
 - The own scenes were seen during development. Nothing was fitted to them, but constants of `globalintrinsic` were chosen with them in view.
 - Given data: {f['data']}. How it was used for training: [accuracy](../reference/accuracy.md).
 - All settings take turns on every frame, and programs take turns twice. Metrics (`tests/bench/metrics/`) are tested against closed forms and scikit-image.
@@ -236,14 +237,13 @@ Frames of the bundled clip as NV12, memory to memory.
 def draw(f, folder):
     """The plots, as PNG."""
     import plots  # takes a second
-    import plots_light
     clock = summary.steady_time(f["device"])
     with tempfile.TemporaryDirectory() as work:
         at = pathlib.Path(work)
         plots.work_precision(f["own"], at, f"Error against run time on {f['device'].split(' (')[0]}")
         plots.regimes(f["regimes"], at)
-        plots_light.fronts(f["videos"], f["regimes"], clock, at)
-        plots.adaptivity([{**e, "setting": "adaptive=on"} for e in f["through_elements"]], clock, at)
+        plots.fronts(f["videos"], f["regimes"], clock, at)
+        plots.adaptivity(f["through_elements"], clock, at)
         plots.sizes(f["elements"], at)
         for path in at.glob("*.png"):
             shutil.copy(path, folder / path.name)
@@ -259,7 +259,7 @@ def publish(results, folder, layers):
     folder.mkdir(parents=True, exist_ok=True)
     f = figures(results)
     (folder / "figures.json").write_text(json.dumps(f, indent=None, separators=(",", ":")).replace('},{"device"', '},\n{"device"') + "\n")
-    if layers.exists():
+    if layers.exists() and layers.parent != folder:
         shutil.copy(layers, folder / "layers.jpg")
     write(f, folder)
 

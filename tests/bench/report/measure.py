@@ -129,7 +129,7 @@ ELEMENTS = {  # by line: sizes always, and those of --full
     "intrinsicdecompthesis": ("320x240", "640x480,640x512," + LARGE),
     "intrinsicdecomp quality=low": ("", "320x240,640x480," + LARGE),
     "globalintrinsicthesis": ("", "160x120,320x240,640x512")}
-ADAPTIVE = ["intrinsicdecomp", "globalintrinsic"]  # of which is measured what leaving out saves; of the first by parts, too
+ADAPTIVE = ["intrinsicdecomp", "globalintrinsic"]  # for which skipping is measured
 SETTLES = {"intrinsicdecomp": 24, "globalintrinsic": 56}  # frames until a picture that comes again is kept
 COLORS = [1, 2, 4, 8, 12, 16]  # base colors, for what each costs
 BY_COLORS = {"globalintrinsicthesis": "globalintrinsicthesis tuning=tau-merge=0:tau-neutral=0 base-colors={}",
@@ -138,7 +138,7 @@ BY_COLORS = {"globalintrinsicthesis": "globalintrinsicthesis tuning=tau-merge=0:
 
 def element_parts(full):
     """(name, program, arguments) of what is measured through the elements, by where its results go."""
-    parts = {"elements": [], "by_colors": [], "still": [], "background": []}
+    parts = {"elements": [], "by_colors": [], "still": []}
     for line, (always, more) in ELEMENTS.items():
         sizes = ",".join(x for x in (always, more if full else "") if x)
         if sizes:
@@ -150,13 +150,12 @@ def element_parts(full):
         for name, line in BY_COLORS.items():
             parts["by_colors"].append((f"base colors {name}", "element-bench", [
                 "--sizes", "320x240", "--frames", "12", "--rounds", "1", *(line.format(k) for k in COLORS), "--json"]))
-        parts["background"].append(("background", "background-bench", ["--frames", "45", "--json"]))
     for element in ADAPTIVE:
         settle = SETTLES[element]
         sizes = {"640x480": ["--frames", str(settle + 16), "--brief"]}
         if full:
             shown = ["--frames", str(settle + 20)]
-            sizes = {"640x480": [*shown, "--whole", "124"] + (["--parts"] if element == ADAPTIVE[0] else []),
+            sizes = {"640x480": [*shown, "--whole", "124"],
                      "1280x720": [*shown, "--whole", "88"]}
         for size, more in sizes.items():
             parts["still"].append((f"adaptive {element} {size}", "adaptive-bench",
@@ -165,12 +164,9 @@ def element_parts(full):
 
 
 def measure_elements(parts, programs, environment, full):
-    """Through the elements: by size, by base colors, what leaving out saves, and what goes on in the background."""
-    found = {}
-    for place, some in element_parts(full).items():
-        results = [parts.measure(name, programs / program, arguments, **environment) for name, program, arguments in some]
-        found[place] = results[0] if place == "background" and results else sum((r or [] for r in results), [])
-    return found
+    """Through the elements: by size, by base colors, and what skipping saves."""
+    return {place: sum((parts.measure(name, programs / program, arguments, **environment) or [] for name, program, arguments in some), [])
+            for place, some in element_parts(full).items()}
 
 
 def run(build, work, data, full, progress, only, resume=False):
@@ -204,7 +200,6 @@ def run(build, work, data, full, progress, only, resume=False):
     results["device"] = next((p["device"] for p in passes if p["device"] != "processor"), "processor")
     results["methods"] = {m["name"]: m for p in passes for m in p["methods"]}
     rows = summary.merged(passes)
-    results["adaptivity"] = summary.adaptivity(rows)
     results["rows"] = [summary.condensed(r) for r in rows]
 
     pictures = [*sorted(own.glob("*.f32")), *(sorted((data / "real_pairs").glob("*.png")) if full else [])]
@@ -212,9 +207,6 @@ def run(build, work, data, full, progress, only, resume=False):
     found = measure_elements(parts, programs, environment, full)
     results["elements"], results["by_colors"] = found["elements"], found["by_colors"]
     results["through_elements"] = summary.against_off(found["still"])
-    results["background"] = found["background"] or None
-    extremes = build / "tests" / "extremes" / "extremes"
-    results["extremes"] = parts.measure("extremes", extremes, ["--report"], timeless=True) if extremes.exists() else None
     results["failures"] = parts.failures + [f for p in passes for f in p.get("failures", [])]
     results["processor_seconds"] = {name: round(seconds, 1) for name, seconds in spent.items()}
     results["part_seconds"] = {name: round(seconds, 1) for name, seconds in took.items()}
@@ -227,13 +219,13 @@ def weights(full):
     """How long parts take relative to each other, by how their names begin: seconds on two idle cores."""
     short = {"data": 1, "bench-methods scenes-own": 28, "bench-peers scenes-own": 5, "bench-methods scenes-given": 11,
              "bench-peers scenes-given": 5, "elements intrinsicdecomp": 4, "elements globalintrinsic": 2,
-             "elements intrinsicdecompthesis": 2, "drift": 90, "adaptive": 4, "extremes": 8, "plots and page": 6}
+             "elements intrinsicdecompthesis": 2, "drift": 90, "adaptive": 4, "plots and page": 6}
     long = {**short, "data": 5, "drift": 600, "bench-methods scenes-own": 330, "bench-methods scenes-own 1": 8, "bench-peers scenes-own": 12,
             "bench-peers scenes-own 1": 2, "bench-methods scenes-given": 360, "bench-peers scenes-given": 45,
             "bench-methods scenes-videos": 200, "bench-peers scenes-videos": 3, "elements intrinsicdecomp": 30,
             "elements globalintrinsic": 45, "elements intrinsicdecomp quality=low": 13, "elements intrinsicdecompthesis": 90,
             "elements globalintrinsicthesis": 60, "base colors": 30, "adaptive intrinsicdecomp 640x480": 72, "adaptive intrinsicdecomp 1280x720": 41,
-            "adaptive globalintrinsic 640x480": 25, "adaptive globalintrinsic 1280x720": 45, "background": 50}
+            "adaptive globalintrinsic 640x480": 25, "adaptive globalintrinsic 1280x720": 45}
     return long if full else short
 
 
@@ -244,7 +236,7 @@ def expected(full):
         for folder in ["own", "given", "videos"] if full and number == 0 else ["own", "given"] if number == 0 else ["own"]:
             parts += [f"{program} scenes-{folder} {number}" for program in ("bench-methods", "bench-peers")]
     parts += [name for some in element_parts(full).values() for name, _, _ in some]
-    return weights(full), parts + ["drift", "extremes", "plots and page"]
+    return weights(full), parts + ["drift", "plots and page"]
 
 
 def compact(value):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The report's plots, as PNG and SVG. Colors are Okabe and Ito's, which colorblind people can tell apart; every curve
+"""The report's plots, as PNG. Colors are Okabe and Ito's, which colorblind people can tell apart; every curve
 also has a marker of its own and is labeled where it lies."""
 import math
 
@@ -10,7 +10,7 @@ matplotlib.rcParams.update({
     "font.family": "DejaVu Sans", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False,
     "axes.grid": True, "grid.color": "#e4e4e4", "grid.linewidth": 0.6, "axes.edgecolor": "#666666",
     "axes.axisbelow": True, "xtick.color": "#444444", "ytick.color": "#444444", "axes.titlesize": 10,
-    "axes.titleweight": "bold", "axes.titlelocation": "left", "svg.hashsalt": "gst-inverse", "svg.fonttype": "none"})
+    "axes.titleweight": "bold", "axes.titlelocation": "left"})
 import matplotlib.pyplot as plt
 from matplotlib import ticker
 
@@ -73,12 +73,6 @@ def usable(points, error, time):
     return [p for p in points if p[time] and p[error]]
 
 
-def curve_of(points, method, curve):
-    """A method's points along a curve in its order, the default last where it is not one of them."""
-    return sorted((p for p in points if p["method"] == method and (p["curve"] == curve or p["base"])),
-                  key=lambda p: p["order"] if p["curve"] == curve else math.inf)
-
-
 def draw_curve(ax, points, error, time, labels, line="-"):
     """Points with the quartiles of their times, joined."""
     if not points:
@@ -124,10 +118,7 @@ def mark_front(ax, points, error, time, labels):
 
 def save(figure, folder, name):
     figure.savefig(folder / f"{name}.png", dpi=140, bbox_inches="tight", facecolor="white")
-    svg = folder / f"{name}.svg"
-    figure.savefig(svg, bbox_inches="tight", facecolor="white", metadata={"Date": None, "Creator": None})
     plt.close(figure)
-    svg.write_text("\n".join(line.rstrip() for line in svg.read_text().splitlines()) + "\n")
 
 
 def main_points(points, error, time, peers):
@@ -170,77 +161,6 @@ def work_precision(points, folder, title):
     save(figure, folder, "work-precision")
 
 
-def other_clocks(points, folder):
-    figure, axes = plt.subplots(1, 2, figsize=(10, 4.2))
-    titles = {"device_ms": "By the device's clock", "processor_ms": "By processor time, all threads"}
-    for ax, (time, title) in zip(axes, titles.items()):
-        draw_work_precision(ax, [p for p in points if p["method"] in MAIN], "lmse20", time)
-        ax.set_title(title)
-    figure.tight_layout()
-    save(figure, folder, "other-clocks")
-
-
-def convergence(points, folder):
-    error, time = "to_converged", "wall_ms"
-    shown = [p for p in usable(points, error, time) if p["curve"] in ("cycles", "iterations", "tolerance")]
-    if not shown:
-        return False
-    figure, ax = plt.subplots(figsize=(9, 4.8))
-    finish_axes(ax, *extent(shown, error, time), TIME_NAMES[time], "distance to the converged solution, rms of ln R")
-    labels = Labels(ax)
-    for method in dict.fromkeys(p["method"] for p in shown):
-        draw_curve(ax, sorted((p for p in shown if p["method"] == method), key=lambda p: p["order"]), error, time, labels)
-    mark_presets(ax, shown, error, time, labels)
-    name_curves(shown, error, time, labels)
-    for p in shown:
-        labels.put(p[time][1], p[error], p["setting"], style(p["method"])[0], ABOVE, 6.5)
-    ax.set_title("How far from done: distance to each method's own converged solution", pad=12)
-    save(figure, folder, "convergence")
-    return True
-
-
-def knobs(points, time, folder):
-    """What else can be turned, from each method's default; `time` is the clock to trust."""
-    error = "lmse20"
-    panels = [("intrinsicdecomp", ["intrinsicdecomp"]), ("the thesis' method", ["thesis PCG", "thesis Schwarz"])]
-    lines = {"cycles": "-", "iterations": "-", "half resolution, guided": "--", "resolution": "--", "levels": ":",
-             "coarse cycles": "-."}
-    names = {"resolution": "resolution, unguided", "iterations": "iterations"}
-    alone = ("cycles", "iterations", "half resolution, guided")  # curves that the default is not a point of, or is already
-    some = []
-    for p in usable(points, error, time):
-        if p["curve"] == "quality" and p["setting"].startswith("half, "):
-            p = {**p, "curve": "half resolution, guided", "setting": p["setting"].removeprefix("half, ")}
-        if p["curve"] in lines or p["base"]:
-            some.append(p)
-    figure, axes = plt.subplots(1, 2, figsize=(10.5, 4.6))
-    for ax, (title, methods) in zip(axes, panels):
-        here = [p for p in some if p["method"] in methods]
-        if not here:
-            continue
-        finish_axes(ax, *extent(here, error, time), TIME_NAMES[time], LMSE)
-        labels = Labels(ax)
-        drawn = []
-        for method in methods:
-            for curve, dash in lines.items():
-                along = curve_of(here, method, curve)
-                if curve in alone:
-                    along = [p for p in along if p["curve"] == curve]
-                if any(p["curve"] == curve for p in along):
-                    draw_curve(ax, along, error, time, labels, dash)
-                    drawn.append((method, curve, along))
-        for method, curve, along in drawn:
-            own = [p for p in along if p["curve"] == curve]
-            end = own[-1] if curve in alone else own[0]
-            name = names.get(curve, curve) if len(methods) == 1 else f"{method.split()[1]}, {curve}"
-            labels.put(end[time][1], end[error], name, style(method)[0], size=7.5)
-            for p in own:
-                labels.put(p[time][1], p[error], p["setting"], style(method)[0], ABOVE, 6.5)
-        ax.set_title(title)
-    figure.tight_layout()
-    save(figure, folder, "knobs")
-
-
 def regimes(by_regime, folder):
     """Small multiples: one panel a regime."""
     names = [n for n, points in by_regime.items() if usable(points, "lmse20", "wall_ms")]
@@ -265,8 +185,8 @@ def adaptivity(entries, clock, folder):
     ratio = clock.replace("_ms", "_ratio")
     panels = {}
     for e in entries:
-        if e.get(ratio) and e["setting"] == "adaptive=on":
-            panels.setdefault(e.get("method") or tables.element_of(e), {})[tables.left_out_where(e)] = e[ratio]
+        if e.get(ratio):
+            panels.setdefault(e["element"], {})[f"{e['scene']}, {e['width']}×{e['height']}"] = e[ratio]
     if not panels:
         return False
     panels = dict(sorted(panels.items(), key=lambda p: tables.OURS.index(p[0]) if p[0] in tables.OURS else len(tables.OURS)))
@@ -329,17 +249,35 @@ def sizes(elements, folder):
     save(figure, folder, "sizes")
 
 
-def conditions(cases, folder):
-    """Digits kept by condition number, plain and preconditioned."""
-    figure, ax = plt.subplots(figsize=(8, 4))
-    ax.set_xscale("log")
-    for field, color, marker, name in (("digits_plain", "#D55E00", "s", "plain"),
-                                       ("digits_preconditioned", "#0072B2", "o", "preconditioned")):
-        line = sorted((c["condition"], c[field]) for c in cases if c.get(field) is not None)
-        if line:
-            ax.plot(*zip(*line), marker=marker, color=color, linestyle="none", alpha=0.8, markersize=5, label=name)
-    ax.set_xlabel("condition number of the normal equations")
-    ax.set_ylabel("correct decimal digits in single precision")
-    ax.legend(loc="upper right", bbox_to_anchor=(1, 1.12), ncols=2, frameon=False, labelcolor="linecolor")
-    ax.set_title("Condition number against digits kept")
-    save(figure, folder, "conditions")
+def quality_panel(ax, points, error, ylabel, time, front_of=None):
+    """Curves of quality levels with presets; the front is that of `front_of` alone, if given."""
+    points = usable(points, error, time)
+    finish_axes(ax, *extent(points, error, time), TIME_NAMES[time], ylabel)
+    labels = Labels(ax)
+    for method in dict.fromkeys(p["method"] for p in points):
+        draw_curve(ax, sorted((p for p in points if p["method"] == method), key=lambda p: p["order"]), error, time, labels)
+    mark_front(ax, [p for p in points if front_of in (None, p["method"])], error, time, labels)
+    for p in points:
+        if p["preset"]:
+            color, _ = style(p["method"])
+            ax.plot(p[time][1], p[error], "o", markersize=11, markerfacecolor="none", markeredgecolor=color, markeredgewidth=1.3)
+            labels.put(p[time][1], p[error], p["preset"], color, BELOW, 7, "bold" if p["preset"] == "medium" else "normal")
+    name_curves(points, error, time, labels)
+
+
+def fronts(videos, regimes, time, folder):
+    """What presets buy that LMSE of single stills does not show."""
+    ours = ("intrinsicdecomp", "globalintrinsic")
+    panels = [("Flicker, own videos", [p for p in videos if p["method"] in ours], "flicker", "flicker: standard deviation of ln R over time")]
+    for regime, heading in (("MIT objects", "Real objects (MIT)"), ("hard shadow" + summary.MARK, "Hard shadows" + summary.MARK)):
+        panels.append((heading, [p for p in regimes.get(regime, []) if p["method"] in ours and p["curve"] == "quality"], "lmse20", LMSE))
+    panels = [panel for panel in panels if len(usable(panel[1], panel[2], time)) > 2]
+    if not panels:
+        return False
+    figure, axes = plt.subplots(1, len(panels), squeeze=False, figsize=(4.9 * len(panels), 4.3))
+    for ax, (heading, points, error, ylabel) in zip(axes.flat, panels):
+        quality_panel(ax, points, error, ylabel, time, "intrinsicdecomp")
+        ax.set_title(heading)
+    figure.tight_layout()
+    save(figure, folder, "fronts")
+    return True

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""From raw samples to figures: medians with quartiles, means of errors, fronts, knees.
+"""From raw samples to figures: medians with quartiles, means of errors, fronts.
 
 Everything here takes and gives plain dictionaries, as results.json has them.
 """
@@ -12,7 +12,6 @@ ERRORS = ["lmse20", "lmse10", "mse", "dssim", "ms_ssim", "psnr", "whdr", "ind", 
           "lmse20_dir", "mse_R", "mse_S", "dssim_R", "dssim_S"]
 # What a method tells of a frame beside its layers: errors of base colors, clicks, how many layers there are.
 FIGURES = ["base_before", "base_after", "clicks", "clicks_right", "misclustered", "refining_frames", "layers"]
-ADDED = ["lmse20", "flicker", "tint", "indJ"]  # errors that leaving out may add to
 TIMES = ["wall_ms", "processor_ms", "device_ms"]
 # Sets on whose frames constants of intrinsicdecomp were fitted (docs/reference/methods/intrinsicdecomp.md, 9), and their mark in tables.
 TRAINING = {"cornell", "room", "desk_rgbd", "lightchange", "courtyard"}
@@ -125,21 +124,6 @@ def steady_time(device):
     return "processor_ms" if "llvmpipe" in device else "device_ms"
 
 
-def knee(curve, error, time="wall_ms"):
-    """The points of a curve that are farthest below the line between its ends (to nine tenths of the farthest), in the
-    logarithms of time and error: from there on a millisecond buys less than it did on average. By time."""
-    usable = sorted((p for p in curve if p[time] and p[error]), key=lambda p: p[time][1])
-    if len(usable) < 3:
-        return []
-    x = [math.log(p[time][1]) for p in usable]
-    y = [math.log(p[error]) for p in usable]
-    if x[-1] - x[0] < 1e-9:
-        return []
-    below = [y[0] + (y[-1] - y[0]) * (a - x[0]) / (x[-1] - x[0]) - b for a, b in zip(x, y)]
-    near = 0.9 * max(below)
-    return [p for p, depth in zip(usable, below) if depth >= near and depth > 0]
-
-
 def bootstrap_ratio(ours, theirs, rounds=1000):
     """Median of paired ratios and its 95 % interval [low, median, high]; None where there are no pairs."""
     pairs = [a / b for a, b in zip(ours, theirs) if a is not None and b]
@@ -148,31 +132,6 @@ def bootstrap_ratio(ours, theirs, rounds=1000):
     draw = random.Random(1)
     medians = sorted(statistics.median(draw.choices(pairs, k=len(pairs))) for _ in range(rounds))
     return [medians[int(0.025 * rounds)], statistics.median(pairs), medians[int(0.975 * rounds)]]
-
-
-def adaptivity(rows):
-    """What leaving out saves, by setting and scene: rows that say against whom."""
-    by_key = {key_of(r): r for r in rows}
-    out = []
-    for row in rows:
-        if not row["against"]:
-            continue
-        curve, setting = row["against"].split("/", 1)
-        other = by_key.get((row["method"], curve, setting, *key_of(row)[3:]))
-        if not other:
-            continue
-        entry = {"method": row["method"], "setting": f"{row['curve']}={row['setting']}", "device": row["device"],
-                 "set": row["set"], "scene": row["scene"], "regime": row["regime"], "video": row["video"],
-                 "pairs": len(row["wall_ms"]), "wall_ms": [quartiles(r["wall_ms"])[1] if r["wall_ms"] else None
-                                                           for r in (other, row)]}
-        for name in TIMES:
-            entry[name.replace("_ms", "_ratio")] = bootstrap_ratio(row[name], other[name])
-        for name in ADDED:
-            if name in row and name in other:
-                take = (lambda v: v) if name == "flicker" else mean
-                entry[name + "_added"] = take(row[name]) - take(other[name])
-        out.append(entry)
-    return out
 
 
 def against_off(rows):

@@ -9,10 +9,8 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import ablations
-import against
 import brief
 import intervals
-import light
 import summary
 import tables
 
@@ -61,35 +59,11 @@ class Summary(unittest.TestCase):
         self.assertEqual([p["setting"] for p in summary.front(summary.points(rows), "lmse20")],
                          ["fast bad", "between", "slow good"])
 
-    def test_knee_is_farthest_below_the_line(self):
-        curve = [{"setting": n, "wall_ms": [t, t, t], "e": e}
-                 for n, t, e in [("a", 1, 1), ("b", 2, 0.2), ("c", 10, 0.15), ("d", 100, 0.1)]]
-        self.assertEqual([p["setting"] for p in summary.knee(curve, "e")], ["b"])
-        self.assertEqual(summary.knee(curve[:2], "e"), [])
-
     def test_ratio_of_pairs(self):
         low, middle, high = summary.bootstrap_ratio([1, 2, 3, 4] * 5, [2, 4, 6, 8] * 5)
         self.assertEqual((low, middle, high), (0.5, 0.5, 0.5))
         self.assertIsNone(summary.bootstrap_ratio([None], [1]))
 
-    def test_adaptivity_compares_with_whom_it_says(self):
-        off, on = row("off", [10, 20, 30], 0.1), row("on", [5, 10, 15], 0.2, against="c/off")
-        entry, = summary.adaptivity([off, on])
-        self.assertEqual(entry["wall_ratio"][1], 0.5)
-        self.assertAlmostEqual(entry["lmse20_added"], 0.1)
-        self.assertNotIn("tint_added", entry)
-
-    def test_errors_of_light_are_added_up_where_a_method_tells_it(self):
-        off = row("off", [10, 20, 30], 0.1, tint=[0.2, 0.4], indJ=[0.5])
-        rows = [off, row("on", [5, 10, 15], 0.2, against="c/off", curve="adaptive", tint=[0.1, 0.2], indJ=[0.5]),
-                row("light", [10, 20, 30], 0.1003, against="c/off", curve="adaptive")]
-        entries = summary.adaptivity(rows)
-        self.assertAlmostEqual(entries[0]["tint_added"], -0.15)
-        text = tables.adaptivity(entries)
-        self.assertIn("flicker added | `tint` added | `indJ` added |", text)
-        self.assertIn("| +.1000 | – | −.1500 | 0 |", text)
-        self.assertNotIn("tint", tables.adaptivity([{k: v for k, v in e.items() if k not in ("tint_added", "indJ_added")} for e in entries]))
-        self.assertIn("| a: r | +.1000 | +.0003 |", tables.by_parts(entries, "lmse20_added", tables.left_out_where))
 
 
 class ThroughElements(unittest.TestCase):
@@ -101,74 +75,14 @@ class ThroughElements(unittest.TestCase):
         both = summary.against_off(rows + other)
         self.assertEqual([(e["element"], e["pairs"]) for e in both], [("intrinsicdecomp", 3)] * 2 + [("globalintrinsic", 2)])
         self.assertAlmostEqual(both[2]["processor_ratio"][1], 0.5)
-        self.assertIn("| `globalintrinsic` | ball | 640×480 | 2 | 2.0 → 1.0 |", tables.through_elements(both))
-        self.assertIn("| all | .10 |\n", tables.parts_of_elements(both))  # only of the element of which parts were measured
         found = summary.against_off(rows)
         self.assertEqual([e["setting"] for e in found], ["on", "tiles"])
         self.assertAlmostEqual(found[0]["processor_ratio"][1], 0.1)
         self.assertEqual(found[0]["wall_ms"], [20, 2])
-        self.assertEqual(tables.times_faster(found[0]["processor_ratio"]), "**10.0×**")
-        self.assertEqual(tables.times_faster(found[1]["processor_ratio"]), "2.0×")
-        text = tables.by_parts(found, "processor_ratio", tables.left_out_where)
-        self.assertIn("| ball, 640×480, element | .10 | .50 |", text)
-        rest = {**found[1], "setting": "all but tiles", "processor_ratio": [0.2, 0.25, 0.3]}
-        self.assertIn("| tiles | .50 / .25 |", tables.parts_of_elements(found + [rest]))
-        self.assertEqual(tables.parts_of_elements(found[:1]), "")
-        whole = {**found[0], "scene": "noise"}
-        self.assertNotIn("noise", tables.by_parts(found + [whole], "processor_ratio", tables.left_out_where))
-        self.assertEqual(tables.by_parts(found[:1], "processor_ratio", tables.left_out_where), "")
-
-
-class Light(unittest.TestCase):
-    def rows(self):
-        def one(method, curve, setting, error, group="cornell", base=False, **more):
-            return row(setting, [1], error, **{"method": method, "curve": curve, "set": group, "base": base, "lmse20_R": [error],
-                                               "mse_R": [error], **more})
-        thesis = light.THESIS
-        some = [one("intrinsicdecomp", "quality", "4", 0.4, base=True), one("intrinsicdecomp", "cycles", "8", 0.1),
-                one("gray Retinex", "thresholds", "t .1", 0.5), one("gray Retinex", "thresholds", "t .2", 0.3),
-                one(thesis, "quality", "5x16", 0.3, base=True, base_before=[0.1, None, 0.3], base_after=[0.4], misclustered=[0.25],
-                    layers=[8]),
-                one(thesis, "with", "correction", 0.2, base_before=[0.1], base_after=[0.1], misclustered=[0.01], clicks=[3, 5],
-                    clicks_right=[2, 4], layers=[8]),
-                one(thesis, "quality", "1x8", 0.9)]
-        return [summary.condensed(r) for r in some]
-
-    def test_tables_show_one_setting_of_a_method(self):
-        found = light.by_group(self.rows())
-        self.assertEqual(list(found), ["gray Retinex", "intrinsicdecomp", light.THESIS, f"{light.THESIS} with correction"])
-        self.assertAlmostEqual(found["gray Retinex"]["cornell"]["lmse20_R"], 0.5)
-        text = light.errors(found)
-        self.assertIn("| globalintrinsicthesis with correction | **.2000** | – | – | **.2000** |", text)
-
-    def test_base_colors_are_means_over_what_is_known(self):
-        found = light.by_group(self.rows())
-        self.assertAlmostEqual(found[light.THESIS]["cornell"]["base_before"], 0.2)
-        self.assertIn("| cornell † | as it is | .200 | .400 | 25.0 % | – | – | 8.0 |", light.base_colors(found))
-        self.assertIn("| 4.0 | 3.0 | 8.0 |", light.base_colors(found))
-        self.assertIn("away from", light.verdict(found))
-
-    def test_scenes_that_a_method_misses_are_not_compared(self):
-        rows = self.rows() + [summary.condensed(row("4", [1], 0.1, scene="b", method="intrinsicdecomp", curve="quality", base=True,
-                                                    set="cornell", lmse20_R=[0.1]))]
-        self.assertEqual(list(light.by_group(rows)), ["intrinsicdecomp"])
-
-    def test_costs_are_by_base_color(self):
-        entries = [{"element": f"globalintrinsicthesis base-colors={k}", "layers": k, "device_bytes_per_pixel": 100 + 16 * k, "wall_ms": k,
-                    "processor_ms": k} for k in (4, 8)]
-        self.assertIn("| `globalintrinsicthesis` | 8 | 8 | 228 | 16 |", light.by_colors(light.of_lines(entries)))
-
-    def test_frames_beside_background_work_are_compared_with_those_without(self):
-        text = light.held_up({"times_ms": {"alone": [10, 20, 30], "refining": [40, 30, 20, 20], "correcting": []}})
-        self.assertIn("1.25 times as long while base colors are refined (1 of 4 frames", text)
-        self.assertNotIn("decided", text)
-
-    def test_kept_rows_serve_where_the_thesis_was_not_measured(self):
-        brief = [r for r in self.rows() if r["method"] == "intrinsicdecomp"]
-        rows, kept = light.chosen({"rows": brief, "kept": {"rows": self.rows(), "commit": "x"}})
-        self.assertEqual((len(rows), kept["commit"]), (5, "x"))
-        rows, kept = light.chosen({"rows": self.rows(), "kept": {"rows": [], "commit": "x"}})
-        self.assertIsNone(kept)
+        text = brief.skipped({"through_elements": both[:1] + both[2:]})
+        self.assertIn("| ball |", text.splitlines()[0])
+        self.assertIn("| `intrinsicdecomp` 640×480 | 20.0 → 2.0; .100 (≤ .100) |", text)
+        self.assertIn("| `globalintrinsic` 640×480 | 2.0 → 1.0; .500 (≤ .500) |", text)
 
 
 class Intervals(unittest.TestCase):
@@ -222,10 +136,6 @@ class Intervals(unittest.TestCase):
         self.assertEqual((entry["minus_baseline"]["better"], entry["minus_baseline"]["separated"]), (0, False))
         self.assertIsNone(found["other"]["interval"])
         self.assertNotIn("baseline", found["other"])
-        text = tables.by_regime_intervals(found)
-        self.assertIn("| r | .2000 [.1000, .3000] | −.1000 [−.1000, −.1000] | 3 of 3 | yes | filter 2: .1000 | "
-                      "+.1000 [0, +.2000] | 0 of 3 | no |", text)
-        self.assertIn("| other | .5000 | – | – | – | – | – | – | – |", text)
 
 
 class Ablations(unittest.TestCase):
@@ -263,56 +173,12 @@ class Ablations(unittest.TestCase):
         self.assertIn("| r (3) | .3000 | .3667 | .2000 |", tables.left_out(found))
 
 
-class Page(unittest.TestCase):
-    METHODS = {"guess": {"family": "trivial"}, "global": {"family": "method"}}
-
-    def layers(self, method, preset, **errors):
-        return {**row("1", [1], 0.1), "method": method, "preset": preset, "dirJ": 0.5, "tint": 0.5, "indJ": 0.5, **errors}
-
-    def test_layers_beyond_two_wait_for_a_method(self):
-        guess, ours = self.layers("guess", "", ind=0.2), self.layers("global", "medium", ind=0.1)
-        self.assertEqual(tables.layers_beyond_two([guess], self.METHODS), "")
-        odd = {**self.layers("global", "", ind=0.05), "setting": "2"}  # neither preset nor default: not shown
-        text = tables.layers_beyond_two([guess, ours, odd], self.METHODS)
-        self.assertIn("| global `medium` | .1000 | **.1000** |", text)
-        self.assertNotIn(".0500", text)
-        self.assertIn("| guess: 1 | .2000 | .2000 |", text)
-
-    def test_means_of_layers_are_over_all_scenes_or_none(self):
-        rows = [self.layers("global", "medium", ind=0.1), {**self.layers("global", "medium", ind=0.3), "scene": "other"},
-                {**self.layers("global", "", ind=0.2), "curve": "without", "setting": "tint"}]
-        text = tables.layers_beyond_two(rows, self.METHODS)
-        self.assertIn("| global `medium` | .2000 | **.1000** | **.3000** |", text)
-        self.assertIn("| global without tint | – | .2000 | – |", text)
-
-    def test_devices_are_columns(self):
-        def points(device, time):
-            return [{"device": device, "method": "intrinsicdecomp", "curve": "quality", "setting": "4", "preset": "medium",
-                     "base": True, "wall_ms": [time] * 3, "device_ms": [time] * 3, "lmse20": 0.1}]
-        results = {"device": "llvmpipe (LLVM)", "summary": {"own": points("llvmpipe (LLVM)", 10)}}
-        self.assertIn("One device so far", tables.by_device(results))
-        results["others"] = [{"device": "a GPU", "points": points("a GPU", 1)}]
-        text = tables.by_device(results)
-        self.assertIn("llvmpipe: ms | llvmpipe: device ms | llvmpipe: LMSE | a GPU: ms", text)
-        self.assertIn("| intrinsicdecomp `medium` | 10.0 | 10.0 | .1000 | 1.0 | 1.0 | .1000 |", text)
-
-    def test_earlier_sizes_are_kept_and_marked(self):
-        def element(width):
-            return {"element": "e", "width": width, "height": 1, "wall_ms": 1, "processor_ms": 1, "device_ms": 1,
-                    "first_frame_ms": 1, "device_bytes_per_pixel": 1}
-        found = tables.all_elements({"elements": [element(320)], "kept": {"elements": [element(1920)]}})
-        self.assertIn("| `e` | 320×1 | 1.0", tables.elements(found))
-        self.assertIn("| `e` | 1920×1* | 1.0", tables.elements(found))
-        self.assertEqual(len(tables.all_elements({"elements": [element(320)]})), 1)
-
-
 class Training(unittest.TestCase):
     def test_training_sets_are_marked_once(self):
         rows = [{"set": "room", "regime": "r"}, {"set": "mit", "regime": "r"}]
         once = summary.marked(rows)
         self.assertEqual([r["regime"] for r in once], ["r †", "r"])
         self.assertEqual(summary.marked(once), once)
-        self.assertEqual(tables.given_video({"set": "room", "scene": "noise"}), "room †, noise")
 
 
 class Drift(unittest.TestCase):
@@ -338,39 +204,23 @@ class Brief(unittest.TestCase):
         self.assertEqual(set(found["by_scene"]), {"patches", "sculptures", "still life", "toys"})
 
 
-class Against(unittest.TestCase):
-    def lines(self, before, after):
-        return "\n".join(against.compare(before, after))
+class Page(unittest.TestCase):
+    def test_light_is_averaged_over_scenes_that_all_have(self):
+        def one(method, scene, ind, **more):
+            return {"video": False, "set": "own", "scene": scene, "method": method, "curve": "quality", "setting": "4", "base": True,
+                    "ind": ind, "indJ": ind, "dirJ": ind, "tint": ind, **more}
+        found = brief.light_of({"rows": [one("a", "x", 0.1), one("a", "y", 0.3), one("globalintrinsicthesis", "x", 0.5),
+                                         one("globalintrinsicthesis", "y", 0.9, base=False)]})
+        self.assertEqual([(n, round(ind, 6)) for n, ind, *_ in found["means"]], [("a", 0.2)])
+        self.assertEqual((found["scenes"], found["thesis"]), (2, {"own stills": 0.5}))
 
-    def test_noise_is_no_news(self):
-        text = self.lines(results(row("1", [9, 10, 11], 0.1)), results(row("1", [9.5, 10.4, 11.5], 0.1)))
-        self.assertIn("0 worse, 0 better", text)
-
-    def test_slower_and_worse(self):
-        text = self.lines(results(row("1", [9, 10, 11], 0.1)), results(row("1", [18, 20, 22], 0.2)))
-        self.assertIn("wall time × 2.00", text)
-        self.assertIn("lmse20 0.1000 → 0.2000", text)
-        self.assertIn("3 worse, 0 better", text)  # by the clock, by the device's, and the error
-
-    def test_the_clock_of_a_busy_machine_is_no_news(self):
-        before, after = results(row("1", [9, 10, 11], 0.1)), results(row("1", [18, 20, 22], 0.1))
-        after["machine"] = {"load_before": 6, "load_after": 5}
-        text = self.lines(before, after)
-        self.assertNotIn("wall time", text)
-        self.assertIn("clocks are not compared", text)
-        self.assertIn("device time × 2.00", text)
-
-    def test_tells_what_is_new_and_what_is_gone(self):
-        text = self.lines(results(row("1", [1], 0.1), row("2", [1], 0.1)), results(row("1", [1], 0.1), row("3", [1], 0.1)))
-        self.assertIn("gone: m, c 2", text)
-        self.assertIn("new: m, c 3", text)
-
-    def test_a_slower_machine_is_no_news(self):
-        def peers(time):
-            return [row("1", [time] * 3, 0.1, scene=str(n), method="p", device="processor") for n in range(6)]
-        before = results(row("1", [9, 10, 11], 0.1), *peers(5))
-        after = results(row("1", [18, 20, 22], 0.1), *peers(10))
-        self.assertIn("0 worse, 0 better", self.lines(before, after))
+    def test_filters_are_in_the_plot_only(self):
+        point = {"curve": "c", "setting": "1", "preset": "", "base": False, "order": 0, "wall_ms": [1, 1, 1], "device_ms": None, "processor_ms": [1, 1, 1],
+                 **dict.fromkeys(["lmse20", "lmse10", "mse", "dssim", "ms_ssim", "whdr"], 0.1)}
+        text = tables.all_methods([{**point, "method": "guided filter"}, {**point, "method": "gray Retinex"}],
+                                  {"guided filter": {"family": "peer"}, "gray Retinex": {"family": "peer"}})
+        self.assertNotIn("guided", text)
+        self.assertIn("| gray Retinex 1 | 1.0 (1…1) | – | 1.0 | .1000 |", text)
 
 
 unittest.main()

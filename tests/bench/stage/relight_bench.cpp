@@ -1,23 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// relight-bench [options] SET.f32 …: how well olatrelight's methods relight, and what it costs.
+// relight-bench [options] SET.f32 …: errors of olatrelight's methods.
 // Sets come from import-olat.
 //
 //   --environment FILE.hdr   a light to relight with; may come again (the studio where there is
 //   none)
 //   --models FOLDER          a folder with features.net and light.net: the network, too
 //   --pictures FOLDER        writes truth and predictions side by side
-//   --runs N                 of each time (default 7)
-//   --choices 0|1            whether to choose few lights (default 1)
-//   --times 0|1              whether to measure times (default 1)
 //
-// Prints, as tables: errors of single lights and of relit pictures, how many lights stay within an
-// error by three ways of choosing them, and times by size and number of lights.
+// Prints a table of the errors of single lights and of relit pictures.
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
 
-#include "light_choices.hpp"
 #include "olat_set.hpp"
 #include "relight_subject.hpp"
 #include "tests/bench/metrics/png_file.hpp"
@@ -69,7 +64,6 @@ Image beside(const std::vector<Image>& images, double gain) {
 struct Arguments {
   std::vector<std::string> environments, sets;
   std::string models, pictures;
-  int runs = 7, choices = 1, times = 1;
 };
 
 struct Method {
@@ -134,69 +128,6 @@ void errors(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatSe
   }
 }
 
-void choices(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatSet>& sets,
-             const std::vector<NamedEnvironment>& environments,
-             const std::vector<Method>& methods) {
-  std::printf(
-      "\n| subject | method | environment | error at most | fitted | its error | clusters | "
-      "brightest |\n|---|---|---|---|---|---|---|---|\n");
-  for (const OlatSet& set : sets)
-    for (const Method& method : methods) {
-      const Extent extent{static_cast<uint32_t>(set.a.width), static_cast<uint32_t>(set.a.height)};
-      Subject subject(device, set, extent, method.models);
-      std::vector<uint32_t> all, few;
-      for (uint32_t i = 0; i < extent.pixels(); ++i)
-        if (set.mask.data[i] >= .5F) all.push_back(i);
-      for (size_t i = 0; i < all.size(); i += std::max<size_t>(1, all.size() / 800))
-        few.push_back(all[i]);
-      LightReduction reduction(set.directions), judge(set.directions);
-      reduction.set_responses(subject.responses(few));
-      judge.set_responses(subject.responses(all));
-      for (const NamedEnvironment& e : environments) {
-        const auto weights = subject.stage().cells.weights(e.map);
-        for (const double max_error : {.05, .02, .01}) {
-          const SplitLight split = method.split(set.directions, weights);
-          const auto fitted = reduction.choose(split.rest, weights, max_error);
-          std::printf("| %s | %s | %s | %.1f %% | %zu | %.2f %% | %zu | %zu |\n", set.name.c_str(),
-                      method.name, e.name.c_str(), 100 * max_error, fitted.lights.size(),
-                      100 * judge.error(fitted, split.rest, weights),
-                      min_lights(judge, set.directions, weights, max_error, by_clusters),
-                      min_lights(judge, set.directions, weights, max_error, brightest));
-          std::fflush(stdout);
-        }
-      }
-    }
-}
-
-void times(const std::shared_ptr<gpu::Device>& device, const OlatSet& set,
-           const NamedEnvironment& environment, const RelightModels* models, int runs) {
-  std::printf(
-      "\n| size | lobes | table of %zu lights | look-up | sum of 1 | of 8 | of 32 | of all |",
-      set.lights.size());
-  std::printf(
-      " features | network, 1 | 8 | 32 | all "
-      "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
-  for (const Extent extent : {Extent{128, 160}, {256, 320}, {512, 640}}) {
-    std::printf("| %u x %u |", extent.width, extent.height);
-    Subject lobe(device, set, extent, nullptr);
-    const auto lights = weighted(lobe.stage(), lobe.stage().cells.weights(environment.map));
-    const std::span<const WeightedLight> all(lights);
-    std::printf(" %.2f | %.2f | %.2f |", lobe.time(runs, [&] { lobe.find_lobes(); }),
-                lobe.time(runs, [&] { lobe.make_table(all); }),
-                lobe.time(runs, [&] { lobe.look_up(); }));
-    for (const size_t count : {size_t{1}, size_t{8}, size_t{32}, all.size()})
-      std::printf(" %.2f |", lobe.time(runs, [&] { lobe.record_sum(all.first(count)); }));
-    if (models) {
-      Subject network(device, set, extent, models);
-      std::printf(" %.1f |", network.time(runs, [&] { network.find_features(); }));
-      for (const size_t count : {size_t{1}, size_t{8}, size_t{32}, all.size()})
-        std::printf(" %.1f |", network.time(runs, [&] { network.record_sum(all.first(count)); }));
-    }
-    std::printf("\n");
-    std::fflush(stdout);
-  }
-}
-
 void run(const Arguments& arguments) {
   const auto sets = read_sets(arguments.sets);
   if (sets.empty()) return;
@@ -212,9 +143,6 @@ void run(const Arguments& arguments) {
   std::printf("%s\n", device->name().c_str());
   if (!arguments.pictures.empty()) std::filesystem::create_directories(arguments.pictures);
   errors(device, sets, environments, methods, arguments.pictures);
-  if (arguments.choices) choices(device, sets, environments, methods);
-  if (arguments.times)
-    times(device, sets[0], environments[0], models ? &*models : nullptr, arguments.runs);
 }
 
 }  // namespace
@@ -227,10 +155,7 @@ int main(int argc, char** argv) {
       {"--environment",
        {true, [&](const char* v) { return arguments.environments.emplace_back(v), true; }}},
       {"--models", text(arguments.models)},
-      {"--pictures", text(arguments.pictures)},
-      {"--runs", integer(arguments.runs)},
-      {"--choices", integer(arguments.choices)},
-      {"--times", integer(arguments.times)}};
+      {"--pictures", text(arguments.pictures)}};
   if (!read(options, argc, argv, "relight_bench.cpp", &arguments.sets)) return 2;
   try {
     run(arguments);

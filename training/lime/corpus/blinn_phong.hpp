@@ -21,7 +21,7 @@ class Lights {
   /// D = Σ_{w·n > 0} (w·n) E(w) dw for a unit normal.
   Vec diffuse(Vec normal) const;
 
-  /// S = Σ_{w·n > 0} (h·n)^s E(w) dw, h between w and `view` (unit, towards the camera). Tiles
+  /// S = Σ_{w·n > 0} (h·n)^s E(w) dw, h between w and `view` (unit, toward the camera). Tiles
   /// where (h·n)^s < 1e-4 are left out, unless `all`: the angle of w to the reflected view is at
   /// most twice that of h to n.
   Vec specular(Vec normal, Vec view, float shininess, bool all = false) const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Environment maps: equirectangular, row 0 = +y (up), center column = +z (towards the camera), x
+// Environment maps: equirectangular, row 0 = +y (up), center column = +z (toward the camera), x
 // right.
 #pragma once
 
@@ -40,7 +40,7 @@ Environment turn(const Environment& map, int columns, bool mirrored);
 /// brightest frontal block of 4 × 4 texels reaches 60 % of the brightest of all.
 bool is_lit_from_front(const Environment& map);
 
-/// Scales channels towards equal mean radiance, as a camera's white balance does; strength 0 … 1.
+/// Scales channels toward equal mean radiance, as a camera's white balance does; strength 0 … 1.
 void balance_white(Environment& map, float strength);
 
 }  // namespace inverse::lime

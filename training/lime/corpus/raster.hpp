@@ -12,7 +12,7 @@ namespace inverse::lime {
 /// subpixels.
 struct Camera {
   float focal, center_x, center_y;
-  /// Unit direction from the seen point towards the camera, for a subpixel's center.
+  /// Unit direction from the seen point toward the camera, for a subpixel's center.
   Vec view(int column, int row) const {
     return normalize(
         {-(float(column) + 0.5f - center_x) / focal, (float(row) + 0.5f - center_y) / focal, 1});

@@ -42,7 +42,7 @@ struct Patch {
   int face;
   float a, b, half_a, half_b;
   Vec color;       ///< Reflectance-like for furniture, radiance for lights.
-  float fade = 0;  ///< Light of a window: brighter towards its top.
+  float fade = 0;  ///< Light of a window: brighter toward its top.
   float bars = 0;  ///< Bars per unit length; 6 % of it are bar.
 
   bool covers(const Hit& hit) const {

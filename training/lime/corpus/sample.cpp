@@ -99,7 +99,7 @@ View draw_view(Random& random, bool upright, float scale, int size) {
 
   Rotation turn;
   if (upright && random.chance(0.6f)) {
-    // The lathe's z becomes the picture's up, then leans towards or away from the camera.
+    // The lathe's z becomes the picture's up, then leans toward or away from the camera.
     const float lean = random.uniform(-0.3f, 0.7f) - 0.5f * kPi, roll = 0.2f * random.normal(),
                 spin = random.uniform(0.f, 2 * kPi);
     const Rotation a = rotation_of({std::cos(spin / 2), 0, 0, std::sin(spin / 2)});

@@ -6,7 +6,7 @@ import pathlib
 import torch
 
 from . import corpus, datasets, scores
-from .networks import SIZES, load_checkpoint
+from .networks import load_checkpoint
 from .tables import table
 
 # Of each: options of Networks, and whether the rendering loss is used.
@@ -27,7 +27,6 @@ def begin(description, samples):
     args = parser.parse_args()
     torch.set_num_threads(2)
     known = load_checkpoint(args.checkpoint or args.out / "checkpoint.pt")
-    assert known.size == SIZES["standard"]["input"], "ablations are of the networks of standard size"
     drawn = corpus.Corpus(args.hdri)
     return args, known, drawn, sets(drawn, args.data, args.count)
 

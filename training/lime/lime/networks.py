@@ -14,15 +14,9 @@ from torch.nn import functional
 from .encoding import BINS
 
 # Widths of the U-Nets per level (each half as wide as the one before) and of the encoders per block, and the dense layer.
-SIZES = {
-    "standard": {"input": 128, "segmentation": (8, 16, 32, 48, 64), "specular": (12, 24, 48, 64, 80, 80),
-                 "mirror": (8, 16, 32, 48, 64, 64), "albedo": (16, 32, 48, 64, 96), "exponent": (16, 32, 48, 64, 96),
-                 "dense": 64},
-    # For GPUs: close to the thesis' own sizes.
-    "wide": {"input": 256, "segmentation": (24, 48, 96, 128, 192, 256), "specular": (32, 64, 128, 256, 256, 256),
-             "mirror": (32, 64, 128, 192, 256, 256), "albedo": (32, 64, 128, 192, 256), "exponent": (32, 64, 128, 192, 256),
-             "dense": 256},
-}
+WIDTHS = {"segmentation": (8, 16, 32, 48, 64), "specular": (12, 24, 48, 64, 80, 80), "mirror": (8, 16, 32, 48, 64, 64),
+          "albedo": (16, 32, 48, 64, 96), "exponent": (16, 32, 48, 64, 96), "dense": 64}
+INPUT = 128  # side of the input, pixels
 
 
 def convolution(inputs, outputs, stride=1):
@@ -104,15 +98,15 @@ class Networks(nn.Module):
     ones have no normalization any more, but biases in its place.
     """
 
-    def __init__(self, size="standard", use_mirror=True, regress=False, settled=False):
+    def __init__(self, use_mirror=True, regress=False, settled=False):
         super().__init__()
-        s = SIZES[size]
-        self.size, self.use_mirror, self.regress = s["input"], use_mirror, regress
+        s = WIDTHS
+        self.use_mirror, self.regress = use_mirror, regress
         self.segmentation = UNet(3, 1, s["segmentation"])
         self.specular = UNet(4, 1, s["specular"])
         self.mirror = UNet(1, 1, s["mirror"])
-        self.albedo = Encoder(4, 4, s["albedo"], s["dense"], s["input"])
-        self.exponent = PooledEncoder(1 + use_mirror, 1 if regress else BINS, s["exponent"], s["input"])
+        self.albedo = Encoder(4, 4, s["albedo"], s["dense"], INPUT)
+        self.exponent = PooledEncoder(1 + use_mirror, 1 if regress else BINS, s["exponent"], INPUT)
         if settled:  # what it does will be loaded
             warm_start.settle(self).train()
 
@@ -138,7 +132,7 @@ class Networks(nn.Module):
 
     def parts(self):
         """Networks by name, with the shape of their inputs (one sample)."""
-        n = self.size
+        n = INPUT
         shapes = {"segmentation": (1, 3, n, n), "specular": (1, 4, n, n), "mirror": (1, 1, n, n), "albedo": (1, 4, n, n),
                   "exponent": (1, 1 + self.use_mirror, n, n)}
         return {name: (getattr(self, name), shape) for name, shape in shapes.items() if name != "mirror" or self.use_mirror}
@@ -150,8 +144,8 @@ def exported(networks, folder):
 
 
 def load_checkpoint(path):
-    """The networks of a checkpoint of train.py, or of a folder that export.py wrote (of standard size), to be used: on the
-    CPU, in evaluation mode."""
+    """The networks of a checkpoint of train.py, or of a folder that export.py wrote, to be used: on the CPU,
+    in evaluation mode."""
     if pathlib.Path(path).is_dir():
         networks = Networks()
         warm_start.take(exported(networks, path))
