@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "errors.hpp"
 #include "filter_element.hpp"
+#include "gst/base/log/errors.hpp"
 #include "report.hpp"
 
 using inverse::ElementInfo;

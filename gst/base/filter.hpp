@@ -11,10 +11,10 @@
 
 #include "caps.hpp"
 #include "gst/base/frames/picture.hpp"
+#include "gst/base/log/log.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/layers.hpp"
 #include "kernels/image/tiles/tile_list.hpp"
-#include "log.hpp"
 #include "property_table.hpp"
 
 namespace inverse {

@@ -9,7 +9,7 @@
 #include <functional>
 #include <utility>
 
-#include "errors.hpp"
+#include "gst/base/log/errors.hpp"
 #include "gst/base/meta/layers_meta.hpp"
 #include "report.hpp"
 

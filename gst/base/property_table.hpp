@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "common/error.hpp"
-#include "log.hpp"
+#include "gst/base/log/log.hpp"
 
 namespace inverse {
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "gst/base/filter.hpp"
-#include "gst/base/frames/light_pictures.hpp"
+#include "gst/decompose/light_pictures.hpp"
 #include "kernels/edit/compose.hpp"
 
 namespace inverse {

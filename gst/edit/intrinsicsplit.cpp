@@ -6,7 +6,7 @@
 #include <string>
 
 #include "gst/base/caps.hpp"
-#include "gst/base/log.hpp"
+#include "gst/base/log/log.hpp"
 #include "split_element.hpp"
 
 using inverse::SplitBranch;

@@ -5,8 +5,8 @@
 #include <chrono>
 
 #include "gst/base/caps.hpp"
-#include "gst/base/errors.hpp"
-#include "gst/base/log.hpp"
+#include "gst/base/log/errors.hpp"
+#include "gst/base/log/log.hpp"
 #include "gst/base/meta/layers_meta.hpp"
 #include "gst/base/report.hpp"
 

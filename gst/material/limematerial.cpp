@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "gst/base/filter.hpp"
-#include "gst/base/meta/material_meta.hpp"
 #include "gst/base/models.hpp"
+#include "gst/material/meta/material_meta.hpp"
 #include "kernels/image/tiles/tile_list.hpp"
 #include "kernels/image/view/mosaic.hpp"
 #include "kernels/material/lime_material.hpp"

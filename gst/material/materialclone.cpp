@@ -16,8 +16,8 @@
 #include "clone_light.hpp"
 #include "gst/base/color.hpp"
 #include "gst/base/filter.hpp"
-#include "gst/base/meta/inverse_material_meta.h"
 #include "gst/material/mesh/mesh_file.hpp"
+#include "gst/material/meta/inverse_material_meta.h"
 #include "kernels/environment/lit_sphere.hpp"
 #include "kernels/raster/insertion.hpp"
 

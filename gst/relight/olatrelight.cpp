@@ -11,9 +11,9 @@
 #include <utility>
 
 #include "gst/base/filter.hpp"
-#include "gst/base/meta/inverse_light_stage_meta.h"
 #include "gst/base/models.hpp"
 #include "gst/exr/environment_file.hpp"
+#include "gst/stage/meta/inverse_light_stage_meta.h"
 #include "kernels/image/view/mosaic.hpp"
 #include "kernels/relight/relighting.hpp"
 #include "stage/gray_gradients.hpp"

@@ -2,7 +2,7 @@
 #include "device_context.hpp"
 
 #include "common/error.hpp"
-#include "gst/base/log.hpp"
+#include "gst/base/log/log.hpp"
 #include "gst/base/meta/registered_once.hpp"
 
 namespace inverse {

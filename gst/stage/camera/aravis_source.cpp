@@ -6,7 +6,7 @@
 #include <chrono>
 
 #include "common/error.hpp"
-#include "gst/base/log.hpp"
+#include "gst/base/log/log.hpp"
 
 namespace inverse {
 namespace {

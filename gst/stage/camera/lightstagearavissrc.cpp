@@ -7,8 +7,8 @@
 #include <memory>
 
 #include "aravis_source.hpp"
-#include "gst/base/errors.hpp"
-#include "gst/base/log.hpp"
+#include "gst/base/log/errors.hpp"
+#include "gst/base/log/log.hpp"
 
 using inverse::AravisSource;
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "gst/base/caps.hpp"
-#include "gst/base/errors.hpp"
-#include "gst/base/log.hpp"
+#include "gst/base/log/errors.hpp"
+#include "gst/base/log/log.hpp"
 #include "test_source.hpp"
 
 using inverse::TestSource;

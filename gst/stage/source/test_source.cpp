@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "gst/base/caps.hpp"
-#include "gst/base/meta/light_stage_meta.hpp"
 #include "gst/base/report.hpp"
+#include "gst/stage/meta/light_stage_meta.hpp"
 #include "kernels/virtual_stage/virtual_head.hpp"
 
 namespace inverse {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "gst/base/caps.hpp"
-#include "gst/base/errors.hpp"
+#include "gst/base/log/errors.hpp"
 #include "gst/base/report.hpp"
 #include "gst/stage/sync/assemble/olat_assembler.hpp"
 #include "sync_element.hpp"

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "gst/base/meta/inverse_light_stage_meta.h"
+#include "gst/stage/meta/inverse_light_stage_meta.h"
 #include "gst/stage/sync/assemble/motion.hpp"
 #include "stage/program/light_program.hpp"
 #include "tests/bench/support/command_line.hpp"

@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "gst/base/meta/inverse_material_meta.h"
+#include "gst/material/meta/inverse_material_meta.h"
 #include "kernels/environment/environment.hpp"
 #include "lime_fixture.hpp"
 #include "tests/elements/lamp.hpp"

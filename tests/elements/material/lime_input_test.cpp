@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "gst/base/meta/inverse_material_meta.h"
+#include "gst/material/meta/inverse_material_meta.h"
 #include "kernels/network/graph_file.hpp"
 #include "lime_fixture.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "gst/base/meta/inverse_layers_meta.h"
-#include "gst/base/meta/inverse_material_meta.h"
+#include "gst/material/meta/inverse_material_meta.h"
 #include "lime_fixture.hpp"
 #include "tests/srgb.hpp"
 

@@ -2,8 +2,8 @@
 #pragma once
 #include <optional>
 
+#include "gst/base/frames/picture.hpp"
 #include "kernels/image/view/light_picture.hpp"
-#include "picture.hpp"
 
 namespace inverse {
 
