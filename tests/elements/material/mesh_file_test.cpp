@@ -255,7 +255,7 @@ TEST_F(MeshFile, CountsInPlyThatCannotBeAreErrors) {
   list.replace(list.find("list uchar"), 10, "list char ").replace(list.size() - 26, 1, "\xff");
   EXPECT_NE(error(written("list.ply", list)).find("of 2 elements \"face\" it has 0"),
             std::string::npos);
-  EXPECT_NE(error(written("negative.ply", with("-1"))).find("its header promises -1 elements"),
+  EXPECT_NE(error(written("negative.ply", with("-1"))).find("its header declares -1 elements"),
             std::string::npos);
   EXPECT_EQ(load(written("good.ply", with("5", comment))).triangles(), 6U);
 }
