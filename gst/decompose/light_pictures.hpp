@@ -10,8 +10,8 @@ namespace inverse {
 /// Draws what can be seen of a frame's light. Its kernels are made when they are first needed.
 class LightPictures {
  public:
-  /// Light of the kinds that only frames with layers of light have; throws Error(unsupported), in
-  /// the words of `element`, where this is none.
+  /// Light of the kinds that only frames with layers of light have; throws Error(unsupported),
+  /// which names `element`, if this is none.
   Picture draw(gpu::Commands& commands, const Layers& layers, LightPicture::What what,
                const char* element, uint32_t base = 0);
   /// Shading: in color where light has color, else as gray.

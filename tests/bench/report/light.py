@@ -146,7 +146,7 @@ def of_lines(entries):
     out = []
     for e in entries:
         name = "globalintrinsicthesis" if e["element"].startswith(THESIS) else "globalintrinsic with layers of light"
-        asked = next((int(w.split("=")[1]) for w in e["element"].split() if w.startswith("base-colors=")), None)
+        asked = next((int(w.split("=")[-1]) for w in e["element"].split() if "base-colors=" in w), None)
         out.append({**e, "name": name, "colors": asked})
     return out
 
