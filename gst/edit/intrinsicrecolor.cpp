@@ -125,16 +125,15 @@ class RecolorElement final : public Filter {
 }  // namespace
 
 extern const ElementInfo kIntrinsicRecolor;
-const ElementInfo kIntrinsicRecolor{
-    "intrinsicrecolor",
-    "GstIntrinsicRecolor",
-    "Intrinsic recolor",
-    "Filter/Effect/Video",
-    "Replaces one reflectance color; shading is kept",
-    Flow::layers_or_pixels,
-    Flow::layers,
-    kAnyLayers,
-    "intrinsicdecomp",
-    [] { return std::unique_ptr<Filter>(new RecolorElement); }};
+const ElementInfo kIntrinsicRecolor{"intrinsicrecolor",
+                                    "GstIntrinsicRecolor",
+                                    "Intrinsic recolor",
+                                    "Filter/Effect/Video",
+                                    "Replaces one reflectance color; shading is kept",
+                                    Flow::layers_or_pixels,
+                                    Flow::layers,
+                                    kAnyLayers,
+                                    "intrinsicdecomp",
+                                    [] { return std::unique_ptr<Filter>(new RecolorElement); }};
 
 }  // namespace inverse

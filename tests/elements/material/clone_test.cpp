@@ -404,7 +404,7 @@ TEST_F(CloneTest, AMeshWithDamagedFacesIsDrawnWithOneWarning) {
       "videotestsrc num-buffers=2 ! materialclone source=properties mesh=" + mesh + " ! fakesink");
   EXPECT_TRUE(result.eos) << result.first_error();
   ASSERT_EQ(result.warnings.size(), 1U);
-  EXPECT_NE(result.warnings[0].find("1 of 2 faces are left out"), std::string::npos)
+  EXPECT_NE(result.warnings[0].find("1 of 2 faces were dropped"), std::string::npos)
       << result.warnings[0];
 }
 
