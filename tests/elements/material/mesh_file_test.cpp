@@ -265,7 +265,7 @@ TEST_F(MeshFile, DegenerateFacesAreDroppedWithAWarning) {
   const std::string obj = written(
       "nan.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nf 1 2 3\nf 1 2 4\nf 2 3 4\nl 1 2\n");
   EXPECT_EQ(load_mesh(obj, warning).triangles(), 1U);
-  EXPECT_NE(warning.find(obj + ": 2 of 3 faces are left out"), std::string::npos) << warning;
+  EXPECT_NE(warning.find(obj + ": 2 of 3 faces were dropped"), std::string::npos) << warning;
 }
 
 TEST_F(MeshFile, TooManyTrianglesAreAnErrorThatNamesTheLimit) {
