@@ -14,6 +14,7 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -109,10 +110,12 @@ void write_page(GstElementFactory* factory, std::ostream& page, const std::strin
                                         : std::string(a->name_template) < b->name_template;
   });
   std::set<std::multiset<std::string>> listed;
+  std::vector<std::pair<std::string, std::string>> entries;  // names, what they have in common
   for (GstStaticPadTemplate* pad : pads) {
     static const char* kPresence[] = {"always", "sometimes", "on request"};
-    page << "- `" << pad->name_template << "` (" << (pad->direction == GST_PAD_SRC ? "out" : "in")
-         << ", " << kPresence[pad->presence] << ")\n";
+    std::ostringstream text;
+    text << " (" << (pad->direction == GST_PAD_SRC ? "out" : "in") << ", "
+         << kPresence[pad->presence] << ")\n";
     GstCaps* caps = gst_static_caps_get(&pad->static_caps);
     for (guint i = 0; i < gst_caps_get_size(caps); ++i) {
       gchar* features = gst_caps_features_to_string(gst_caps_get_features(caps, i));
@@ -120,12 +123,18 @@ void write_page(GstElementFactory* factory, std::ostream& page, const std::strin
       const std::string formats = formats_of(structure);
       const bool known =
           formats.find(',') != std::string::npos && !listed.insert(sorted_words(formats)).second;
-      page << "  - `" << gst_structure_get_name(structure) << "(" << features
+      text << "  - `" << gst_structure_get_name(structure) << "(" << features
            << ")`: " << (known ? "the same formats" : formats) << "\n";
       g_free(features);
     }
     gst_caps_unref(caps);
+    const std::string name = "`" + std::string(pad->name_template) + "`";
+    if (!entries.empty() && entries.back().second == text.str())
+      entries.back().first += ", " + name;
+    else
+      entries.emplace_back(name, text.str());
   }
+  for (const auto& [names, text] : entries) page << "- " << names << text;
   GstElement* element = gst_element_factory_create(factory, nullptr);
   guint count = 0;
   GParamSpec** specs = g_object_class_list_properties(G_OBJECT_GET_CLASS(element), &count);

@@ -2,7 +2,7 @@
 // The list of elements, nothing else.
 #include "gst/base/filter.hpp"
 #include "gst/base/meta/layers_meta.hpp"
-#include "gst/base/meta/material_meta.hpp"
+#include "gst/material/meta/material_meta.hpp"
 
 namespace inverse {
 extern const ElementInfo kGlobalIntrinsic;

@@ -11,9 +11,9 @@ enum class Flow {
   pixels,            ///< ordinary video in system memory or, where the build knows them, images
                      ///< in memory:VulkanImage
   layers,            ///< buffers with GstInverseLayersMeta
-  pixels_or_layers,  ///< either, pixels first: what a decomposer sends
-  layers_or_pixels,  ///< editors' sinks: layers, and pixels only to refuse them with a helpful
-                     ///< error
+  pixels_or_layers,  ///< either, pixels first
+  layers_or_pixels,  ///< either, layers first; an element that works on layers refuses pixels, with
+                     ///< an error that says what to insert
 };
 
 /// Ordinary video in system memory, of every format that the kernels read and write (frame_io.cpp
@@ -27,9 +27,9 @@ inline constexpr const char* kIntrinsicLayers = "intrinsic";
 inline constexpr const char* kGlobalLayers = "global";
 inline constexpr const char* kMaterialLayers = "material";
 inline constexpr const char* kGradientLayers = "gradients";
-/// Both that have reflectance and shading, for who takes either.
+/// Both that have reflectance and shading.
 inline constexpr const char* kAnyLayers = "{ intrinsic, global }";
-/// All that make up one picture, for who draws them and leaves what they mean to others.
+/// All that make up one picture.
 inline constexpr const char* kAllLayers = "{ intrinsic, global, material }";
 
 /// Template caps for a pad of this kind; `layers` is one of the kinds above. New reference.
@@ -49,15 +49,8 @@ bool carries_images(const GstCaps* caps);
 /// takes over, are those of the other pad. New reference.
 GstCaps* transform_caps(GstCaps* caps, GstCaps* templates, GstCaps* filter);
 
-/// `transform_caps` for an element that takes layers, or plain frames of so many pictures side by
-/// side: widths of plain caps are divided towards the source pad and multiplied towards the sink
-/// pad. Where any width may go out, those that leave a remainder pass, for `set_caps` to refuse
-/// them with a helpful error.
-GstCaps* transform_side_by_side(GstPadDirection direction, GstCaps* caps, GstCaps* templates,
-                                GstCaps* filter, uint32_t pictures);
-
-/// The same caps with layers first. What GstBaseTransform answers puts what passes through
-/// unchanged first, which for an editor's sink is what it will refuse. New reference.
+/// The same caps with layers first: GstBaseTransform lists first what can pass unchanged, which may
+/// be pixels that the element refuses. New reference.
 GstCaps* prefer_layers(const GstCaps* caps);
 
 /// GstBaseTransform::fixate_caps: takes the kind of memory that the other side lists first, and of

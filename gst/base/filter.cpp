@@ -7,8 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "errors.hpp"
+#include "element_class.hpp"
 #include "filter_element.hpp"
+#include "gst/base/log/errors.hpp"
 #include "report.hpp"
 
 using inverse::ElementInfo;
@@ -88,9 +89,8 @@ GstCaps* transform_caps(GstBaseTransform* transform, GstPadDirection direction, 
                         GstCaps* filter) {
   const ElementInfo& info = info_of(transform);
   GstCaps* templates = direction == GST_PAD_SINK ? info.src_caps() : info.sink_caps();
-  return info.side_by_side ? inverse::transform_side_by_side(direction, caps, templates, filter,
-                                                             info.side_by_side)
-                           : inverse::transform_caps(caps, templates, filter);
+  return info.plain_caps ? info.plain_caps(direction, caps, templates, filter)
+                         : inverse::transform_caps(caps, templates, filter);
 }
 
 GstCaps* fixate_caps(GstBaseTransform*, GstPadDirection, GstCaps* caps, GstCaps* other) {
@@ -325,21 +325,14 @@ void base_class_init(gpointer klass, gpointer) {
   base->passthrough_on_same_caps = FALSE;
 }
 
-void add_template(GstElementClass* element, const char* name, GstPadDirection direction,
-                  GstCaps* caps) {
-  gst_element_class_add_pad_template(element,
-                                     gst_pad_template_new(name, direction, GST_PAD_ALWAYS, caps));
-  gst_caps_unref(caps);
-}
-
 void element_class_init(gpointer klass, gpointer data) {
   const auto& info = *static_cast<const ElementInfo*>(data);
   static_cast<GstInverseFilterClass*>(klass)->info = &info;
   auto* element = GST_ELEMENT_CLASS(klass);
   gst_element_class_set_static_metadata(element, info.long_name, info.klass, info.description,
                                         "the gst-inverse authors");
-  add_template(element, "sink", GST_PAD_SINK, info.sink_caps());
-  add_template(element, "src", GST_PAD_SRC, info.src_caps());
+  inverse::add_pad_template(element, "sink", GST_PAD_SINK, GST_PAD_ALWAYS, info.sink_caps());
+  inverse::add_pad_template(element, "src", GST_PAD_SRC, GST_PAD_ALWAYS, info.src_caps());
   auto* object = G_OBJECT_CLASS(klass);
   object->get_property = get_property;  // GObject does not inherit these two
   object->set_property = set_property;

@@ -6,15 +6,14 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "caps.hpp"
 #include "gst/base/frames/picture.hpp"
+#include "gst/base/log/log.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/layers.hpp"
 #include "kernels/image/tiles/tile_list.hpp"
-#include "log.hpp"
 #include "property_table.hpp"
 
 namespace inverse {
@@ -80,8 +79,10 @@ class Filter {
   /// READY → PAUSED, before any frame, from the application's thread: reads files. What it throws
   /// becomes an element error, and the element does not start.
   virtual void start() {}
-  /// Makes pipelines and state for frames of this size (as they go out: ElementInfo::side_by_side);
-  /// called before the first frame and when size or device change.
+  /// Throws Error(unsupported) if plain frames `in` cannot become frames `out`; when caps are set.
+  virtual void check_plain(const GstVideoInfo& /*in*/, const GstVideoInfo& /*out*/) const {}
+  /// Makes pipelines and state for output frames of this size; called before the first frame and
+  /// when size or device change.
   virtual void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) = 0;
   /// Drops everything on the device.
   virtual void release() = 0;
@@ -139,28 +140,26 @@ struct ElementInfo {
   Flow sink, src;
   /// The kind of layers that it makes from pixels, or that it needs; kAnyLayers or kAllLayers.
   const char* layers;
-  /// What to insert before this element if it gets what it cannot work on.
+  /// What to insert before this element if its input does not suit it.
   const char* needs;
-
-  /// Caps of its pads. New references. The sink of an element that needs layers takes all layers of
-  /// reflectance and shading, to refuse what is not enough with a helpful error.
-  GstCaps* sink_caps() const {
-    const std::string_view kind = layers ? layers : "";
-    const bool own = kind == kAllLayers || kind == kGradientLayers;
-    return template_caps(sink, own ? layers : kAnyLayers);
-  }
-  GstCaps* src_caps() const {
-    return template_caps(src, sink == Flow::pixels ? layers : kAnyLayers);
-  }
   std::unique_ptr<Filter> (*create)();
   std::vector<Action> actions = {};
   bool navigation = false;  ///< whether it takes navigation events (Filter::navigate)
-  /// Of an element that takes layers: so many pictures side by side in a plain frame do as well,
-  /// and what it sends is as much narrower. 0: it refuses plain frames.
-  uint32_t side_by_side = 0;
+  /// The kinds of layers in its sink's template. Layers that it cannot use are refused with an
+  /// error that names `needs`.
+  const char* accepts = kAnyLayers;
+  /// Of an element that works on layers and also on plain frames: what caps of one pad mean for the
+  /// other, as inverse::transform_caps does otherwise. Null: it refuses plain frames.
+  GstCaps* (*plain_caps)(GstPadDirection, GstCaps* caps, GstCaps* templates,
+                         GstCaps* filter) = nullptr;
 
+  /// Caps of its pads. New references.
+  GstCaps* sink_caps() const { return template_caps(sink, accepts); }
+  GstCaps* src_caps() const {
+    return template_caps(src, sink == Flow::pixels ? layers : kAnyLayers);
+  }
   /// Whether it may work without layers before it, so that it has to find a device of its own.
-  bool takes_pixels() const { return sink == Flow::pixels || side_by_side > 0; }
+  bool takes_pixels() const { return sink == Flow::pixels || plain_caps; }
 };
 
 /// Registers the element; one line of the plugin's list.

@@ -9,7 +9,7 @@
 #include <functional>
 #include <utility>
 
-#include "errors.hpp"
+#include "gst/base/log/errors.hpp"
 #include "gst/base/meta/layers_meta.hpp"
 #include "report.hpp"
 
@@ -137,9 +137,8 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
   if (!info_.takes_pixels() && !in_layers_) {
     GST_ELEMENT_ERROR(
         element_, STREAM, FORMAT,
-        ("%s works on decomposed video; insert %s before it, with nothing between the two that "
-         "takes pictures or other layers (behind a tee every branch must take layers: end each "
-         "with intrinsiccompose)",
+        ("%s works on layers; insert %s before it, with nothing between the two that takes "
+         "pictures or other layers (behind a tee every branch must take layers)",
          name.c_str(), info_.needs),
         ("got %" GST_PTR_FORMAT, in));
     return false;
@@ -147,7 +146,7 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
   const bool takes_one = info_.sink != Flow::pixels && info_.layers[0] != '{';
   if (in_layers_ && takes_one && !carries_kind(in, info_.layers)) {
     GST_ELEMENT_ERROR(element_, STREAM, FORMAT,
-                      ("%s needs %s layers; put %s in the place of the decomposer before it",
+                      ("%s needs %s layers; replace the element that makes its layers by %s",
                        name.c_str(), info_.layers, info_.needs),
                       ("got %" GST_PTR_FORMAT, in));
     return false;
@@ -164,7 +163,8 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
                       ("got %" GST_PTR_FORMAT, in));
     return false;
   }
-  if (!can_be_cut()) return false;
+  if (!in_layers_ && !guarded(element_, [&] { filter_->check_plain(in_info_, out_info_); }))
+    return false;
   check_pixel_aspect_ratio();
   // The state of earlier frames stays: sources of variable rate send such caps again and again.
   if (!refused_ && asked_.same_frames(in, out)) return true;
@@ -181,18 +181,6 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
     // Layers and images say with the first frame where they lie.
     if (!in_layers_ && !in_images_) configure(device_for(nullptr));
   });
-}
-
-bool FilterElement::can_be_cut() {
-  if (in_layers_ || info_.side_by_side < 2) return true;
-  const int width = GST_VIDEO_INFO_WIDTH(&in_info_), parts = static_cast<int>(info_.side_by_side);
-  if (width % parts == 0 && width / parts == GST_VIDEO_INFO_WIDTH(&out_info_)) return true;
-  GST_ELEMENT_ERROR(element_, STREAM, FORMAT,
-                    ("%s takes plain frames of %d pictures of one size side by side, which frames "
-                     "%d pixels wide cannot hold; scale or crop before it, or send layers",
-                     info_.factory, parts, width),
-                    (nullptr));
-  return false;
 }
 
 void FilterElement::check_pixel_aspect_ratio() {
@@ -359,7 +347,7 @@ std::shared_ptr<gpu::Device> FilterElement::device_for(GstBuffer* in) {
                       std::to_string(layers->extent.height) + " reached " + info_.factory +
                       ", but their caps say " + std::to_string(width) + "x" +
                       std::to_string(height) +
-                      "; scale or crop before the decomposer or behind intrinsiccompose");
+                      "; scale or crop pictures only, before or after the elements with layers");
     return any->buffer->device();
   }
   if (!in_images_) return images_device_ ? images_device_ : context_.current();

@@ -47,7 +47,7 @@ class FilterElement {
   GstBufferPool* image_pool(GstCaps* caps, guint* size);
   bool sends_layers() const { return out_layers_; }
   bool sends_images() const { return images_device_ != nullptr; }
-  /// Whether frames go out in another size than they came in (ElementInfo::side_by_side).
+  /// Whether frames go out in another size than they came in (ElementInfo::plain_caps).
   bool resizes() const {
     return GST_VIDEO_INFO_WIDTH(&in_info_) != GST_VIDEO_INFO_WIDTH(&out_info_);
   }
@@ -69,8 +69,6 @@ class FilterElement {
     bool pending = false;  // stats are yet to be published
   };
   bool try_caps(GstCaps* in, GstCaps* out);
-  /// Whether plain frames can be cut into the pictures that the element takes; posts an error else.
-  bool can_be_cut();
   /// Warns of pixels that are not square if the filter needs them so; once for each ratio.
   void check_pixel_aspect_ratio();
   void configure(const std::shared_ptr<gpu::Device>& device);

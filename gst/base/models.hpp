@@ -4,9 +4,9 @@
 
 namespace inverse {
 
-/// The folder of one method's networks (`part`: "lime", "olat") in the set of models `set`; where
-/// that is empty, in the environment variable INVERSE_MODELS, else in the one that is installed.
-/// Throws Error (file) where there is no such folder.
+/// The folder `part` of one method's networks in the set of models `set`; if that is empty, in the
+/// environment variable INVERSE_MODELS, else in the installed one. Throws Error(file) if there is
+/// no such folder.
 std::string models_folder(const std::string& set, const char* part);
 
 }  // namespace inverse

@@ -85,9 +85,7 @@ void tuning_value(GParamSpec* spec, const std::string& text, GValue* value) {
 GParamSpec* tuning_spec() {
   return g_param_spec_string(
       "tuning", "tuning",
-      "Parameters of the method as name=value:name=value, to study it; names are under Tuning in "
-      "gst-inspect-1.0",
-      "",
+      "Further settings as name=value:name=value; listed below and by gst-inspect-1.0", "",
       static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
                                GST_PARAM_MUTABLE_PLAYING));
 }

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "common/error.hpp"
-#include "log.hpp"
+#include "gst/base/log/log.hpp"
 
 namespace inverse {
 
@@ -35,8 +35,8 @@ struct Property {
   bool in_tuning = false;
 };
 
-/// Makes an entry of the property `tuning` out of a property: for what is only changed to study the
-/// method. Its value's text must have neither ':' nor ','.
+/// Makes an entry of the property `tuning` out of a property that is rarely set. Its value's text
+/// must have neither ':' nor ','.
 template <typename P>
 Property<P> tuning(Property<P> property) {
   property.in_tuning = true;

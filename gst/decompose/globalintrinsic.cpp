@@ -14,29 +14,29 @@ PropertyTable<Params> light_properties() {
   using P = Params;
   return {
       number<P>("amount", &P::amount, 0.f, 2.f,
-                "Indirect light as a factor of what surfaces in view emit; 0 = estimated, raise "
-                "it if a cast remains"),
+                "Indirect light relative to the light that surfaces in view reflect; raise it if a "
+                "cast remains, 0 = estimated"),
       tuning(number<P>("typical-amount", &P::typical, 0.05f, 2.f,
                        "Amount assumed for a scene whose colors do not determine it")),
       tuning(number<P>("measurement-weight", &P::measurement_weight, 0.f, 100.f,
                        "Weight of the scene's colors against typical-amount; 0 = not used, "
                        "indirect light is gray")),
-      number<P>(
+      tuning(number<P>(
           "white-balance", &P::white_balance, 0.f, 1.f,
-          "Share of the estimated lamp color to remove from reflectance; 0 = lamps are white"),
-      number<P>("base-colors", &P::base_colors, 1, static_cast<int>(kMaxBases),
-                "Maximum number of base colors, each with a layer of indirect light"),
+          "Share of the estimated lamp color to remove from reflectance; 0 = lamps are white")),
+      tuning(number<P>("base-colors", &P::base_colors, 1, static_cast<int>(kMaxBases),
+                       "Maximum number of base colors, each with a layer of indirect light")),
       tuning(number<P>("reach", &P::reach, 0.02f, 2.f,
                        "Standard deviation of the distance over which surfaces light each other, "
                        "in frame widths")),
-      tuning(number<P>("near", &P::near, 0.f, 1.f,
+      tuning(number<P>("near-share", &P::near, 0.f, 1.f,
                        "Share of near indirect light; the rest comes from the whole frame")),
-      tuning(number<P>("renew", &P::renew, 0.01f, 1.f,
+      tuning(number<P>("update-rate", &P::renew, 0.01f, 1.f,
                        "Share of the newest frame in the estimates of amount and base colors; 1 "
                        "= no averaging")),
       tuning(number<P>("cut-chroma", &P::cut, 0.f, 1.f,
-                       "Mean change of chroma that counts as a scene cut for these estimates, "
-                       "half natural log units")),
+                       "Mean change of log chroma, divided by 0.5 (0…1), at which a cut is "
+                       "detected")),
   };
 }
 
@@ -116,8 +116,7 @@ const ElementInfo kGlobalIntrinsic{
     "GstGlobalIntrinsic",
     "Global intrinsic decomposition",
     "Filter/Effect/Video",
-    "Decomposes live video into reflectance, direct light, and light that bounced off surfaces of "
-    "each base color",
+    "Decomposes live video into reflectance, direct light, and indirect light by base color",
     Flow::pixels,
     Flow::pixels_or_layers,
     kGlobalLayers,

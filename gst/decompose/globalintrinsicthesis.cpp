@@ -35,15 +35,15 @@ PropertyTable<Params> own_properties() {
                        "Conjugate gradient steps for each (5.7.1)")),
       number<P>("base-colors", &P::clusters, 1, static_cast<int>(kMaxBases),
                 "Number of chromaticity clusters to find; duplicates are removed (5.5.1)"),
-      choice<P>("propose", &P::propose, "GstGlobalIntrinsicThesisPropose",
-                {{static_cast<int>(RegionProposals::Mode::off), "off",
-                  "Only clicks mark regions (5.5.2)"},
-                 {static_cast<int>(RegionProposals::Mode::report), "report",
-                  "Post a message for each region whose base color seems wrong"},
-                 {static_cast<int>(RegionProposals::Mode::correct), "correct",
-                  "Mark them as well, with the color that they seem to have"}},
-                "What to do with regions whose base color seems wrong because of strong indirect "
-                "light"),
+      choice<P>(
+          "propose", &P::propose, "GstGlobalIntrinsicThesisPropose",
+          {{static_cast<int>(RegionProposals::Mode::off), "off",
+            "Only clicks mark regions (5.5.2)"},
+           {static_cast<int>(RegionProposals::Mode::report), "report",
+            "Post a message for each such region"},
+           {static_cast<int>(RegionProposals::Mode::correct), "correct",
+            "Also mark them, with the most likely base color"}},
+          "Treatment of regions that strong indirect light seems to give the wrong base color"),
       text<P>("marks", &P::marks,
               "Regions to mark once, as positions x,y in pixels with spaces between"),
       tuning(number<P>("lambda-data", &P::lambda_data, 0.f, 1e6f,
@@ -66,16 +66,15 @@ PropertyTable<Params> own_properties() {
                        "Refinement: weight of small changes of the base colors (Eq. 5.14)")),
       tuning(number<P>("lambda-cr", &P::lambda_cr, 0.f, 1e9f,
                        "Refinement: weight of their chromaticity (Eq. 5.14)")),
-      tuning(
-          number<P>("refine-rounds", &P::refine_rounds, 0, 100,
-                    "Refinements of the base colors after a start, a cut or the action refine, at "
-                    "most, one a frame; 0 = none")),
+      tuning(number<P>("refine-rounds", &P::refine_rounds, 0, 100,
+                       "Maximum refinements of the base colors after a start, a cut or the action "
+                       "refine, one a frame")),
       tuning(number<P>("refine-tolerance", &P::refine_tolerance, 0.f, 1.f,
-                       "They end where no channel of a base color changes by more")),
+                       "Change of a base color below which refinement ends")),
       tuning(
           number<P>("cut-fraction", &P::cut_fraction, 0.f, 1.f,
-                    "Mean change of chroma, in halves of a natural log unit, from which on a frame "
-                    "counts as a cut of the scene; 0 = never")),
+                    "Mean change of log chroma, divided by 0.5 (0…1), at which a cut is detected; "
+                    "0 = never")),
       tuning(choice<P>("irls", &P::irls, "GstGlobalIntrinsicThesisIrls",
                        {{static_cast<int>(P::Irls::consistent), "consistent",
                          "Weights that minimize the energy (p/2)"},
@@ -105,10 +104,8 @@ PropertyTable<Params> own_properties() {
                        "Added to intensities before chromaticities are taken, 1 = full scale")),
       tuning(number<P>("indirect-start", &P::indirect_start, 0.f, 1.f,
                        "Share of direct light that all indirect layers together start as")),
-      tuning(flag<P>(
-          "line-search", &P::line_search,
-          "Shorten steps that would raise the energy, as they may where light spans decades; "
-          "samples may raise the rest of it, by 5 % of where a frame starts at most")),
+      tuning(flag<P>("line-search", &P::line_search,
+                     "Shorten steps that raise the energy by more than 5 %")),
       tuning(flag<P>("warm-start", &P::warm_start,
                      "Begin where the last frame ended instead of at the clusters")),
       tuning(number<P>("samples", &P::samples, 0, 64,
@@ -127,10 +124,9 @@ const PropertyTable<Params>& table() {
   static const PropertyTable<Params> table = decomposer_properties<Params>(
       {"Sets steps and pcg-iterations as a group; what is set explicitly wins",
        "GstGlobalIntrinsicThesisQuality",
-       {"3 steps: an energy of 6 to 14 % above the end",
-        "5 steps: 4 to 7 % above it. Not live without a fast GPU: more than a second for a frame "
-        "of 320x240 on two cores",
-        "8 steps: 3 to 4 % above it", "16 steps, for reference: at it within 1 %"}},
+       {"3 steps: energy 6 to 14 % above the converged one",
+        "5 steps: 4 to 7 % above it; over a second per frame of 320x240 on two cores",
+        "8 steps: 3 to 4 % above it", "16 steps: within 1 % of it, for reference"}},
       own_properties(), Makes::global);
   return table;
 }

@@ -19,10 +19,9 @@ PropertyTable<Params> own_properties() {
           "seed", &P::seed, 0u, G_MAXUINT,
           "Seed of sample positions and of the first clusters; equal seeds give equal layers"),
       flag<P>("adaptive", &P::adaptive,
-              "Reuse layers of repeated pictures and stop iterations early by settled"),
-      tuning(number<P>("settled", &P::residual_tolerance, 0.f, 1.f,
-                       "Residual, relative to a level's first system, at which conjugate "
-                       "gradients end; 0 = all iterations")),
+              "Reuse layers of repeated pictures; false also turns residual-tolerance off"),
+      tuning(number<P>("residual-tolerance", &P::residual_tolerance, 0.f, 1.f,
+                       "Relative residual at which conjugate gradients end; 0 = all iterations")),
       tuning(choice<P>("solver", &P::solver, "GstIntrinsicDecompThesisSolver",
                        {{static_cast<int>(P::Solver::pcg), "pcg",
                          "Conjugate gradients with inverse diagonal, whole level"},
@@ -90,8 +89,8 @@ const PropertyTable<Params>& table() {
   static const PropertyTable<Params> table = decomposer_properties<Params>(
       {"Sets iterations as a group; what is set explicitly wins",
        "GstIntrinsicDecompThesisQuality",
-       {"Half of the iterations that the thesis runs, in six tenths of the time",
-        "What the thesis runs: 4 reweightings of 8 iterations a level (3.6.5)",
+       {"Half of the thesis' iterations, in 60 % of the time",
+        "As in the thesis: 4 reweightings of 8 iterations a level (3.6.5)",
         "7 x 8 iterations, with which the thesis shows convergence",
         "16 x 16 iterations, for reference"}},
       own_properties());

@@ -91,8 +91,7 @@ std::vector<Choice> show_choices(Makes makes) {
              global ? "Input, reflectance, direct and indirect light at half size, side by side"
                     : "Input, reflectance, shading and clusters at half size, side by side"),
       choice(Show::clusters, "clusters",
-             global ? "Each pixel in the color of its reflectance cluster; of globalintrinsic in "
-                      "the base color that it counts as"
+             global ? "Each pixel in the color of its reflectance cluster or base color"
                     : "Each pixel in the color of its reflectance cluster")};
   if (global) {
     choices.push_back(choice(Show::direct, "direct", "Light that comes straight from the lamps"));

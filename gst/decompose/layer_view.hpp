@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "gst/base/filter.hpp"
-#include "gst/base/frames/light_pictures.hpp"
 #include "kernels/image/view/mosaic.hpp"
 #include "kernels/palette/scene_palette.hpp"
+#include "light_pictures.hpp"
 
 namespace inverse {
 

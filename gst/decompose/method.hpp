@@ -121,9 +121,8 @@ struct QualityText {
   const char* sets;  ///< which parameters it stands for
   /// The name of the enumeration, and what each of its values means.
   const char* type = "GstInverseQuality";
-  std::array<const char*, 4> values = {"The least work without visible loss on most video",
-                                       "Live video: sharp shadows, small objects and steady colors "
-                                       "as well",
+  std::array<const char*, 4> values = {"Half resolution: fastest, more flicker",
+                                       "Live video: sharp shadows, small objects, steady colors",
                                        "More iterations, for files",
                                        "Many iterations, for reference"};
   std::vector<Choice> choices() const;

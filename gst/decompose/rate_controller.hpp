@@ -49,7 +49,7 @@ class RateController {
   /// A frame that ran at `level` took so long. Frames of other levels than the present one, which
   /// were still in flight when it changed, do not count.
   void frame(double now_s, double took_ms, size_t level);
-  /// Whoever shows the frames said that one came so much too late; negative: early.
+  /// The sink reported (QoS) how late a frame came; negative: early.
   void late(double now_s, double by_ms);
   /// A stream starts: forgets what frames took so far.
   void forget();

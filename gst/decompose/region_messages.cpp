@@ -7,9 +7,9 @@ namespace {
 const char* reason(MarkedRegions::Loss loss) {
   switch (loss) {
     case MarkedRegions::Loss::nothing_there:
-      return "nothing-there";
+      return "no-cluster";
     case MarkedRegions::Loss::taken_over:
-      return "taken-over";
+      return "merged";
     case MarkedRegions::Loss::lost:
       return "lost";
     case MarkedRegions::Loss::spilled:
@@ -21,7 +21,7 @@ const char* reason(MarkedRegions::Loss loss) {
     case MarkedRegions::Loss::withdrawn:
       return "withdrawn";
     case MarkedRegions::Loss::made_room:
-      return "made-room";
+      return "evicted";
     case MarkedRegions::Loss::cut:
       return "cut";
     case MarkedRegions::Loss::reset:

@@ -17,11 +17,10 @@ struct SolveParams : MethodParams, DecomposerParams {
 template <typename P>
 PropertyTable<P> solve_properties() {
   return {
-      flag<P>("adaptive", &P::adaptive,
-              "Skip work that changes nothing visible; turn off to compare"),
-      number<P>("skip-error", &P::skip_error, 0.f, 1.f,
-                "Maximum error that skipped work may add (rms log shading); 0 skips nothing that "
-                "changes the result"),
+      flag<P>("adaptive", &P::adaptive, "Skip work within skip-error; turn off to compare"),
+      number<P>(
+          "skip-error", &P::skip_error, 0.f, 1.f,
+          "Target for the error that skipped work adds (rms log shading), estimated; 0 = exact"),
       tuning(number<P>("cycle-tolerance", &P::cycle_tolerance, 0.f, 1.f,
                        "Change by a multigrid cycle after which no other follows (rms log "
                        "shading); 0 = all run")),
@@ -36,8 +35,7 @@ PropertyTable<P> solve_properties() {
           "chroma-tolerance", &P::chroma_tolerance, 0.f, 1.f,
           "Maximum effect of the equal-chroma term that is skipped (rms log shading); 0 = never")),
       tuning(number<P>("gate-tolerance", &P::gate_tolerance, 0.f, 1.f,
-                       "Maximum share of held reflectance at which the last frame is not compared; "
-                       "0 = always compared")),
+                       "Gate (rms over cells) below which pixels are not compared; 0 = never")),
       tuning(number<P>("repeat-tolerance", &P::repeat_tolerance, 0.f, 0.1f,
                        "Change by the last cycle below which a repeated picture reuses its layers "
                        "(rms log shading)")),
@@ -53,10 +51,10 @@ PropertyTable<P> solve_properties() {
                        "Multigrid cycles of a frame that starts from the one before")),
       number<P>(
           "reflectance-weight", [](P& p) -> float& { return p.prior.reflectance_weight; }, 1e-3f,
-          1e3f, "Weight of even reflectance; raise it to move texture into shading"),
+          1e3f, "Weight of smooth reflectance; raise it to move texture into shading"),
       number<P>(
           "shading-weight", [](P& p) -> float& { return p.prior.shading_weight; }, 1e-3f, 1e3f,
-          "Weight of even shading; raise it to move shadows into reflectance"),
+          "Weight of smooth shading; raise it to move shadows into reflectance"),
       tuning(number<P>(
           "value-weight", [](P& p) -> float& { return p.prior.value_weight; }, 1e-3f, 1e3f,
           "Weight of a largest reflectance channel near 1")),
@@ -65,7 +63,7 @@ PropertyTable<P> solve_properties() {
           "Weight of equal reflectance for equal chroma; 0 = term skipped")),
       number<P>(
           "temporal-weight", [](P& p) -> float& { return p.anchor.anchor_weight; }, 0.f, 1e3f,
-          "Weight of steady reflectance where nothing moves; raise it for steadier video, 0 = off"),
+          "Weight of steady reflectance where nothing moves; raise it against flicker, 0 = off"),
       tuning(number<P>(
           "temporal-frames", [](P& p) -> float& { return p.anchor.anchor_frames; }, 1.f, 1e3f,
           "Frames after a cut or a gap until the temporal weight is full")),
@@ -77,29 +75,28 @@ PropertyTable<P> solve_properties() {
           "Change of local contrast that halves the temporal weight, natural log units")),
       tuning(number<P>(
           "temporal-texture", [](P& p) -> float& { return p.anchor.anchor_texture; }, 1e-3f, 10.f,
-          "How unevenly 4x4 pixels change that halves the temporal weight, natural log units")),
+          "Spread of change within a cell that halves the temporal weight, natural log units")),
       tuning(number<P>(
           "temporal-motion", [](P& p) -> float& { return p.anchor.anchor_motion; }, 1e-2f, 100.f,
-          "Share of the texture around a place that halves the temporal weight when it moves")),
+          "Moved share of the local texture that halves the temporal weight")),
       number<P>(
           "temporal-hold", [](P& p) -> float& { return p.anchor.hold; }, 0.f, 0.99f,
-          "Share of the last frame's reflectance kept where content and light stay; raise it "
-          "against sensor noise"),
+          "Share of the last frame's reflectance kept where nothing changes; raise it against "
+          "sensor noise"),
       tuning(number<P>(
           "temporal-hold-light", [](P& p) -> float& { return p.anchor.hold_light; }, 1e-3f, 10.f,
-          "Change of 4x4 pixels' intensity that halves temporal-hold, natural log units")),
+          "Change of a cell's intensity that halves temporal-hold, natural log units")),
       tuning(number<P>(
           "temporal-hold-texture", [](P& p) -> float& { return p.anchor.hold_texture; }, 1e-3f,
           10.f,
-          "Change of a pixel beyond that of the 4x4 pixels around it that halves temporal-hold, "
-          "natural log units")),
+          "Change of a pixel relative to its cell that halves temporal-hold, natural log units")),
       number<P>(
           "white-level", [](P& p) -> float& { return p.scale.white_level; }, 0.05f, 1.f,
-          "Reflectance of the brightest surfaces when a scene begins, 1 = white of the display; "
-          "sets brightness"),
+          "Reflectance of the brightest surfaces when a scene begins; raise it for brighter "
+          "reflectance, 1 = display white"),
       tuning(number<P>(
           "white-quantile", [](P& p) -> float& { return p.scale.quantile; }, 0.f, 1.f,
-          "Share of the frame darker than the surfaces that white-level scales")),
+          "Share of pixels darker than the surfaces that white-level scales")),
       tuning(number<P>(
           "cut-fraction", [](P& p) -> float& { return p.anchor.cut_fraction; }, 0.f, 1.f,
           "Mean mismatch with the previous frame at which a scene cut is detected")),
@@ -108,7 +105,7 @@ PropertyTable<P> solve_properties() {
 
 /// The blurb of `quality`.
 inline constexpr const char* kSolveSets =
-    "Work for each frame: lower is faster, higher is more accurate; what is set explicitly wins";
+    "Work for each frame: lower is faster, higher is more accurate; explicit settings win";
 
 /// Adds fields about the solve of a completed frame.
 void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "gst/base/filter.hpp"
-#include "gst/base/frames/light_pictures.hpp"
+#include "gst/decompose/light_pictures.hpp"
 #include "kernels/edit/compose.hpp"
 
 namespace inverse {
@@ -149,16 +149,18 @@ class ComposeElement final : public Filter {
 }  // namespace
 
 extern const ElementInfo kIntrinsicCompose;
-const ElementInfo kIntrinsicCompose{
-    "intrinsiccompose",
-    "GstIntrinsicCompose",
-    "Intrinsic compose",
-    "Filter/Effect/Video",
-    "Puts decomposed video together again, with the edits made to its layers",
-    Flow::layers_or_pixels,
-    Flow::pixels,
-    kAllLayers,
-    "intrinsicdecomp",
-    [] { return std::unique_ptr<Filter>(new ComposeElement); }};
+const ElementInfo kIntrinsicCompose{"intrinsiccompose",
+                                    "GstIntrinsicCompose",
+                                    "Intrinsic compose",
+                                    "Filter/Effect/Video",
+                                    "Multiplies edited layers into a picture",
+                                    Flow::layers_or_pixels,
+                                    Flow::pixels,
+                                    kAllLayers,
+                                    "intrinsicdecomp",
+                                    [] { return std::unique_ptr<Filter>(new ComposeElement); },
+                                    {},
+                                    false,
+                                    kAllLayers};
 
 }  // namespace inverse

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// intrinsicdespill: takes light that bounced off surfaces of one color away, or gives it another
-// color.
+// intrinsicdespill: removes or recolors light reflected by surfaces of one color.
 #include <optional>
 
 #include "gst/base/color.hpp"
@@ -82,16 +81,15 @@ class DespillElement final : public Filter {
 }  // namespace
 
 extern const ElementInfo kIntrinsicDespill;
-const ElementInfo kIntrinsicDespill{
-    "intrinsicdespill",
-    "GstIntrinsicDespill",
-    "Intrinsic despill",
-    "Filter/Effect/Video",
-    "Takes light that bounced off surfaces of one color away, or gives it another color",
-    Flow::layers_or_pixels,
-    Flow::layers,
-    kGlobalLayers,
-    "globalintrinsic",
-    [] { return std::unique_ptr<Filter>(new DespillElement); }};
+const ElementInfo kIntrinsicDespill{"intrinsicdespill",
+                                    "GstIntrinsicDespill",
+                                    "Intrinsic despill",
+                                    "Filter/Effect/Video",
+                                    "Removes or recolors light reflected by surfaces of one color",
+                                    Flow::layers_or_pixels,
+                                    Flow::layers,
+                                    kGlobalLayers,
+                                    "globalintrinsic",
+                                    [] { return std::unique_ptr<Filter>(new DespillElement); }};
 
 }  // namespace inverse

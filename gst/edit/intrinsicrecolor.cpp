@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// intrinsicrecolor: gives one color of the scene another; light and shadow stay.
+// intrinsicrecolor: replaces one reflectance color.
 #include <cmath>
 #include <optional>
 #include <string>
@@ -21,8 +21,8 @@ const PropertyTable<Params>& table() {
   using P = Params;
   static const PropertyTable<P> table{
       color<P>("key", &P::key_color,
-               "Reflectance of the surface to recolor (0xAARRGGBB, sRGB; alpha is ignored); a gray "
-               "selects all grays, so lower value-tolerance then"),
+               "Reflectance of the surface to recolor (0xAARRGGBB, sRGB; alpha is ignored); for a "
+               "gray also lower value-tolerance"),
       number<P>("tolerance", &P::tolerance, 0, 4.25F,
                 "Maximum distance of chromaticity R / mean(R) from the key's; gray is 2.45 from a "
                 "pure primary"),
@@ -32,12 +32,11 @@ const PropertyTable<Params>& table() {
       number<P>("softness", &P::softness, 0, 3,
                 "Distance beyond the tolerances over which the selection falls to 0, in their "
                 "units; 0 = hard edges"),
-      number<P>("base-color", &P::base, P::kByKey, static_cast<int>(kMaxBases) - 1,
-                "Recolor the surfaces of this base color (layer of globalintrinsic) instead of "
-                "those near the key; -1 = by cluster or key"),
+      number<P>(
+          "base-color", &P::base, P::kByKey, static_cast<int>(kMaxBases) - 1,
+          "Recolor the surfaces of this base color of globalintrinsic; -1 = by cluster or key"),
       number<P>("cluster", &P::cluster, P::kByKey, static_cast<int>(Palette::kMaxClusters) - 1,
-                "Recolor the pixels nearest to this reflectance cluster (clusters of stats) "
-                "instead of those near the key; -1 = by key"),
+                "Recolor the pixels nearest to this reflectance cluster of stats; -1 = by key"),
       number<P>("clusters", &P::clusters, 1, static_cast<int>(Palette::kMaxClusters),
                 "Number of clusters to search for, if cluster is not -1"),
       color<P>("target", &P::target_color,
@@ -126,16 +125,15 @@ class RecolorElement final : public Filter {
 }  // namespace
 
 extern const ElementInfo kIntrinsicRecolor;
-const ElementInfo kIntrinsicRecolor{
-    "intrinsicrecolor",
-    "GstIntrinsicRecolor",
-    "Intrinsic recolor",
-    "Filter/Effect/Video",
-    "Gives one color of a decomposed scene another, under the light that there is",
-    Flow::layers_or_pixels,
-    Flow::layers,
-    kAnyLayers,
-    "intrinsicdecomp",
-    [] { return std::unique_ptr<Filter>(new RecolorElement); }};
+const ElementInfo kIntrinsicRecolor{"intrinsicrecolor",
+                                    "GstIntrinsicRecolor",
+                                    "Intrinsic recolor",
+                                    "Filter/Effect/Video",
+                                    "Replaces one reflectance color; shading is kept",
+                                    Flow::layers_or_pixels,
+                                    Flow::layers,
+                                    kAnyLayers,
+                                    "intrinsicdecomp",
+                                    [] { return std::unique_ptr<Filter>(new RecolorElement); }};
 
 }  // namespace inverse

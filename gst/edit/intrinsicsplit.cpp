@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// intrinsicsplit: sends single layers of decomposed video as ordinary video, one request pad each.
+// intrinsicsplit: outputs layers as ordinary video, one request pad each.
 #include <gst/gst.h>
 
 #include <cstring>
 #include <string>
 
 #include "gst/base/caps.hpp"
-#include "gst/base/log.hpp"
+#include "gst/base/element_class.hpp"
 #include "split_element.hpp"
 
 using inverse::SplitBranch;
@@ -15,41 +15,14 @@ using inverse::SplitLayer;
 
 struct GstIntrinsicSplit {
   GstElement parent;
-  SplitElement* split;
-};
-
-struct GstIntrinsicSplitClass {
-  GstElementClass parent;
+  SplitElement* body;
 };
 
 namespace {
 
-enum : guint { PROP_STATS = 1, PROP_TABLE = 10 };
+using Class = inverse::ElementClass<GstIntrinsicSplit>;
 
-gpointer parent_class = nullptr;
-
-SplitElement& split_of(gpointer object) { return *static_cast<GstIntrinsicSplit*>(object)->split; }
-
-void get_property(GObject* object, guint id, GValue* value, GParamSpec* spec) {
-  if (id >= PROP_TABLE)
-    split_of(object).parameters().get(id - PROP_TABLE, value);
-  else if (id == PROP_STATS)
-    g_value_take_boxed(value, split_of(object).stats());
-  else
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-}
-
-void set_property(GObject* object, guint id, const GValue* value, GParamSpec* spec) {
-  if (id >= PROP_TABLE)
-    split_of(object).parameters().set(id - PROP_TABLE, value);
-  else
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-}
-
-void finalize(GObject* object) {
-  delete &split_of(object);
-  G_OBJECT_CLASS(parent_class)->finalize(object);
-}
+SplitElement& split_of(gpointer object) { return Class::body_of(object); }
 
 gboolean src_event(GstPad* pad, GstObject* parent, GstEvent* event) {
   return split_of(parent).src_event(pad, event);
@@ -107,47 +80,27 @@ void release_pad(GstElement* element, GstPad* pad) { split_of(element).remove(pa
 
 GstStateChangeReturn change_state(GstElement* element, GstStateChange transition) {
   const GstStateChangeReturn result =
-      GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
+      GST_ELEMENT_CLASS(Class::parent_class)->change_state(element, transition);
   if (transition == GST_STATE_CHANGE_PAUSED_TO_READY) split_of(element).stop();
   return result;
 }
 
-void add_template(GstElementClass* element, const char* name, GstPadDirection direction,
-                  GstPadPresence presence, GstCaps* caps) {
-  gst_element_class_add_pad_template(element,
-                                     gst_pad_template_new(name, direction, presence, caps));
-  gst_caps_unref(caps);
-}
-
-void class_init(gpointer klass, gpointer) {
-  parent_class = g_type_class_peek_parent(klass);
-  auto* object = G_OBJECT_CLASS(klass);
-  object->get_property = get_property;
-  object->set_property = set_property;
-  object->finalize = finalize;
-  auto* element = GST_ELEMENT_CLASS(klass);
+void class_init(GstElementClass* element) {
   element->request_new_pad = request_new_pad;
   element->release_pad = release_pad;
   element->change_state = change_state;
-  gst_element_class_set_static_metadata(element, "Intrinsic split", "Filter/Video",
-                                        "Sends single layers of decomposed video as ordinary "
-                                        "video; what is not asked for is not drawn",
-                                        "the gst-inverse authors");
-  add_template(element, "sink", GST_PAD_SINK, GST_PAD_ALWAYS,
-               inverse::template_caps(inverse::Flow::layers_or_pixels, inverse::kAllLayers));
+  inverse::add_pad_template(
+      element, "sink", GST_PAD_SINK, GST_PAD_ALWAYS,
+      inverse::template_caps(inverse::Flow::layers_or_pixels, inverse::kAllLayers));
   GstCaps* any = gst_caps_new_any();
   for (size_t i = 0; i < static_cast<size_t>(SplitLayer::count); ++i) {
     const auto layer = static_cast<SplitLayer>(i);
-    add_template(element, SplitBranch::template_of(layer), GST_PAD_SRC, GST_PAD_REQUEST,
-                 SplitBranch::caps_for(layer, any));
+    inverse::add_pad_template(element, SplitBranch::template_of(layer), GST_PAD_SRC,
+                              GST_PAD_REQUEST, SplitBranch::caps_for(layer, any));
   }
   gst_caps_unref(any);
-  g_object_class_install_property(
-      object, PROP_STATS,
-      g_param_spec_boxed(
-          "stats", "stats", "Times (ms) and memory (bytes) of the last completed frame",
-          GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
-  inverse::Parameters<inverse::SplitParams>(SplitElement::table()).install(object, PROP_TABLE);
+  Class::install_properties(element, "Times (ms) and memory (bytes) of the last completed frame",
+                            SplitElement::table());
 }
 
 GstFlowReturn chain(GstPad*, GstObject* parent, GstBuffer* buffer) {
@@ -176,40 +129,32 @@ gboolean sink_query(GstPad*, GstObject* parent, GstQuery* query) {
   return split_of(parent).sink_query(query);
 }
 
-void instance_init(GTypeInstance* instance, gpointer klass) {
-  auto* self = reinterpret_cast<GstIntrinsicSplit*>(instance);
-  auto* element = GST_ELEMENT(instance);
+void instance_init(GstIntrinsicSplit* self) {
+  auto* element = GST_ELEMENT(self);
   GstPad* sink = gst_pad_new_from_template(
-      gst_element_class_get_pad_template(GST_ELEMENT_CLASS(klass), "sink"), "sink");
+      gst_element_class_get_pad_template(GST_ELEMENT_GET_CLASS(element), "sink"), "sink");
   gst_pad_set_chain_function(sink, chain);
   gst_pad_set_event_function(sink, sink_event);
   gst_pad_set_query_function(sink, sink_query);
   GST_PAD_SET_ACCEPT_TEMPLATE(sink);  // negotiation names the source pad that refuses
-  self->split = new SplitElement(element, sink);
+  self->body = new SplitElement(element, sink);
   gst_element_add_pad(element, sink);
 }
 
-GType split_type() {
-  static const GType type = [] {
-    GTypeInfo info{};
-    info.class_size = sizeof(GstIntrinsicSplitClass);
-    info.class_init = class_init;
-    info.instance_size = sizeof(GstIntrinsicSplit);
-    info.instance_init = instance_init;
-    return g_type_register_static(GST_TYPE_ELEMENT, "GstIntrinsicSplit", &info,
-                                  static_cast<GTypeFlags>(0));
-  }();
-  return type;
-}
+constexpr Class kClass{"intrinsicsplit",
+                       "GstIntrinsicSplit",
+                       "Intrinsic split",
+                       "Filter/Video",
+                       "Outputs layers as ordinary video; only requested pads are computed",
+                       gst_element_get_type,
+                       class_init,
+                       instance_init};
 
 }  // namespace
 
 namespace inverse {
 
 gboolean register_intrinsicsplit(GstPlugin* plugin);
-gboolean register_intrinsicsplit(GstPlugin* plugin) {
-  debug_category("intrinsicsplit", "Layers of decomposed video as video of their own");
-  return gst_element_register(plugin, "intrinsicsplit", GST_RANK_NONE, split_type());
-}
+gboolean register_intrinsicsplit(GstPlugin* plugin) { return kClass.register_element(plugin); }
 
 }  // namespace inverse

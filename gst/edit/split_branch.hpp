@@ -7,7 +7,7 @@
 #include <string>
 
 #include "gst/base/frames/frame_io.hpp"
-#include "gst/base/frames/light_pictures.hpp"
+#include "gst/decompose/light_pictures.hpp"
 #include "kernels/edit/compose.hpp"
 
 namespace inverse {

@@ -5,8 +5,8 @@
 #include <chrono>
 
 #include "gst/base/caps.hpp"
-#include "gst/base/errors.hpp"
-#include "gst/base/log.hpp"
+#include "gst/base/log/errors.hpp"
+#include "gst/base/log/log.hpp"
 #include "gst/base/meta/layers_meta.hpp"
 #include "gst/base/report.hpp"
 
@@ -138,7 +138,7 @@ bool SplitElement::set_caps(GstCaps* caps) {
     if (!known)
       GST_ELEMENT_ERROR(
           element_, STREAM, FORMAT,
-          ("intrinsicsplit works on decomposed video; insert intrinsicdecomp or another decomposer "
+          ("intrinsicsplit works on layers; insert intrinsicdecomp or another decomposer "
            "before it, with nothing between the two that takes pictures (behind a tee every branch "
            "must take layers: end each with intrinsiccompose)"),
           ("got %" GST_PTR_FORMAT, caps));

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "gst/base/filter.hpp"
-#include "gst/base/meta/material_meta.hpp"
 #include "gst/base/models.hpp"
+#include "gst/material/meta/material_meta.hpp"
 #include "kernels/image/tiles/tile_list.hpp"
 #include "kernels/image/view/mosaic.hpp"
 #include "kernels/material/lime_material.hpp"
@@ -45,7 +45,7 @@ const PropertyTable<Params>& table() {
                 {{static_cast<int>(LimeShow::input), "input", "The frame as it came in"},
                  {static_cast<int>(LimeShow::mask), "mask", "Mask of the object, as gray"},
                  {static_cast<int>(LimeShow::specular), "specular",
-                  "Highlights of the object, as gray; tinted if the picture is clipped"},
+                  "Highlights of the object, as gray; tinted where the input is clipped"},
                  {static_cast<int>(LimeShow::diffuse), "diffuse",
                   "The frame without the object's highlights"},
                  {static_cast<int>(LimeShow::mirror), "mirror",
@@ -53,8 +53,7 @@ const PropertyTable<Params>& table() {
                  {static_cast<int>(LimeShow::mosaic), "mosaic",
                   "Input, diffuse, specular and mirror at half size, side by side"},
                  {static_cast<int>(LimeShow::preview), "preview",
-                  "The frame with a sphere of the object's material, under the estimated light or "
-                  "a studio's, in the bottom right corner"}},
+                  "The frame, with a sphere of the object's material in the bottom right corner"}},
                 "Layer to show as ordinary video; elements that take layers get all of them"),
       number<P>("preview-size", &P::preview_size, 0.02F, 1,
                 "Diameter of the sphere of show=preview, relative to the frame's shorter side"),
@@ -66,31 +65,29 @@ const PropertyTable<Params>& table() {
           "memory", [](P& p) -> uint32_t& { return p.fusion.memory; }, 1, 100000,
           "Maximum number of frames to average the material over; lower it if the camera turns"),
       tuning(number<P>(
-          "other", [](P& p) -> float& { return p.fusion.other; }, 0, 1,
-          "A diffuse albedo that is so far from the average (largest channel, linear) for "
-          "five frames is of another object: averaging starts anew; so it does for a specular "
-          "albedo twice as far, and a sixth of log2 of the shininess three times as far")),
+          "new-object-distance", [](P& p) -> float& { return p.fusion.other; }, 0, 1,
+          "Albedo difference (linear) over five frames that restarts averaging")),
       flag<P>("adaptive", &P::adaptive,
               "Skip networks and drawing if object or picture stay the same"),
-      tuning(number<P>("recheck", &P::recheck, 1, 1000,
-                       "Interval of new estimates for an object at rest, frames")),
-      flag<P>("light", &P::measure_light,
-              "Estimate the light around the object, for GstMaterialMeta and save-environment"),
-      choice<P>("normals", &P::normals, "GstInverseLightNormals",
-                {{static_cast<int>(LightNormals::none), "none", "None: light needs normal-map"},
-                 {static_cast<int>(LightNormals::silhouette), "silhouette",
-                  "A body inflated from the object's outline: exact for spheres, approximate for "
-                  "other round objects"}},
-                "Source of the surface normals for the light if there is no normal-map"),
+      tuning(number<P>("estimate-interval", &P::recheck, 1, 1000,
+                       "Frames between new estimates for an object at rest")),
+      flag<P>("estimate-light", &P::measure_light,
+              "Estimate the light around the object, for materialclone and save-environment"),
+      choice<P>(
+          "normals", &P::normals, "GstInverseLightNormals",
+          {{static_cast<int>(LightNormals::none), "none", "None: light needs normal-map"},
+           {static_cast<int>(LightNormals::silhouette), "silhouette",
+            "Inflated from the object's outline: exact for spheres, approximate for other round "
+            "objects"}},
+          "Source of the surface normals for the light if there is no normal-map"),
       text<P>("normal-map", &P::normal_map,
-              "PNG file of the normals in the frame, RGB = xyz from -1 to 1, z to the camera; "
-              "empty = none",
+              "PNG file of the normals in the frame: RGB = xyz from -1 to 1, z to the camera",
               Mutable::ready),
-      text<P>("environment-location", &P::environment_location,
+      text<P>("save-environment-location", &P::environment_location,
               "Radiance file (.hdr) to write the estimated light to at the end; empty = none",
               Mutable::ready),
-      tuning(number<P>("steady", &P::steady, 0, 1,
-                       "Standard error below which a material counts as known")),
+      tuning(number<P>("converged-error", &P::steady, 0, 1,
+                       "Standard error of a material below which estimates pause")),
   };
   return table;
 }
@@ -193,7 +190,7 @@ class LimeElement final : public Filter {
               "known and normals " +
               (params.normal_map.empty() ? "(normals=silhouette or normal-map)"
                                          : "where it is in normal-map=" + params.normal_map) +
-              (params.asks_for_light() ? "" : ", and light=true"));
+              (params.asks_for_light() ? "" : ", and estimate-light=true"));
     }
     light->save(path);
   }
@@ -247,8 +244,8 @@ class LimeElement final : public Filter {
   }
 
  private:
-  /// What that which goes out depends on, beside the frame: where it is the same for a frame that
-  /// is the one before, so is what goes out.
+  /// What the output depends on beside the frame: if a repeated frame has the same state, its
+  /// output is reused.
   struct State {
     uint64_t message_count;
     LimeShow show;
@@ -261,8 +258,7 @@ class LimeElement final : public Filter {
     Picture picture;
     Layers layers;
   };
-  /// A frame that may be in flight: the method's number of it, and whether what went out is what
-  /// did with the one before.
+  /// A frame that may be in flight: the method's number of it, and whether its output was reused.
   struct Past {
     uint64_t method = 0;
     bool kept = false;
@@ -436,7 +432,7 @@ class LimeElement final : public Filter {
   std::shared_ptr<const Environment> published_light_;  // what the next two are of
   std::shared_ptr<GBytes> light_bytes_;                 // for metas
   std::vector<std::string> warnings_;                   // of the files, posted with the first frame
-  bool bare_ = false;                         // it was said that the object has no normals
+  bool bare_ = false;                                   // warned that the object has no normals
   mutable std::mutex light_mutex_;            // of what follows, up to the next blank line
   std::shared_ptr<const Environment> light_;  // the last one since the start, for files
   std::optional<Params> at_start_;
@@ -452,8 +448,8 @@ const ElementInfo kLimeMaterial{
     "GstLimeMaterial",
     "Live material estimation",
     "Filter/Analyzer/Video",
-    "Estimates the material of the object in front of the camera: diffuse and specular albedo and "
-    "shininess, with its mask, highlights and mirror image",
+    "Estimates an object's material: diffuse and specular albedo, shininess, mask, highlights and "
+    "mirror image",
     Flow::pixels,
     Flow::pixels_or_layers,
     kMaterialLayers,

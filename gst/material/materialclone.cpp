@@ -16,8 +16,8 @@
 #include "clone_light.hpp"
 #include "gst/base/color.hpp"
 #include "gst/base/filter.hpp"
-#include "gst/base/meta/inverse_material_meta.h"
 #include "gst/material/mesh/mesh_file.hpp"
+#include "gst/material/meta/inverse_material_meta.h"
 #include "kernels/environment/lit_sphere.hpp"
 #include "kernels/raster/insertion.hpp"
 
@@ -56,37 +56,36 @@ const PropertyTable<Params>& table() {
       number<P>(
           "yaw", [](P& p) -> float& { return p.place.yaw; }, -360, 360,
           "Rotation about the vertical in degrees, positive to the right"),
-      number<P>(
+      tuning(number<P>(
           "pitch", [](P& p) -> float& { return p.place.pitch; }, -360, 360,
-          "Tilt of the object's top towards the camera (at yaw 0), degrees"),
-      number<P>(
+          "Tilt of the object's top towards the camera (at yaw 0), degrees")),
+      tuning(number<P>(
           "roll", [](P& p) -> float& { return p.place.roll; }, -360, 360,
-          "Rotation in the picture plane (at yaw and pitch 0), degrees counterclockwise"),
+          "Rotation in the picture plane (at yaw and pitch 0), degrees counterclockwise")),
       number<P>("spin", &P::spin, -3600, 3600,
                 "Change of yaw in degrees per second of stream time"),
       tuning(number<P>(
           "elevation", [](P& p) -> float& { return p.place.elevation; }, 0, 90,
           "Angle at which the camera looks down on the ground, degrees; 0 = no visible shadow")),
-      flag<P>("drag", &P::drag,
-              "Move the object with the mouse: x and y follow navigation events of the video sink"),
+      flag<P>("drag", &P::drag, "Move the object with the mouse: navigation events set x and y"),
       text<P>("environment-location", &P::environment_location,
               "Radiance (.hdr) or OpenEXR panorama of the light; empty = the light that "
               "limematerial estimates",
               Mutable::ready),
-      number<P>("environment-rotation", &P::rotation, -360, 360,
-                "Rotation of the light about the vertical in degrees, positive to the right"),
+      tuning(number<P>("environment-rotation", &P::rotation, -360, 360,
+                       "Rotation of the light about the vertical in degrees, positive to the "
+                       "right")),
       number<P>("exposure", &P::exposure, -10, 10,
                 "Brightness of the light on the object, in stops"),
-      number<P>(
+      tuning(number<P>(
           "shadow", [](P& p) -> float& { return p.place.shadow; }, 0, 1,
-          "Darkness of the shadow on the ground, from 0 (none) to 1 (an even sky is blocked)"),
+          "Darkness of the shadow on the ground; 0 = none, 1 = that of an overcast sky")),
       tuning(number<P>(
           "shadow-softness", [](P& p) -> float& { return p.place.softness; }, 0.05F, 1,
           "Softness of the shadow at the contact point, relative to the object's radius")),
       choice<P>("source", &P::source, "GstInverseMaterialFrom",
                 {{static_cast<int>(MaterialFrom::stream), "stream",
-                  "What limematerial says of the frame; while it has no object, the last that it "
-                  "had; before the first one, diffuse-color, specular and shininess"},
+                  "Material from limematerial; its last one while no object is found"},
                  {static_cast<int>(MaterialFrom::properties), "properties",
                   "diffuse-color, specular and shininess"}},
                 "Source of the material"),
@@ -186,7 +185,7 @@ class CloneElement final : public Filter {
           "and nothing that crops, pads or turns the picture between them; source=properties draws "
           "diffuse-color, specular and shininess");
     const Surface surface = material(meta, params);
-    // Estimates that hardly differ are not worth a new picture; what somebody sets is.
+    // Redraw for every change of properties, but not for estimates that hardly differ.
     if (!shown_ || !(surface_is_set_ ? surface == *shown_ : alike(surface, *shown_)))
       shown_ = surface;
     sphere_->record(
@@ -296,8 +295,8 @@ const ElementInfo kMaterialClone{"materialclone",
                                  "GstMaterialClone",
                                  "Live material cloning",
                                  "Filter/Effect/Video",
-                                 "Draws an object into the video, with the material and the light "
-                                 "that limematerial estimates, and a soft contact shadow",
+                                 "Draws an object into the video, in the material and light that "
+                                 "limematerial estimates, with a soft shadow",
                                  Flow::pixels,
                                  Flow::pixels,
                                  nullptr,

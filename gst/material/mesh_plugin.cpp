@@ -13,5 +13,5 @@ static gboolean plugin_init(GstPlugin* plugin) {
 }
 
 GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, inversemesh,
-                  "Draws meshes into live video, with a material that was seen there", plugin_init,
-                  VERSION, "LGPL", "gst-inverse", "Unknown package origin")
+                  "Draws meshes into live video, with an estimated material", plugin_init, VERSION,
+                  "LGPL", "gst-inverse", "Unknown package origin")

@@ -11,11 +11,12 @@
 #include <utility>
 
 #include "gst/base/filter.hpp"
-#include "gst/base/meta/inverse_light_stage_meta.h"
 #include "gst/base/models.hpp"
 #include "gst/exr/environment_file.hpp"
+#include "gst/stage/meta/inverse_light_stage_meta.h"
 #include "kernels/image/view/mosaic.hpp"
 #include "kernels/relight/relighting.hpp"
+#include "side_by_side.hpp"
 #include "stage/gray_gradients.hpp"
 #include "stage/program/light_program.hpp"
 
@@ -39,8 +40,8 @@ Property<Params> direction_property() {
     snprintf(text, sizeof(text), "%g,%g,%g", double{defaults.light[0]}, double{defaults.light[1]},
              double{defaults.light[2]});
     return g_param_spec_string("light-direction", "light direction",
-                               "Direction of the light of show=olat from the subject: x,y,z (x "
-                               "right, y up, z to the camera); drag the mouse to move it",
+                               "Direction of the light of show=olat: x,y,z (right, up, to the "
+                               "camera); also set by dragging the mouse",
                                g_intern_string(text),
                                static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
                                                         GST_PARAM_MUTABLE_PLAYING));
@@ -73,8 +74,8 @@ const PropertyTable<Params>& table() {
           "show", &P::show, "GstInverseRelightShow",
           {{static_cast<int>(RelightShow::relit), "relit", "The subject under the environment"},
            {static_cast<int>(RelightShow::olat), "olat",
-            "The subject under one light at light-direction, a quarter as bright as all lights of "
-            "the stage"},
+            "The subject under one light at light-direction, a quarter as bright as the whole "
+            "stage"},
            {static_cast<int>(RelightShow::mosaic), "mosaic",
             "All lights on, directions, one light and relit at half size, side by side"},
            {static_cast<int>(RelightShow::normal), "normal",
@@ -84,8 +85,7 @@ const PropertyTable<Params>& table() {
           "Picture to show"),
       choice<P>("model", &P::model, "GstInverseRelightModel",
                 {{static_cast<int>(Relighting::Model::cosine_lobe), "cosine-lobe",
-                  "Each pixel reflects light in one lobe around one direction, found from the "
-                  "gradients: no shadows, no training, fast"},
+                  "One reflection lobe per pixel, from the gradients: fast, no shadows"},
                  {static_cast<int>(Relighting::Model::network), "network",
                   "A network trained on heads: with shadows and highlights"}},
                 "Method that predicts the picture under one light", Mutable::ready),
@@ -116,11 +116,10 @@ const PropertyTable<Params>& table() {
       tuning(number<P>(
           "noise", [](P& p) -> float& { return p.lobe.noise; }, 1e-6F, 1,
           "Linear light of A + B (1 = full scale) below which directions are not used")),
-      tuning(number<P>(
-          "max-error", &P::max_error, 0, 1,
-          "Relative error of a relit picture that skipping lights may cause; 0 = all lights")),
+      tuning(number<P>("max-error", &P::max_error, 0, 1,
+                       "Target for the relative error that skipped lights add; 0 = all lights")),
       flag<P>("adaptive", &P::adaptive,
-              "Skip lights and frames that change nothing visible; turn off to compare"),
+              "Skip lights within max-error and repeated frames; turn off to compare"),
   };
   return table;
 }
@@ -153,6 +152,9 @@ class RelightElement final : public Filter {
     load(params.environment);
   }
 
+  void check_plain(const GstVideoInfo& in, const GstVideoInfo& out) const override {
+    check_side_by_side("olatrelight", in, out);
+  }
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     const bool network = model_ == Relighting::Model::network;
     method_.emplace(device, extent, stage_, network ? &*models_ : nullptr);
@@ -219,7 +221,7 @@ class RelightElement final : public Filter {
     }
     shown_ = params;
     version_ = method_->version();
-    Report& report = reports_[frame.number % reports_.size()];
+    Report& report = reports_[frame.number];
     report = {drawn_, same};
     report.stats.fitted = method_->stats().fitted;
     frame.picture = {picture_};
@@ -228,7 +230,7 @@ class RelightElement final : public Filter {
   }
 
   void describe(GstStructure* stats, uint64_t number) const override {
-    const auto& [report, repeated] = reports_[number % reports_.size()];
+    const auto& [report, repeated] = reports_[number];
     gst_structure_set(stats, "environment", G_TYPE_STRING, environment_name_.c_str(), "lights",
                       G_TYPE_UINT64, report.lights, "lit", G_TYPE_UINT64, report.lit, "evaluated",
                       G_TYPE_UINT64, report.evaluated, "expected-error", G_TYPE_DOUBLE,
@@ -282,7 +284,7 @@ class RelightElement final : public Filter {
     frame.warnings.emplace_back(kGrayGradients);
   }
 
-  /// What lightstagesync says of the frame has to be what it is taken for.
+  /// Checks that the frame's label is that of a pair, from this stage.
   void check_label(FrameContext& frame) {
     const GstLightStageMeta* meta = frame.in ? gst_buffer_get_light_stage_meta(frame.in) : nullptr;
     if (!meta) return;
@@ -318,9 +320,10 @@ class RelightElement final : public Filter {
     const uint32_t second = layers ? 0 : extent.width;
     if (!a || a->extent.height != extent.height || a->extent.width != extent.width + second ||
         b->extent != a->extent)
-      throw Error(ErrorKind::unsupported,
-                  "the two gradients are not of the size that caps say; mend the element that sent "
-                  "them");
+      throw Error(
+          ErrorKind::unsupported,
+          "the size of the two gradients does not match the caps; fix the element that sent "
+          "them");
     // Planes that are held are not written to: the same ones hold the same picture.
     const bool again =
         !frame.fresh && params.adaptive && (layers ? a == last_a_ && b == last_b_ : frame.repeated);
@@ -406,7 +409,7 @@ class RelightElement final : public Filter {
   std::optional<Params> shown_;
   uint64_t version_ = 0;
   Relighting::Stats drawn_;
-  std::array<Report, 8> reports_{};
+  gpu::FrameRing<Report> reports_;
 
   std::mutex mouse_mutex_;
   Extent extent_;
@@ -429,6 +432,7 @@ const ElementInfo kOlatRelight{"olatrelight",
                                [] { return std::unique_ptr<Filter>(new RelightElement); },
                                {},
                                true,
-                               2};
+                               kGradientLayers,
+                               transform_side_by_side};
 
 }  // namespace inverse

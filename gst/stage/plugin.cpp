@@ -4,12 +4,12 @@
 
 #include "gst/base/filter.hpp"
 #include "gst/base/meta/layers_meta.hpp"
-#include "gst/base/meta/light_stage_meta.hpp"
+#include "gst/stage/meta/light_stage_meta.hpp"
 
 namespace inverse {
 extern const ElementInfo kOlatRelight;
 gboolean register_lightstagesync(GstPlugin* plugin);
-bool register_test_source(GstPlugin* plugin);
+gboolean register_lightstagetestsrc(GstPlugin* plugin);
 #if HAVE_ARAVIS
 gboolean register_lightstagearavissrc(GstPlugin* plugin);
 #endif
@@ -19,7 +19,7 @@ static gboolean plugin_init(GstPlugin* plugin) {
   inverse::register_layers_meta();
   inverse::register_light_stage_meta();
   gboolean all = inverse::register_lightstagesync(plugin) &&
-                 inverse::register_test_source(plugin) &&
+                 inverse::register_lightstagetestsrc(plugin) &&
                  inverse::register_filter(plugin, inverse::kOlatRelight);
 #if HAVE_ARAVIS
   all = all && inverse::register_lightstagearavissrc(plugin);
@@ -28,5 +28,5 @@ static gboolean plugin_init(GstPlugin* plugin) {
 }
 
 GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, inversestage,
-                  "Light stages: lights in step with cameras, and relighting what they saw",
+                  "Light stages: lights in step with cameras, and relighting of captures",
                   plugin_init, VERSION, "LGPL", "gst-inverse", "Unknown package origin")

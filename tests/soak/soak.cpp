@@ -158,7 +158,7 @@ Plan of_thesis(const char* decomposer) {
 Plan of_materials() {
   Plan plan;
   plan.decomposer = "limematerial";
-  plan.chain = " name=decomposer show=input light=true";
+  plan.chain = " name=decomposer show=input estimate-light=true";
   if (testing::has_element("materialclone")) plan.chain += " ! materialclone";
   plan.frames = 600;
   plan.caps_changes = 24;

@@ -104,7 +104,7 @@ Matrix color_matrix(GstVideoColorMatrix matrix, bool yuv) {
   return Matrix::bt709();
 }
 
-/// Whether the buffer's GstVideoMeta, if it has one, describes a frame such as the caps promise.
+/// Whether the buffer's GstVideoMeta, if it has one, describes a frame of these caps.
 bool suits(const GstVideoInfo& info, GstBuffer* buffer) {
   const GstVideoMeta* meta = gst_buffer_get_video_meta(buffer);
   return !meta || (meta->format == GST_VIDEO_INFO_FORMAT(&info) &&
@@ -117,7 +117,7 @@ bool suits(const GstVideoInfo& info, GstBuffer* buffer) {
 bool holds_rows(const GstVideoFrame& frame, const FrameFormat& format, uint32_t plane) {
   const GstMapInfo& map = frame.map[frame.meta ? plane : 0];
   const auto* begin = static_cast<const uint8_t*>(GST_VIDEO_FRAME_PLANE_DATA(&frame, plane));
-  // A meta with a way of its own to map memory answers for it itself.
+  // A meta that maps memory in its own way is trusted.
   if (!map.data || begin < map.data || begin >= map.data + map.size) return frame.meta != nullptr;
   const auto last = static_cast<int64_t>(GST_VIDEO_FRAME_PLANE_STRIDE(&frame, plane)) *
                     (static_cast<int64_t>(plane_rows(format.format, format.extent, plane)) - 1);
@@ -127,8 +127,8 @@ bool holds_rows(const GstVideoFrame& frame, const FrameFormat& format, uint32_t 
          start + std::max<int64_t>(last, 0) + row <= static_cast<int64_t>(map.size);
 }
 
-/// A mapped GstVideoFrame that unmaps itself. Throws where the buffer does not hold the frame that
-/// its caps promise.
+/// A mapped GstVideoFrame that unmaps itself. Throws if the buffer does not hold a frame of its
+/// caps.
 class MappedFrame {
  public:
   MappedFrame(const GstVideoInfo& info, const FrameFormat& format, GstBuffer* buffer,
@@ -148,7 +148,7 @@ class MappedFrame {
                       " bytes cannot hold the " + std::to_string(GST_VIDEO_INFO_WIDTH(&info)) +
                       "x" + std::to_string(GST_VIDEO_INFO_HEIGHT(&info)) + " " +
                       gst_video_format_to_string(GST_VIDEO_INFO_FORMAT(&info)) +
-                      " frame that its caps promise; mend the element that sent it");
+                      " frame of its caps; fix the element that sent it");
   }
   MappedFrame(const MappedFrame&) = delete;
   MappedFrame& operator=(const MappedFrame&) = delete;

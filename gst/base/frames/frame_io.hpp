@@ -13,16 +13,15 @@
 
 namespace inverse {
 
-/// What GStreamer says of a frame in memory, in the words of kernels/image. Throws
-/// Error(unsupported) where the format or its colorimetry cannot be handled, naming it.
+/// The layout of a frame in memory, as kernels/image describes it. Throws Error(unsupported), which
+/// names the format or colorimetry, if it cannot be handled.
 FrameFormat frame_format(const GstVideoInfo& info);
 
-/// Whether a buffer says that there is no frame for its time: flagged GAP and empty, without
-/// layers.
+/// Whether a buffer stands for a missing frame: flagged GAP and empty, without layers.
 bool is_gap(GstBuffer* buffer);
 
-/// From a buffer to a linear plane. This class reads system memory; who reads other memory
-/// overrides how the bytes get to the device.
+/// From a buffer to a linear plane. This class reads system memory; derived classes read other
+/// memory.
 class FrameInput {
  public:
   explicit FrameInput(const GstVideoInfo& info);
@@ -45,8 +44,8 @@ class FrameInput {
   /// The next frame has none before it to be compared with.
   void forget() { changed_.reset(); }
   /// Brings `buffer` into `raw`, which must be idle, and records the conversion into `plane`; where
-  /// tiles are `listed`, of these alone. Throws Error(unsupported) if the buffer does not hold
-  /// what its caps say.
+  /// tiles are `listed`, of these alone. Throws Error(unsupported) if the buffer does not match its
+  /// caps.
   void record(gpu::Commands& commands, GstBuffer* buffer, const gpu::BufferPtr& raw,
               const Plane& plane, const TileList* listed = nullptr) const;
 
@@ -62,7 +61,7 @@ class FrameInput {
   ChangedTiles changed_;
 };
 
-/// From planes to a buffer, in system memory unless a derived class says otherwise.
+/// From planes to a buffer, in system memory unless a derived class writes other memory.
 class FrameOutput {
  public:
   /// `linear` writes linear light whatever the caps' transfer curve is.

@@ -4,7 +4,7 @@
 
 namespace inverse {
 
-/// What a filter wants to be seen where pixels go out.
+/// What a filter draws if pixels go out.
 struct Picture {
   PlanePtr plane;       ///< rgb = linear color, w = a scalar layer
   bool scalar = false;  ///< draw w as gray instead of rgb

@@ -2,14 +2,14 @@
 #pragma once
 namespace inverse {
 
-/// How lately there were frames that show the very picture of the frame before: paused players,
-/// slides, screens on which nothing happens, video whose rate was raised by sending frames twice.
+/// Whether frames recently repeated their predecessor: paused players, slides, idle screens, video
+/// whose rate was raised by repeating frames.
 class Repeats {
  public:
-  /// Takes note of the next frame, and whether it repeats the one before.
+  /// Counts the next frame.
   void next(bool repeated) { since_ = repeated ? 0 : since_ + (since_ < kMemory); }
-  /// Whether one of the last `kMemory` frames was a repeat: whoever holds on to a frame's planes,
-  /// so that editors cannot work in place, does so only while it is likely to be of use.
+  /// Whether one of the last `kMemory` frames was a repeat. Only then keep a frame's planes for the
+  /// next: elements downstream cannot change kept planes in place.
   bool going_on() const { return since_ < kMemory; }
   /// The next frame has no frame before.
   void reset() { *this = {}; }

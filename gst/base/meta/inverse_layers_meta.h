@@ -26,8 +26,8 @@ G_BEGIN_DECLS
  * @GST_INVERSE_ROLE_MASK: x = matte 0...1
  * @GST_INVERSE_ROLE_MODEL_LIGHT: light as the decomposer made it
  * @GST_INVERSE_ROLE_LIGHT: of `global` frames: the color of light, RGB, so that reflectance times
- * shading times it is the frame; its mean or geometric mean is 1 where nothing was edited. w =
- * share of the shading that is direct
+ * shading times it is the frame; without edits its mean or geometric mean is 1. w = share of the
+ * shading that is direct
  * @GST_INVERSE_ROLE_INDIRECT_0: shares of the shading that bounced off surfaces of base colors
  * 0...3; the next three planes go on to 15, and are absent where there are no such colors
  * @GST_INVERSE_ROLE_BASES: the 16 base colors, RGB; w = 1, or 0 where there is no such color. 16
@@ -37,10 +37,9 @@ G_BEGIN_DECLS
  * where it is white
  * @GST_INVERSE_ROLE_DIFFUSE: of `material` frames: linear RGB of the frame without the highlights
  * of the object in it, 1 = full scale; w = the object's mask, 0...1
- * @GST_INVERSE_ROLE_SPECULAR: of `material` frames: these highlights, linear RGB (all three alike
- * as limematerial makes them, but where a channel of the frame is at its end), so that diffuse +
- * specular is the input; w = the mirror image, what the object would reflect if it were a mirror of
- * its specular albedo: linear, gray, may exceed 1, 0 outside of the mask
+ * @GST_INVERSE_ROLE_SPECULAR: of `material` frames: these highlights, linear RGB, gray except where
+ * the input is clipped; diffuse + specular is the input. w = the mirror image: the reflection by a
+ * mirror of the object's shape and specular albedo, linear, may exceed 1, 0 outside the mask
  * @GST_INVERSE_ROLE_GRADIENT_A: of `gradients` frames: the subject under gradient A of a light
  * stage, linear RGB, 1 = full scale; w = alpha
  * @GST_INVERSE_ROLE_GRADIENT_B: the same under gradient B; A + B is the subject under all lights

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <utility>
 
-#include "gst/base/log.hpp"
+#include "gst/base/log/log.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "registered_once.hpp"
 

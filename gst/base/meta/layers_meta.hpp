@@ -13,8 +13,8 @@ void attach_layers(GstBuffer* buffer, const Layers& layers);
 /// The layers of a buffer, or null if it carries none.
 const Layers* layers_of(GstBuffer* buffer);
 
-/// The layers of a buffer that carries some. Where nobody else holds the buffer they are moved out
-/// of it, so that an editor that is their only holder can work in place.
+/// The layers of a buffer that carries some. If nothing else holds the buffer they are moved out
+/// of it, so that their only holder can work in place.
 Layers take_layers(GstBuffer* buffer);
 
 /// Registers the meta, so that its header works before the first frame.

@@ -2,7 +2,7 @@
 #include "device_context.hpp"
 
 #include "common/error.hpp"
-#include "gst/base/log.hpp"
+#include "gst/base/log/log.hpp"
 #include "gst/base/meta/registered_once.hpp"
 
 namespace inverse {
@@ -120,7 +120,7 @@ void DeviceContext::acquire(const std::string& select) {
                       device->name().c_str(),
                       !ours                        ? "shared with the application or a neighbor"
                       : demand == Demand::property ? "opened as the property device names it"
-                                                   : "opened, as nobody shares one");
+                                                   : "opened, as no element shares one");
   {
     std::lock_guard lock(mutex_);
     device_ = device;
@@ -137,7 +137,7 @@ void DeviceContext::renew(const std::string& select) {
   const DevicePtr now = current();
   if (!now || !now->lost()) return;
   neighbor_.release();
-  bool had = false;  // editors have none
+  bool had = false;  // elements that need layers have none
   {
     std::lock_guard lock(mutex_);
     had = device_ != nullptr;
@@ -198,8 +198,8 @@ DevicePtr DeviceContext::for_images() {
     }
     if (!like)
       throw Error(ErrorKind::no_device,
-                  "nobody in this pipeline has a device for memory:VulkanImage; ask for ordinary "
-                  "video in system memory, or end with vulkandownload or vulkansink");
+                  "no element provides a device for memory:VulkanImage; use system memory, or end "
+                  "with vulkandownload or vulkansink");
     theirs = neighbor_.make(element_, *like);
   }
   permit(theirs);

@@ -15,17 +15,17 @@ class FrameOutput;
 /// The caps feature of frames that are images on a device of GStreamer's Vulkan library.
 inline constexpr const char* kVulkanImageFeature = "memory:VulkanImage";
 
-/// Whether this build knows GStreamer's Vulkan library (meson option `vulkan-memory`). Without it
-/// no template offers images, and nothing below is ever asked for.
+/// Whether this build uses GStreamer's Vulkan library (meson option `vulkan-memory`). Without it no
+/// template offers images, and nothing below is called.
 bool has_vulkan_images();
 
 /// One element's part in sharing a Vulkan device with elements of GStreamer's own Vulkan plugin
 /// (GstContexts `gst.vulkan.instance`, `gst.vulkan.device`, `gst.vulkan.queue`). Thread-safe.
 ///
-/// Those elements look for a device on READY → PAUSED, sinks first: downstream, then upstream. So
-/// who of them starts first asks us; we pass the question on, and where nobody beyond has an answer
-/// we make a GstVulkanDevice on the physical device of our own choice. All ends on one device and,
-/// as their submit lock belongs to a GstVulkanQueue and not to the VkQueue, on one GstVulkanQueue.
+/// Those elements query for a device on READY → PAUSED, sinks first: downstream, then upstream. We
+/// pass the query on and, if no other element answers, make a GstVulkanDevice on our physical
+/// device. All end on one device and, as their submit lock belongs to a GstVulkanQueue and not to
+/// the VkQueue, on one GstVulkanQueue.
 class VulkanNeighbor {
  public:
   VulkanNeighbor();
@@ -37,8 +37,8 @@ class VulkanNeighbor {
   /// The same GstVulkanDevice gives the same object everywhere in the process. Throws
   /// Error(no_device) where the kernels cannot run on it.
   enum class Ask {
-    what_there_is,  ///< elements of ours make nothing for the question
-    make_one,       ///< a decomposer makes one: images are about to flow
+    what_there_is,  ///< our elements do not make one
+    make_one,       ///< the first of our elements makes one: images are about to flow
   };
   std::shared_ptr<gpu::Device> find(GstElement* element, Ask ask);
   /// Makes a device for the neighbors: a GstVulkanDevice on the physical device that `like` is on.
@@ -75,8 +75,8 @@ bool same_hardware(const gpu::Device& a, const gpu::Device& b);
 /// calls the bytes SRGB or UNORM makes no difference, as they are copied. Throws as FrameInput.
 std::unique_ptr<FrameInput> make_image_input(const GstVideoInfo& info);
 
-/// From planes to an image in `memory:VulkanImage`. Nobody waits: who takes the image submits to
-/// the same queue, later, behind the barrier that the memory names.
+/// From planes to an image in `memory:VulkanImage`, without waiting: the consumer submits to the
+/// same queue, later, behind the barrier that the memory names.
 std::unique_ptr<FrameOutput> make_image_output(const GstVideoInfo& info);
 
 /// A configured pool of images on `device`, which VulkanNeighbor wrapped; `size` becomes the size

@@ -20,8 +20,8 @@ GstVulkanImageMemory* image_of(GstBuffer* buffer) {
       gst_buffer_n_memory(buffer) == 1 ? gst_buffer_peek_memory(buffer, 0) : nullptr;
   if (!gst_is_vulkan_image_memory(memory))
     throw Error(ErrorKind::unsupported,
-                "a buffer whose caps promise memory:VulkanImage holds no such image; mend the "
-                "element that sent it");
+                "a buffer without a Vulkan image does not match its caps (memory:VulkanImage); fix "
+                "the element that sent it");
   return reinterpret_cast<GstVulkanImageMemory*>(memory);
 }
 
@@ -73,8 +73,8 @@ class ImageInput final : public FrameInput {
                   "a Vulkan image of " + std::to_string(extent.width) + "x" +
                       std::to_string(extent.height) + " in VkFormat " +
                       std::to_string(image->create_info.format) +
-                      " is not the 8-bit RGBA frame that can be copied from which its caps "
-                      "promise; mend the element that sent it");
+                      " does not match its caps: 8-bit RGBA or BGRA, copyable; fix the element "
+                      "that sent it");
     static std::mutex notes;  // branches of a tee may read one image at a time
     std::lock_guard lock(notes);
     const VkImageLayout before = image->barrier.image_layout;

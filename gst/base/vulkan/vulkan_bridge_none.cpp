@@ -9,7 +9,7 @@ namespace {
 
 [[noreturn]] void refuse() {
   throw Error(ErrorKind::unsupported,
-              "this build knows no memory:VulkanImage; configure it with -Dvulkan-memory=enabled");
+              "built without memory:VulkanImage; configure with -Dvulkan-memory=enabled");
 }
 
 }  // namespace

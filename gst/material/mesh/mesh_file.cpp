@@ -164,8 +164,7 @@ Mesh read(const std::string& path, std::string& warning) {
   if (faces.left_out)
     warning = "mesh " + path + ": " + std::to_string(faces.left_out) + " of " +
               std::to_string(faces.areas) +
-              " faces are left out, as corners of theirs do not exist or are no numbers; "
-              "write the file anew";
+              " faces were dropped: corners missing or not finite; export again";
   if (importer.GetScene()->mNumMeshes == 0)
     fail(path, "has no triangle with an area; nothing can be drawn");
   // Before work is put into it.

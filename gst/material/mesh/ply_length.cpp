@@ -178,7 +178,7 @@ std::string ply_length_fault(const std::string& path) {
   for (const Element& element : header.elements) {
     const std::string of =
         "of " + std::to_string(element.count) + " elements \"" + element.name + "\"";
-    if (element.count < 0) return "is damaged: its header promises " + of.substr(3);
+    if (element.count < 0) return "is damaged: its header declares " + of.substr(3);
     if (element.properties.empty()) continue;
     if (const int64_t there = skip(*values, element); there < element.count)
       return "ends too early or is damaged: " + of + " it has " + std::to_string(there);

@@ -163,7 +163,7 @@ GstCaps* AravisCamera::caps(bool triggered) const {
   arv_camera_get_height_bounds(get(), &low_height, &high_height, error.out());
   error.check("cannot read the height of the camera " + name_);
   if (high_width < 1 || high_height < 1)
-    throw Error(ErrorKind::unsupported, "the camera " + name_ + " says that its frames are " +
+    throw Error(ErrorKind::unsupported, "the camera " + name_ + " reports frames of " +
                                             std::to_string(high_width) + "x" +
                                             std::to_string(high_height));
   const int step_width = arv_camera_get_width_increment(get(), nullptr);
@@ -320,7 +320,7 @@ FrameLayout AravisCamera::configure(const GstCaps* caps, const CameraSettings& s
   layout.stride = (layout.row_bytes + 3) / 4 * 4;
   layout.shift = 16 - depth_of(layout.pixel_format);
   if (layout.payload < layout.row_bytes * layout.height || layout.payload > (size_t{1} << 31))
-    throw Error(ErrorKind::unsupported, "the camera " + name_ + " says that a frame of " +
+    throw Error(ErrorKind::unsupported, "the camera " + name_ + " reports that a frame of " +
                                             std::to_string(width) + "x" + std::to_string(height) +
                                             " has " + std::to_string(layout.payload) + " bytes");
   return layout;

@@ -6,7 +6,7 @@
 #include <chrono>
 
 #include "common/error.hpp"
-#include "gst/base/log.hpp"
+#include "gst/base/log/log.hpp"
 
 namespace inverse {
 namespace {
@@ -41,8 +41,8 @@ GstStructure* AravisSource::stats() {
       "lightstagearavissrc", "frames", G_TYPE_UINT64, frames_, "incomplete", G_TYPE_UINT64,
       counts.incomplete, "missed", G_TYPE_UINT64, missed_, "timeouts", G_TYPE_UINT64, timeouts_,
       "underruns", G_TYPE_UINT64, counts.underruns, "misfits", G_TYPE_UINT64, counts.misfits,
-      "stale", G_TYPE_UINT64, counts.stale, "lent", G_TYPE_UINT64, counts.lent, "copied",
-      G_TYPE_UINT64, counts.copied, "lent-now", G_TYPE_UINT, stream ? stream->lent_now() : 0U,
+      "stale", G_TYPE_UINT64, counts.stale, "zero-copy", G_TYPE_UINT64, counts.lent, "copied",
+      G_TYPE_UINT64, counts.copied, "held", G_TYPE_UINT, stream ? stream->lent_now() : 0U,
       "resent-packets", G_TYPE_UINT64, counts.resent_packets, "missing-packets", G_TYPE_UINT64,
       counts.missing_packets, "clock-jumps", G_TYPE_UINT64, clock_.jumps(), "clock-correction-ppm",
       G_TYPE_DOUBLE, clock_.correction_ppm(), nullptr);

@@ -7,24 +7,22 @@
 #include <memory>
 
 #include "aravis_source.hpp"
-#include "gst/base/errors.hpp"
-#include "gst/base/log.hpp"
+#include "gst/base/caps.hpp"
+#include "gst/base/element_class.hpp"
+#include "gst/base/log/errors.hpp"
+#include "gst/base/log/log.hpp"
 
 using inverse::AravisSource;
 
 struct GstLightStageAravisSrc {
   GstPushSrc parent;
-  std::shared_ptr<AravisSource>* source;  // Aravis' threads have references, too
-};
-
-struct GstLightStageAravisSrcClass {
-  GstPushSrcClass parent;
+  std::shared_ptr<AravisSource>* body;  // Aravis' threads have references, too
 };
 
 namespace inverse {
 namespace {
 
-gpointer parent_class = nullptr;
+using Class = ElementClass<GstLightStageAravisSrc>;
 
 enum : guint {
   PROP_CAMERA_NAME = 1,
@@ -40,9 +38,7 @@ enum : guint {
   PROP_STATS,
 };
 
-AravisSource& source_of(gpointer object) {
-  return **static_cast<GstLightStageAravisSrc*>(object)->source;
-}
+AravisSource& source_of(gpointer object) { return *Class::body_of(object); }
 
 std::string text_of(const GValue* value) {
   const char* text = g_value_get_string(value);
@@ -152,10 +148,7 @@ GstCaps* get_caps(GstBaseSrc* base, GstCaps* filter) {
       }))
     caps = gst_caps_new_empty();
   if (!caps) caps = gst_pad_get_pad_template_caps(base->srcpad);
-  if (!filter) return caps;
-  GstCaps* both = gst_caps_intersect_full(filter, caps, GST_CAPS_INTERSECT_FIRST);
-  gst_caps_unref(caps);
-  return both;
+  return filter_caps(caps, filter);
 }
 
 GstCaps* fixate(GstBaseSrc* base, GstCaps* caps) {
@@ -173,14 +166,14 @@ gboolean set_caps(GstBaseSrc* base, GstCaps* caps) {
 
 /// Reports the camera's formats if downstream accepts none of them.
 gboolean negotiate(GstBaseSrc* base) {
-  if (GST_BASE_SRC_CLASS(parent_class)->negotiate(base)) return TRUE;
+  if (GST_BASE_SRC_CLASS(Class::parent_class)->negotiate(base)) return TRUE;
   GstCaps* own = get_caps(base, nullptr);
   GstCaps* wanted = gst_pad_peer_query_caps(base->srcpad, nullptr);
   if (wanted && !gst_caps_is_empty(own) && !gst_caps_can_intersect(own, wanted)) {
     gchar* has = gst_caps_to_string(own);
     gchar* asked = gst_caps_to_string(wanted);
     GST_ELEMENT_ERROR(base, STREAM, FORMAT,
-                      ("the camera has no such frames as are asked for; it has %s", has),
+                      ("the camera does not offer the requested format; it offers %s", has),
                       ("asked for: %s", asked));
     g_free(has);
     g_free(asked);
@@ -208,7 +201,7 @@ GstFlowReturn create(GstPushSrc* push, GstBuffer** buffer) {
 
 gboolean query(GstBaseSrc* base, GstQuery* asked) {
   if (GST_QUERY_TYPE(asked) != GST_QUERY_LATENCY)
-    return GST_BASE_SRC_CLASS(parent_class)->query(base, asked);
+    return GST_BASE_SRC_CLASS(Class::parent_class)->query(base, asked);
   AravisSource& source = source_of(base);
   const std::lock_guard lock(source.mutex);
   // A frame is stamped when it begins and is there when it ends.
@@ -216,11 +209,6 @@ gboolean query(GstBaseSrc* base, GstQuery* asked) {
   const auto frame = static_cast<GstClockTime>(time * GST_SECOND);
   gst_query_set_latency(asked, TRUE, frame, frame ? frame * source.buffers : GST_CLOCK_TIME_NONE);
   return TRUE;
-}
-
-void finalize(GObject* object) {
-  delete static_cast<GstLightStageAravisSrc*>(static_cast<gpointer>(object))->source;
-  G_OBJECT_CLASS(parent_class)->finalize(object);
 }
 
 void install(GObjectClass* object) {
@@ -271,8 +259,7 @@ void install(GObjectClass* object) {
           3600000, 2000, live));
   put(PROP_FRAME_ID_BITS,
       g_param_spec_uint("frame-id-bits", "frame id bits",
-                        "Bits of the camera's frame ids, which are the buffers' offsets: 16 wrap "
-                        "from 65535 to 1; 0 = no camera is open",
+                        "Bits of the camera's frame ids (GST_BUFFER_OFFSET); 0 = no camera is open",
                         0, 64, 0, readable));
   put(PROP_STATS, g_param_spec_boxed("stats", "stats",
                                      "Counts of frames, losses, copies and packets, and the "
@@ -280,27 +267,19 @@ void install(GObjectClass* object) {
                                      GST_TYPE_STRUCTURE, readable));
 }
 
-void class_init(gpointer klass, gpointer) {
-  parent_class = g_type_class_peek_parent(klass);
-  auto* object = G_OBJECT_CLASS(klass);
+void class_init(GstElementClass* element) {
+  auto* object = G_OBJECT_CLASS(element);
   object->get_property = get_property;
   object->set_property = set_property;
-  object->finalize = finalize;
   install(object);
-  auto* element = GST_ELEMENT_CLASS(klass);
-  gst_element_class_set_static_metadata(
-      element, "Light stage camera", "Source/Video/Hardware",
-      "Frames of a GigE Vision or USB3 Vision camera with the camera's own numbers and times",
-      "the gst-inverse authors");
-  GstCaps* caps = gst_caps_from_string(
-      "video/x-raw, format=(string){ GRAY8, GRAY16_LE, RGB, RGBA, BGR, BGRA, UYVY, YUY2 }, "
-      "width=[1,max], height=[1,max], framerate=(fraction)[0/1,max]; "
-      "video/x-bayer, format=(string){ bggr, rggb, grbg, gbrg }, "
-      "width=[1,max], height=[1,max], framerate=(fraction)[0/1,max]");
-  gst_element_class_add_pad_template(
-      element, gst_pad_template_new("src", GST_PAD_SRC, GST_PAD_ALWAYS, caps));
-  gst_caps_unref(caps);
-  auto* base = GST_BASE_SRC_CLASS(klass);
+  add_pad_template(
+      element, "src", GST_PAD_SRC, GST_PAD_ALWAYS,
+      gst_caps_from_string(
+          "video/x-raw, format=(string){ GRAY8, GRAY16_LE, RGB, RGBA, BGR, BGRA, UYVY, YUY2 }, "
+          "width=[1,max], height=[1,max], framerate=(fraction)[0/1,max]; "
+          "video/x-bayer, format=(string){ bggr, rggb, grbg, gbrg }, "
+          "width=[1,max], height=[1,max], framerate=(fraction)[0/1,max]"));
+  auto* base = GST_BASE_SRC_CLASS(element);
   base->start = start;
   base->stop = stop;
   base->get_caps = get_caps;
@@ -310,35 +289,28 @@ void class_init(gpointer klass, gpointer) {
   base->unlock = unlock;
   base->unlock_stop = unlock_stop;
   base->query = query;
-  GST_PUSH_SRC_CLASS(klass)->create = create;
+  GST_PUSH_SRC_CLASS(element)->create = create;
 }
 
-void instance_init(GTypeInstance* instance, gpointer) {
-  reinterpret_cast<GstLightStageAravisSrc*>(instance)->source =
-      new std::shared_ptr<AravisSource>(std::make_shared<AravisSource>());
-  gst_base_src_set_live(GST_BASE_SRC(instance), TRUE);
-  gst_base_src_set_format(GST_BASE_SRC(instance), GST_FORMAT_TIME);
+void instance_init(GstLightStageAravisSrc* self) {
+  self->body = new std::shared_ptr<AravisSource>(std::make_shared<AravisSource>());
+  gst_base_src_set_live(GST_BASE_SRC(self), TRUE);
+  gst_base_src_set_format(GST_BASE_SRC(self), GST_FORMAT_TIME);
 }
 
-GType source_type() {
-  static const GType type = [] {
-    GTypeInfo info{};
-    info.class_size = sizeof(GstLightStageAravisSrcClass);
-    info.class_init = class_init;
-    info.instance_size = sizeof(GstLightStageAravisSrc);
-    info.instance_init = instance_init;
-    return g_type_register_static(GST_TYPE_PUSH_SRC, "GstLightStageAravisSrc", &info,
-                                  static_cast<GTypeFlags>(0));
-  }();
-  return type;
-}
+constexpr Class kClass{
+    "lightstagearavissrc",
+    "GstLightStageAravisSrc",
+    "Light stage camera",
+    "Source/Video/Hardware",
+    "Frames of a GigE Vision or USB3 Vision camera with the camera's own numbers and times",
+    gst_push_src_get_type,
+    class_init,
+    instance_init};
 
 }  // namespace
 
 gboolean register_lightstagearavissrc(GstPlugin* plugin);
-gboolean register_lightstagearavissrc(GstPlugin* plugin) {
-  debug_category("lightstagearavissrc", "Industrial cameras through Aravis");
-  return gst_element_register(plugin, "lightstagearavissrc", GST_RANK_NONE, source_type());
-}
+gboolean register_lightstagearavissrc(GstPlugin* plugin) { return kClass.register_element(plugin); }
 
 }  // namespace inverse

@@ -5,15 +5,16 @@
 #include <algorithm>
 
 #include "gst/base/caps.hpp"
-#include "gst/base/errors.hpp"
-#include "gst/base/log.hpp"
+#include "gst/base/element_class.hpp"
+#include "gst/base/log/errors.hpp"
+#include "gst/base/log/log.hpp"
 #include "test_source.hpp"
 
 using inverse::TestSource;
 
 struct GstLightStageTestSrc {
   GstPushSrc parent;
-  TestSource* source;
+  TestSource* body;
   // Of the streaming thread.
   bool running;            // the camera has begun
   uint64_t first, frame;   // its first and its next frame, periods from running time 0
@@ -25,66 +26,30 @@ struct GstLightStageTestSrc {
   gboolean flushing;
 };
 
-struct GstLightStageTestSrcClass {
-  GstPushSrcClass parent;
-};
-
 namespace {
 
-enum : guint { PROP_DEVICE = 1, PROP_STATS, PROP_LIVE, PROP_TABLE = 10 };
+using Class = inverse::ElementClass<GstLightStageTestSrc>;
 constexpr gint kWidth = 320, kHeight = 240;
-
-gpointer parent_class = nullptr;
 
 GstLightStageTestSrc& self_of(gpointer object) {
   return *static_cast<GstLightStageTestSrc*>(object);
 }
-TestSource& source_of(gpointer object) { return *self_of(object).source; }
-
-void get_property(GObject* object, guint id, GValue* value, GParamSpec* spec) {
-  TestSource& source = source_of(object);
-  if (id >= PROP_TABLE)
-    source.parameters().get(id - PROP_TABLE, value);
-  else if (id == PROP_DEVICE)
-    g_value_set_string(value, source.device_name().c_str());
-  else if (id == PROP_STATS)
-    g_value_take_boxed(value, source.stats());
-  else if (id == PROP_LIVE)
-    g_value_set_boolean(value, gst_base_src_is_live(GST_BASE_SRC(object)));
-  else
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-}
-
-void set_property(GObject* object, guint id, const GValue* value, GParamSpec* spec) {
-  TestSource& source = source_of(object);
-  if (id >= PROP_TABLE)
-    inverse::set_parameter(inverse::log_of(GST_ELEMENT(object)), source.parameters(),
-                           id - PROP_TABLE, value, spec);
-  else if (id == PROP_DEVICE)
-    source.set_device_name(g_value_get_string(value));
-  else if (id == PROP_LIVE)
-    gst_base_src_set_live(GST_BASE_SRC(object), g_value_get_boolean(value));
-  else
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-}
-
-void finalize(GObject* object) {
-  delete self_of(object).source;
-  G_OBJECT_CLASS(parent_class)->finalize(object);
-}
+TestSource& source_of(gpointer object) { return Class::body_of(object); }
 
 void set_context(GstElement* element, GstContext* context) {
   source_of(element).context().set_context(context);
-  GST_ELEMENT_CLASS(parent_class)->set_context(element, context);
+  GST_ELEMENT_CLASS(Class::parent_class)->set_context(element, context);
 }
 
 GstStateChangeReturn change_state(GstElement* element, GstStateChange transition) {
   TestSource& source = source_of(element);
   if (transition == GST_STATE_CHANGE_NULL_TO_READY &&
-      !inverse::guarded(element, [&] { source.context().acquire(source.device_name()); }))
+      !inverse::guarded(element, [&] { source.context().acquire(source.params().device); }))
     return GST_STATE_CHANGE_FAILURE;
+  if (transition == GST_STATE_CHANGE_READY_TO_PAUSED)
+    gst_base_src_set_live(GST_BASE_SRC(element), source.params().live);
   const GstStateChangeReturn result =
-      GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
+      GST_ELEMENT_CLASS(Class::parent_class)->change_state(element, transition);
   if (transition == GST_STATE_CHANGE_READY_TO_NULL) source.context().release();
   return result;
 }
@@ -92,9 +57,9 @@ GstStateChangeReturn change_state(GstElement* element, GstStateChange transition
 gboolean start(GstBaseSrc* base) {
   auto& self = self_of(base);
   std::string trouble;
-  if (!inverse::check_parameters(inverse::log_of(GST_ELEMENT(base)), self.source->parameters()))
+  if (!inverse::check_parameters(inverse::log_of(GST_ELEMENT(base)), self.body->parameters()))
     return FALSE;
-  if (!inverse::guarded(GST_ELEMENT(base), [&] { trouble = self.source->start(); })) return FALSE;
+  if (!inverse::guarded(GST_ELEMENT(base), [&] { trouble = self.body->start(); })) return FALSE;
   if (!trouble.empty())
     inverse::post_warning(inverse::log_of(GST_ELEMENT(base)), GST_RESOURCE_ERROR,
                           GST_RESOURCE_ERROR_NOT_FOUND, "%s", trouble.c_str());
@@ -106,7 +71,7 @@ gboolean start(GstBaseSrc* base) {
 gboolean stop(GstBaseSrc* base) {
   auto& self = self_of(base);
   gst_clear_buffer(&self.again);
-  self.source->stop();
+  self.body->stop();
   return TRUE;
 }
 
@@ -122,7 +87,7 @@ GstCaps* fixate(GstBaseSrc* base, GstCaps* caps) {
   gst_structure_fixate_field_nearest_int(structure, "height", kHeight);
   if (gst_structure_has_field(structure, "pixel-aspect-ratio"))
     gst_structure_fixate_field_nearest_fraction(structure, "pixel-aspect-ratio", 1, 1);
-  return GST_BASE_SRC_CLASS(parent_class)->fixate(base, caps);
+  return GST_BASE_SRC_CLASS(Class::parent_class)->fixate(base, caps);
 }
 
 bool flushing(GstLightStageTestSrc& self) {
@@ -169,7 +134,7 @@ gboolean decide_allocation(GstBaseSrc* base, GstQuery* query) {
   else
     gst_query_add_allocation_pool(query, pool, size, min_buffers, max_buffers);
   gst_object_unref(pool);
-  return GST_BASE_SRC_CLASS(parent_class)->decide_allocation(base, query);
+  return GST_BASE_SRC_CLASS(Class::parent_class)->decide_allocation(base, query);
 }
 
 /// Sleeps until the pipeline's running time; says whether it was not interrupted.
@@ -199,10 +164,10 @@ void begin(GstLightStageTestSrc& self, bool live) {
   if (live) {
     const GstClockTime now = gst_element_get_current_running_time(GST_ELEMENT(&self));
     if (GST_CLOCK_TIME_IS_VALID(now))
-      self.frame = gst_util_uint64_scale_ceil(now, 1, self.source->period());
+      self.frame = gst_util_uint64_scale_ceil(now, 1, self.body->period());
   }
   self.first = self.frame;
-  self.start = self.source->said_start().value_or(self.first);
+  self.start = self.body->said_start().value_or(self.first);
   self.running = true;
 }
 
@@ -218,8 +183,8 @@ void catch_up(GstLightStageTestSrc& self) {
   const GstClockTime now = gst_element_get_current_running_time(GST_ELEMENT(&self));
   if (!GST_CLOCK_TIME_IS_VALID(now)) return;
   uint64_t lost = 0;
-  while (self.source->time_of(self.frame + lost + kBuffers) < now) ++lost;
-  if (lost) self.source->overran(lost);
+  while (self.body->time_of(self.frame + lost + kBuffers) < now) ++lost;
+  if (lost) self.body->overran(lost);
   self.frame += lost;
 }
 
@@ -242,7 +207,7 @@ gboolean unlock_stop(GstBaseSrc* base) {
 GstFlowReturn create(GstPushSrc* push, GstBuffer** buffer) {
   auto& self = self_of(push);
   auto* base = GST_BASE_SRC(push);
-  TestSource& source = *self.source;
+  TestSource& source = *self.body;
   if (self.again) {
     *buffer = self.again;
     self.again = nullptr;
@@ -269,8 +234,8 @@ GstFlowReturn create(GstPushSrc* push, GstBuffer** buffer) {
   if (live && !wait_until(self, time + source.until_exposure(exposure_of(self))))
     return GST_FLOW_FLUSHING;
   GstBuffer* made = nullptr;
-  const GstFlowReturn allocated =
-      GST_BASE_SRC_CLASS(parent_class)->alloc(base, 0, gst_base_src_get_blocksize(base), &made);
+  const GstFlowReturn allocated = GST_BASE_SRC_CLASS(Class::parent_class)
+                                      ->alloc(base, 0, gst_base_src_get_blocksize(base), &made);
   if (allocated != GST_FLOW_OK) return allocated;
   if (!inverse::guarded(GST_ELEMENT(push), [&] { source.draw(exposure_of(self), made); })) {
     gst_buffer_unref(made);
@@ -307,28 +272,14 @@ gboolean query(GstBaseSrc* base, GstQuery* query) {
     gst_query_set_latency(query, live, live ? source_of(base).period() : 0, GST_CLOCK_TIME_NONE);
     return TRUE;
   }
-  return GST_BASE_SRC_CLASS(parent_class)->query(base, query);
+  return GST_BASE_SRC_CLASS(Class::parent_class)->query(base, query);
 }
 
-void class_init(gpointer klass, gpointer) {
-  parent_class = g_type_class_peek_parent(klass);
-  auto* object = G_OBJECT_CLASS(klass);
-  object->get_property = get_property;
-  object->set_property = set_property;
-  object->finalize = finalize;
-  auto* element = GST_ELEMENT_CLASS(klass);
+void class_init(GstElementClass* element) {
   element->change_state = change_state;
   element->set_context = set_context;
-  gst_element_class_set_static_metadata(
-      element, "Light stage test source", "Source/Video",
-      "A camera that films a head on a virtual light stage, under what a light program or sACN "
-      "packets say",
-      "the gst-inverse authors");
-  GstCaps* caps = inverse::pixel_caps();
-  gst_element_class_add_pad_template(
-      element, gst_pad_template_new("src", GST_PAD_SRC, GST_PAD_ALWAYS, caps));
-  gst_caps_unref(caps);
-  auto* base = GST_BASE_SRC_CLASS(klass);
+  inverse::add_pad_template(element, "src", GST_PAD_SRC, GST_PAD_ALWAYS, inverse::pixel_caps());
+  auto* base = GST_BASE_SRC_CLASS(element);
   base->start = start;
   base->stop = stop;
   base->get_caps = get_caps;
@@ -339,56 +290,31 @@ void class_init(gpointer klass, gpointer) {
   base->unlock_stop = unlock_stop;
   base->is_seekable = is_seekable;
   base->query = query;
-  GST_PUSH_SRC_CLASS(klass)->create = create;
-  g_object_class_install_property(
-      object, PROP_DEVICE,
-      g_param_spec_string(
-          "device", "device",
-          "Vulkan device: an index or a part of its name; empty = INVERSE_DEVICE, else the fastest",
-          "",
-          static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                   GST_PARAM_MUTABLE_READY)));
-  g_object_class_install_property(
-      object, PROP_STATS,
-      g_param_spec_boxed(
-          "stats", "stats", "Times (ms), memory (bytes) and counts up to the last frame",
-          GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
-  g_object_class_install_property(
-      object, PROP_LIVE,
-      g_param_spec_boolean(
-          "is-live", "is live",
-          "Produce frames at the program's times, as a camera does; false = as fast as possible",
-          TRUE,
-          static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                   GST_PARAM_MUTABLE_READY)));
-  inverse::install_parameters(
-      klass, inverse::Parameters<inverse::TestSourceParams>(inverse::test_source_properties()),
-      PROP_TABLE);
+  GST_PUSH_SRC_CLASS(element)->create = create;
+  Class::install_properties(element, "Times (ms), memory (bytes) and counts up to the last frame",
+                            inverse::test_source_properties());
 }
 
-void instance_init(GTypeInstance* instance, gpointer) {
-  auto* self = reinterpret_cast<GstLightStageTestSrc*>(instance);
-  self->source = new TestSource(GST_ELEMENT(instance));
-  gst_base_src_set_format(GST_BASE_SRC(instance), GST_FORMAT_TIME);
-  gst_base_src_set_live(GST_BASE_SRC(instance), TRUE);
+void instance_init(GstLightStageTestSrc* self) {
+  self->body = new TestSource(GST_ELEMENT(self));
+  gst_base_src_set_format(GST_BASE_SRC(self), GST_FORMAT_TIME);
 }
+
+constexpr Class kClass{
+    "lightstagetestsrc",
+    "GstLightStageTestSrc",
+    "Light stage test source",
+    "Source/Video",
+    "Simulates a camera on a virtual light stage, lit by a light program or by sACN",
+    gst_push_src_get_type,
+    class_init,
+    instance_init};
 
 }  // namespace
 
 namespace inverse {
 
-bool register_test_source(GstPlugin* plugin);
-
-bool register_test_source(GstPlugin* plugin) {
-  debug_category("lightstagetestsrc", "Light stage test source");
-  GTypeInfo info{};
-  info.class_size = sizeof(GstLightStageTestSrcClass);
-  info.class_init = class_init;
-  info.instance_size = sizeof(GstLightStageTestSrc);
-  info.instance_init = instance_init;
-  const GType type = g_type_register_static(GST_TYPE_PUSH_SRC, "GstLightStageTestSrc", &info,
-                                            static_cast<GTypeFlags>(0));
-  return gst_element_register(plugin, "lightstagetestsrc", GST_RANK_NONE, type);
-}
+gboolean register_lightstagetestsrc(GstPlugin* plugin);
+gboolean register_lightstagetestsrc(GstPlugin* plugin) { return kClass.register_element(plugin); }
 
 }  // namespace inverse

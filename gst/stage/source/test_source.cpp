@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "gst/base/caps.hpp"
-#include "gst/base/meta/light_stage_meta.hpp"
 #include "gst/base/report.hpp"
+#include "gst/stage/meta/light_stage_meta.hpp"
 #include "kernels/virtual_stage/virtual_head.hpp"
 
 namespace inverse {
@@ -75,19 +75,9 @@ TestSource::~TestSource() {
   if (stats_) gst_structure_free(stats_);
 }
 
-std::string TestSource::device_name() const {
-  std::lock_guard lock(mutex_);
-  return device_name_;
-}
-
-void TestSource::set_device_name(const char* name) {
-  std::lock_guard lock(mutex_);
-  device_name_ = name ? name : "";
-}
-
 std::string TestSource::start() {
-  context_.renew(device_name());
-  started_ = parameters_.snapshot();
+  started_ = params();
+  context_.renew(started_.device);
   folder_.reset();
   if (!started_.location.empty()) folder_.emplace(started_.location);
   program_ = program_for(started_, folder_ ? &*folder_ : nullptr);

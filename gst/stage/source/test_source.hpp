@@ -33,8 +33,8 @@ class TestSource {
 
   Parameters<TestSourceParams>& parameters() { return parameters_; }
   DeviceContext& context() { return context_; }
-  std::string device_name() const;
-  void set_device_name(const char* name);
+  /// As the properties say at the moment.
+  TestSourceParams params() const { return parameters_.snapshot(); }
 
   /// READY → PAUSED: reads program and folder, opens the port. Returns a configuration warning,
   /// empty if there is none. Throws.
@@ -78,8 +78,7 @@ class TestSource {
   GstElement* element_;
   DeviceContext context_;
   Parameters<TestSourceParams> parameters_{test_source_properties()};
-  mutable std::mutex mutex_;  // device_name_, stats_
-  std::string device_name_;
+  mutable std::mutex mutex_;  // stats_
   GstStructure* stats_ = nullptr;
 
   TestSourceParams started_;  // constant from start to stop

@@ -7,6 +7,14 @@ const PropertyTable<TestSourceParams>& test_source_properties() {
   using P = TestSourceParams;
   constexpr Mutable kReady = Mutable::ready;
   static const PropertyTable<P> table{
+      text<P>("device", &P::device,
+              "Vulkan device: an index or a part of its name; empty = INVERSE_DEVICE, else the "
+              "fastest",
+              kReady),
+      flag<P>("is-live", &P::live,
+              "Produce frames at the program's times, as a camera does; false = as fast as "
+              "possible",
+              kReady),
       text<P>("program", &P::program,
               "Light program: a JSON file, or performance[:N] or static[:N] for N lights", kReady),
       number<P>("rate", &P::rate, 1, 1000, "Frames per second of performance and static programs",
@@ -34,8 +42,8 @@ const PropertyTable<TestSourceParams>& test_source_properties() {
           "stack-limit", &P::stack_limit, 1, 1048576,
           "Maximum device memory for the images of single lights, MiB; 8 bytes per pixel and light",
           kReady)),
-      flag<P>("label", &P::label, "Attach GstLightStageMeta with the true labels, for tests",
-              kReady),
+      tuning(flag<P>("label", &P::label, "Attach GstLightStageMeta with the true labels, for tests",
+                     kReady)),
       flag<P>("frame-ids", &P::frame_ids, "Write the camera's frame id into the buffer's offset",
               kReady),
       tuning(number<P>("first-frame-id", &P::first_frame_id, 0, 0xffffffffU,
@@ -44,8 +52,8 @@ const PropertyTable<TestSourceParams>& test_source_properties() {
                 {{16, "16", "Numbers go from 65535 to 1, as those of GigE Vision cameras"},
                  {64, "64", "Numbers do not wrap"}},
                 "Bits of frame ids", kReady),
-      number<P>("seed", &P::seed, 0, 0xffffffffU,
-                "Seed of noise and faults; equal seeds repeat them", kReady),
+      tuning(number<P>("seed", &P::seed, 0, 0xffffffffU,
+                       "Seed of noise and faults; equal seeds repeat them", kReady)),
       number<P>("gain", &P::gain, 0, 10000,
                 "Factor on light; at 1, white paper is 1 with all lights on"),
       number<P>("noise", &P::noise, 0, 1,

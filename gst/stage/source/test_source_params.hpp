@@ -11,6 +11,8 @@ namespace inverse {
 struct TestSourceParams {
   enum class FrameIdBits : uint8_t { bits16 = 16, bits64 = 64 };
 
+  std::string device;
+  bool live = true;
   std::string program = "performance";
   unsigned rate = 60;
   double start = 0;

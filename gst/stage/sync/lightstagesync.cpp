@@ -8,48 +8,21 @@
 #include <string>
 
 #include "gst/base/caps.hpp"
+#include "gst/base/element_class.hpp"
 #include "sync_element.hpp"
 
 using inverse::SyncElement;
 
 struct GstLightStageSync {
   GstElement parent;
-  SyncElement* sync;
-};
-
-struct GstLightStageSyncClass {
-  GstElementClass parent;
+  SyncElement* body;
 };
 
 namespace {
 
-enum : guint { PROP_STATS = 1, PROP_TABLE = 10 };
+using Class = inverse::ElementClass<GstLightStageSync>;
 
-gpointer parent_class = nullptr;
-
-SyncElement& sync_of(gpointer object) { return *static_cast<GstLightStageSync*>(object)->sync; }
-
-void get_property(GObject* object, guint id, GValue* value, GParamSpec* spec) {
-  if (id >= PROP_TABLE)
-    sync_of(object).parameters().get(id - PROP_TABLE, value);
-  else if (id == PROP_STATS)
-    g_value_take_boxed(value, sync_of(object).stats());
-  else
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-}
-
-void set_property(GObject* object, guint id, const GValue* value, GParamSpec* spec) {
-  if (id >= PROP_TABLE)
-    inverse::set_parameter(inverse::log_of(GST_ELEMENT(object)), sync_of(object).parameters(),
-                           id - PROP_TABLE, value, spec);
-  else
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-}
-
-void finalize(GObject* object) {
-  delete &sync_of(object);
-  G_OBJECT_CLASS(parent_class)->finalize(object);
-}
+SyncElement& sync_of(gpointer object) { return Class::body_of(object); }
 
 /// The camera of a pad, which may just be given back.
 SyncElement::CameraPtr camera_of(GstPad* pad, GstObject* parent) {
@@ -189,7 +162,7 @@ GstStateChangeReturn change_state(GstElement* element, GstStateChange transition
   if (transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING) sync.set_playing(true);
   if (transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED) sync.set_playing(false);
   const GstStateChangeReturn result =
-      GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
+      GST_ELEMENT_CLASS(Class::parent_class)->change_state(element, transition);
   const bool not_started =
       transition == GST_STATE_CHANGE_READY_TO_PAUSED && result == GST_STATE_CHANGE_FAILURE;
   if (transition == GST_STATE_CHANGE_PAUSED_TO_READY || not_started) sync.stop();
@@ -198,72 +171,38 @@ GstStateChangeReturn change_state(GstElement* element, GstStateChange transition
 
 void set_context(GstElement* element, GstContext* context) {
   sync_of(element).context().set_context(context);
-  GST_ELEMENT_CLASS(parent_class)->set_context(element, context);
+  GST_ELEMENT_CLASS(Class::parent_class)->set_context(element, context);
 }
 
-void add_template(GstElementClass* element, const char* name, GstPadDirection direction,
-                  GstPadPresence presence, GstCaps* caps) {
-  gst_element_class_add_pad_template(element,
-                                     gst_pad_template_new(name, direction, presence, caps));
-}
-
-void class_init(gpointer klass, gpointer) {
-  parent_class = g_type_class_peek_parent(klass);
-  auto* object = G_OBJECT_CLASS(klass);
-  object->get_property = get_property;
-  object->set_property = set_property;
-  object->finalize = finalize;
-  auto* element = GST_ELEMENT_CLASS(klass);
+void class_init(GstElementClass* element) {
   element->request_new_pad = request_new_pad;
   element->release_pad = release_pad;
   element->change_state = change_state;
   element->set_context = set_context;
-  gst_element_class_set_static_metadata(
-      element, "Light stage sync", "Filter/Video",
-      "Says of each frame of the cameras of a light stage which lights lit it, keeps the cameras "
-      "together, and makes pairs or sets of what belongs together",
-      "the gst-inverse authors");
   GstCaps* raw = inverse::pixel_caps();
-  add_template(element, "sink_%u", GST_PAD_SINK, GST_PAD_REQUEST, raw);
   GstCaps* out = inverse::assembled_caps(raw, inverse::SyncParams::Assemble::pairs);  // all of it
-  add_template(element, "src_%u", GST_PAD_SRC, GST_PAD_SOMETIMES, out);
-  gst_caps_unref(raw);
-  gst_caps_unref(out);
-  g_object_class_install_property(
-      object, PROP_STATS,
-      g_param_spec_boxed("stats", "stats",
-                         "Counts of frames, labels and sets, of all cameras and of each (sink_0 …)",
-                         GST_TYPE_STRUCTURE,
-                         static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
-  inverse::install_parameters(
-      klass, inverse::Parameters<inverse::SyncParams>(inverse::sync_properties()), PROP_TABLE);
+  inverse::add_pad_template(element, "sink_%u", GST_PAD_SINK, GST_PAD_REQUEST, raw);
+  inverse::add_pad_template(element, "src_%u", GST_PAD_SRC, GST_PAD_SOMETIMES, out);
+  Class::install_properties(
+      element, "Counts of frames, labels and sets, of all cameras and of each (sink_0 …)",
+      inverse::sync_properties());
 }
 
-void instance_init(GTypeInstance* instance, gpointer) {
-  reinterpret_cast<GstLightStageSync*>(instance)->sync = new SyncElement(GST_ELEMENT(instance));
-}
-
-GType sync_type() {
-  static const GType type = [] {
-    GTypeInfo info{};
-    info.class_size = sizeof(GstLightStageSyncClass);
-    info.class_init = class_init;
-    info.instance_size = sizeof(GstLightStageSync);
-    info.instance_init = instance_init;
-    return g_type_register_static(GST_TYPE_ELEMENT, "GstLightStageSync", &info,
-                                  static_cast<GTypeFlags>(0));
-  }();
-  return type;
-}
+constexpr Class kClass{
+    "lightstagesync",
+    "GstLightStageSync",
+    "Light stage sync",
+    "Filter/Video",
+    "Labels each frame with the lights that lit it, joins cameras, and assembles pairs or captures",
+    gst_element_get_type,
+    class_init,
+    [](GstLightStageSync* self) { self->body = new SyncElement(GST_ELEMENT(self)); }};
 
 }  // namespace
 
 namespace inverse {
 
 gboolean register_lightstagesync(GstPlugin* plugin);
-gboolean register_lightstagesync(GstPlugin* plugin) {
-  debug_category("lightstagesync", "Light stage sync");
-  return gst_element_register(plugin, "lightstagesync", GST_RANK_NONE, sync_type());
-}
+gboolean register_lightstagesync(GstPlugin* plugin) { return kClass.register_element(plugin); }
 
 }  // namespace inverse

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "gst/base/errors.hpp"
-#include "gst/base/log.hpp"
+#include "gst/base/log/errors.hpp"
+#include "gst/base/log/log.hpp"
 #include "gst/stage/sync/assemble/olat_assembler.hpp"
 #include "gst/stage/sync/assemble/pair_assembler.hpp"
 #include "gst/stage/sync/shared/upstream.hpp"

@@ -8,7 +8,7 @@
 #include <mutex>
 #include <vector>
 
-#include "gst/base/log.hpp"
+#include "gst/base/log/log.hpp"
 #include "gst/base/vulkan/device_context.hpp"
 #include "gst/stage/sync/lights/light_clock.hpp"
 #include "gst/stage/sync/lights/stage_trigger.hpp"

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "gst/base/caps.hpp"
-#include "gst/base/errors.hpp"
+#include "gst/base/log/errors.hpp"
 #include "gst/base/report.hpp"
 #include "gst/stage/sync/assemble/olat_assembler.hpp"
 #include "sync_element.hpp"
@@ -69,7 +69,7 @@ bool SyncElement::set_caps(SyncCamera& camera, GstCaps* caps) {
   const int num = GST_VIDEO_INFO_FPS_N(&info), den = GST_VIDEO_INFO_FPS_D(&info);
   // 0 means that the camera is triggered.
   if (num > 0 && den > 0 && std::abs(double(num) / den / rate - 1) > kSameRate)
-    warn("camera " + camera.name() + " says that it has " + std::to_string(double(num) / den) +
+    warn("camera " + camera.name() + " reports " + std::to_string(double(num) / den) +
          " frames a second, the light program " + std::to_string(rate) +
          " steps; labels need one frame a step: set the camera's rate, or " +
          (is_built_in_program(params_.program) ? "lightstagesync's property \"rate\""

@@ -159,7 +159,7 @@ void SyncElement::leave_alone(SyncCamera& camera) {
   camera.left_alone = true;
   sets_.wait_for(camera.number, false);
   const bool elsewhere = camera.run != 0 && camera.run != newest_run();
-  report_event("camera-left-alone", camera,
+  report_event("camera-excluded", camera,
                gst_structure_new("more", "another-start", G_TYPE_BOOLEAN, elsewhere, nullptr));
   if (elsewhere) {
     const bool pass = labels_->program().marker == LightProgram::Marker::pass;
@@ -230,7 +230,7 @@ void SyncElement::report(SyncCamera& camera) {
   add(counts.late, before.late, "late", "late");
   add(counts.ambiguous, before.ambiguous, "ambiguous", "of no certain trigger");
   add(counts.contradicted, before.contradicted, "contradicted",
-      "that show other lights than their time says");
+      "that show lights that do not match their timestamp");
   add(counts.untimed, before.untimed, "untimed", "without a time stamp");
   add(counts.resynchronizations, before.resynchronizations, "resynchronizations",
       labels_->program().marker == LightProgram::Marker::none

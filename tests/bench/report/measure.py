@@ -133,7 +133,7 @@ ADAPTIVE = ["intrinsicdecomp", "globalintrinsic"]  # for which skipping is measu
 SETTLES = {"intrinsicdecomp": 24, "globalintrinsic": 56}  # frames until a picture that comes again is kept
 COLORS = [1, 2, 4, 8, 12, 16]  # base colors, for what each costs
 BY_COLORS = {"globalintrinsicthesis": "globalintrinsicthesis tuning=tau-merge=0:tau-neutral=0 base-colors={}",
-             "globalintrinsic with layers of light": "globalintrinsic base-colors={} ! intrinsiccompose"}
+             "globalintrinsic with layers of light": "globalintrinsic tuning=base-colors={} ! intrinsiccompose"}
 
 
 def element_parts(full):

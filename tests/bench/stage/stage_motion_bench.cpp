@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "gst/base/meta/inverse_light_stage_meta.h"
+#include "gst/stage/meta/inverse_light_stage_meta.h"
 #include "gst/stage/sync/assemble/motion.hpp"
 #include "stage/program/light_program.hpp"
 #include "tests/bench/support/command_line.hpp"
@@ -95,12 +95,12 @@ struct Stage {
 
   std::string source(const std::string& program, double sway, double seconds, int frames) const {
     char text[512];
-    std::snprintf(
-        text, sizeof text,
-        "lightstagetestsrc is-live=false label=true program=%s num-buffers=%d motion=%g "
-        "tuning=motion-period=%g noise=%g ! video/x-raw,format=RGBA64_LE,width=%d,height=%d",
-        program.c_str(), frames, sway, seconds, sway != 0 ? static_cast<double>(noise) : 0, width,
-        height);
+    std::snprintf(text, sizeof text,
+                  "lightstagetestsrc is-live=false program=%s num-buffers=%d motion=%g "
+                  "tuning=label=true:motion-period=%g noise=%g ! "
+                  "video/x-raw,format=RGBA64_LE,width=%d,height=%d",
+                  program.c_str(), frames, sway, seconds,
+                  sway != 0 ? static_cast<double>(noise) : 0, width, height);
     return text;
   }
 };

@@ -45,7 +45,7 @@ TEST(LostDevice, EveryElementThatMeetsTheLossSaysSoAndNothingHangs) {
                            "fakesink s.shading ! queue ! fakesink"),
             (Names{"intrinsicdecomp", "intrinsicsplit"}));
   const HandMadeLime networks;
-  const std::string lime = "limematerial light=true models=" + networks.folder();
+  const std::string lime = "limematerial estimate-light=true models=" + networks.folder();
   EXPECT_EQ(lose(kSource + lime + " ! fakesink"), Names{"limematerial"});
   if (!has_element("materialclone")) GTEST_SKIP() << "built without Assimp or OpenEXR";
   EXPECT_EQ(lose(kSource + "materialclone ! fakesink"), Names{"materialclone"});

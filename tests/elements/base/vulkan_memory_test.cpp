@@ -151,7 +151,7 @@ TEST_F(VulkanMemory, MaterialsAndWhatWearsThemAreTheSame) {
   if (!has_element("materialclone")) GTEST_SKIP() << "built without Assimp or OpenEXR";
   const HandMadeLime networks;
   const std::string red = source(VideoHarness::caps("RGBA", 64, 48), "red", 16),
-                    lime = "limematerial light=true models=" + networks.folder(),
+                    lime = "limematerial estimate-light=true models=" + networks.folder(),
                     clone = "materialclone size=0.5";
   const auto last = [&](const std::string& line) {
     const LineResult result = run(red + line + " ! appsink name=out");

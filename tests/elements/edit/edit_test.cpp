@@ -303,7 +303,7 @@ TEST(Editors, WithoutADecomposerThereIsOneErrorThatNamesIt) {
     harness.push(random_frame(caps, 2));
     const auto errors = harness.errors();
     ASSERT_EQ(errors.size(), 1u) << editor;
-    EXPECT_NE(errors[0].find(editor + " works on decomposed video; insert intrinsicdecomp"),
+    EXPECT_NE(errors[0].find(editor + " works on layers; insert intrinsicdecomp"),
               std::string::npos)
         << errors[0];
   }
@@ -314,7 +314,7 @@ TEST(Editors, WithoutADecomposerALineSaysSoToo) {
                                    "intrinsicsplit name=s s.shading ! queue"}) {
     const auto result = run_line("videotestsrc num-buffers=3 ! video/x-raw,width=32,height=24 ! " +
                                  editor + " ! fakesink");
-    EXPECT_NE(result.first_error().find("works on decomposed video; insert intrinsicdecomp"),
+    EXPECT_NE(result.first_error().find("works on layers; insert intrinsicdecomp"),
               std::string::npos)
         << editor << ": " << result.first_error();
   }

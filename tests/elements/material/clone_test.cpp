@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "gst/base/meta/inverse_material_meta.h"
+#include "gst/material/meta/inverse_material_meta.h"
 #include "kernels/environment/environment.hpp"
 #include "lime_fixture.hpp"
 #include "tests/elements/lamp.hpp"
@@ -126,7 +126,7 @@ TEST_F(CloneTest, TakesTheMaterialOfTheStreamAndHoldsIt) {
 }
 
 TEST_F(CloneTest, MaterialsPassElementsThatConvertAndScale) {
-  VideoHarness harness(line("show=input light=true") +
+  VideoHarness harness(line("show=input estimate-light=true") +
                            " ! videoconvert ! video/x-raw,format=I420 ! videoscale ! "
                            "video/x-raw,width=64,height=96 ! materialclone size=0.3 x=0.15",
                        caps());
@@ -170,7 +170,7 @@ TEST_F(CloneTest, LightOfAFileComesFromWhereItIs) {
   g_object_set(clone, "exposure", -2.0F, nullptr);
   out = harness.process(gray());
   EXPECT_LT(at(out, 70, 48)[1], before - 30);
-  g_object_set(clone, "exposure", 0.0F, "environment-rotation", 180.0F, nullptr);
+  g_object_set(clone, "exposure", 0.0F, "tuning", "environment-rotation=180", nullptr);
   out = harness.process(gray());
   EXPECT_GT(at(out, 26, 48)[0], at(out, 70, 48)[0] + 40) << "turned to the left";
 }
@@ -241,27 +241,21 @@ TEST_F(CloneTest, StillObjectsAreDrawnOnceAndSpinningOnesTurn) {
 }
 
 TEST_F(CloneTest, EveryPropertyMayChangeWhilePlaying) {
-  VideoHarness harness("materialclone shadow=1 mesh=" + written("wedge.obj", kWedge), frame_caps(),
-                       frame_caps());
+  VideoHarness harness("materialclone tuning=shadow=1 mesh=" + written("wedge.obj", kWedge),
+                       frame_caps(), frame_caps());
   GstElement* clone = harness.find("materialclone");
   auto before = harness.process(gray());
-  for (const char* entries : {"elevation=45", "elevation=45:shadow-softness=1"}) {
+  for (const char* entries :
+       {"shadow=1:elevation=45", "shadow=1:elevation=45:shadow-softness=1", "shadow=0",
+        "shadow=0:pitch=30", "shadow=0:roll=30", "shadow=0:environment-rotation=90"}) {
     g_object_set(clone, "tuning", entries, nullptr);
     const auto after = harness.process(gray());
     EXPECT_GT(largest_difference(after, before), 2) << entries;
     before = after;
   }
-  const std::pair<const char*, double> changes[] = {{"x", .3},
-                                                    {"y", .3},
-                                                    {"size", .4},
-                                                    {"yaw", 40},
-                                                    {"pitch", 30},
-                                                    {"roll", 30},
-                                                    {"shadow", 0},
-                                                    {"specular", 1},
-                                                    {"shininess", 8},
-                                                    {"exposure", 1},
-                                                    {"environment-rotation", 90}};
+  const std::pair<const char*, double> changes[] = {
+      {"x", .3},       {"y", .3},        {"size", .4},   {"yaw", 40},
+      {"specular", 1}, {"shininess", 8}, {"exposure", 1}};
   for (const auto& [name, value] : changes) {
     g_object_set(clone, name, value, nullptr);
     const auto after = harness.process(gray());
@@ -285,7 +279,7 @@ TEST_F(CloneTest, WhatIsSetIsDrawnHoweverLittleItDiffers) {
 }
 
 TEST_F(CloneTest, FollowsTheMouseWhereItIsAskedTo) {
-  VideoHarness harness("materialclone size=0.3 shadow=0 specular=0 diffuse-color=0xff0000ff",
+  VideoHarness harness("materialclone size=0.3 tuning=shadow=0 specular=0 diffuse-color=0xff0000ff",
                        frame_caps(), frame_caps());
   GstElement* clone = harness.find("materialclone");
   const auto send = [&](GstEvent* event) {
@@ -410,7 +404,7 @@ TEST_F(CloneTest, AMeshWithDamagedFacesIsDrawnWithOneWarning) {
       "videotestsrc num-buffers=2 ! materialclone source=properties mesh=" + mesh + " ! fakesink");
   EXPECT_TRUE(result.eos) << result.first_error();
   ASSERT_EQ(result.warnings.size(), 1U);
-  EXPECT_NE(result.warnings[0].find("1 of 2 faces are left out"), std::string::npos)
+  EXPECT_NE(result.warnings[0].find("1 of 2 faces were dropped"), std::string::npos)
       << result.warnings[0];
 }
 
@@ -457,7 +451,7 @@ TEST_F(CloneTest, ALargeMeshIsAWarningOfSoftwareDevices) {
 TEST_F(CloneTest, ClonesFromTheClip) {
   const auto result = run_line("filesrc location=" + std::string(MEDIA) +
                                "/clip.webm ! matroskademux ! vp8dec ! identity eos-after=6 ! " +
-                               line("show=input light=true") +
+                               line("show=input estimate-light=true") +
                                " ! materialclone size=0.3 x=0.8 y=0.8 spin=30 ! "
                                "video/x-raw,format=I420 ! appsink name=out");
   EXPECT_TRUE(result.eos) << result.first_error();

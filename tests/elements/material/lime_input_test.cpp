@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "gst/base/meta/inverse_material_meta.h"
+#include "gst/material/meta/inverse_material_meta.h"
 #include "kernels/network/graph_file.hpp"
 #include "lime_fixture.hpp"
 
@@ -38,7 +38,7 @@ TEST_F(LimeInput, TheLargestOfSeveralObjectsCounts) {
 
 TEST_F(LimeInput, AnObjectThatTheFrameCutsIsFound) {
   for (const auto& [x, y] : {std::pair{0, 32}, {95, 10}, {48, 63}, {0, 0}}) {
-    VideoHarness harness(line("show=preview light=true"), caps(), caps());
+    VideoHarness harness(line("show=preview estimate-light=true"), caps(), caps());
     for (int i = 0; i < 8; ++i) ASSERT_FALSE(harness.process(scene(x, y, 25)).empty());
     EXPECT_TRUE(found(harness)) << x << ", " << y;
     EXPECT_GT(stat<guint64>(lime(harness), "light-views", G_TYPE_UINT64), 0u);
@@ -65,7 +65,7 @@ TEST_F(LimeInput, PixelsThatAreNotSquareAreWarnedOfOnce) {
 TEST_F(LimeInput, FramesOfOneValueGiveFrames) {
   for (const char* show : {"diffuse", "mosaic", "preview"})
     for (const uint8_t value : {0, 255}) {
-      VideoHarness harness(line(std::string("light=true show=") + show), caps(), caps());
+      VideoHarness harness(line(std::string("estimate-light=true show=") + show), caps(), caps());
       for (int i = 0; i < 5; ++i)
         ASSERT_FALSE(harness.process(flat_frame(caps(), value)).empty()) << show;
       EXPECT_FALSE(found(harness));
@@ -74,7 +74,7 @@ TEST_F(LimeInput, FramesOfOneValueGiveFrames) {
 }
 
 TEST_F(LimeInput, ASaturatedObjectHasAMaterialAndSoundLight) {
-  VideoHarness harness(line("light=true adaptive=false"), caps(), caps());
+  VideoHarness harness(line("estimate-light=true adaptive=false"), caps(), caps());
   auto frame = scene(50, 32, 24);
   for (size_t i = 0; i < frame.size(); i += 4)
     if (frame[i] == 230) frame[i] = 255;
@@ -97,7 +97,7 @@ TEST_F(LimeInput, NoiseGivesFrames) {
   for (const char* format : {"RGBA", "NV12", "GRAY16_LE", "P010_10LE"})
     for (const int size : {16, 96}) {
       const std::string video = VideoHarness::caps(format, size, size);
-      VideoHarness harness(line("light=true show=preview"), video, video);
+      VideoHarness harness(line("estimate-light=true show=preview"), video, video);
       for (unsigned i = 0; i < 5; ++i)
         ASSERT_FALSE(harness.process(random_frame(video, i)).empty()) << format;
       EXPECT_TRUE(harness.errors().empty());
@@ -126,7 +126,7 @@ TEST_F(LimeInput, EightThousandPixelsAreShownOrRefusedByName) {
 }
 
 TEST_F(LimeInput, NewCapsMidStreamStartAfresh) {
-  VideoHarness harness(line("show=preview light=true"), caps());
+  VideoHarness harness(line("show=preview estimate-light=true"), caps());
   for (const auto& [width, height] :
        {std::pair{96, 64}, {200, 120}, {16, 16}, {64, 96}, {97, 63}, {96, 64}}) {
     harness.set_src_caps(caps(width, height));
@@ -156,8 +156,8 @@ TEST_F(LimeInput, NetworksOfNoNumbersGiveNoNumbersOut) {
     const HandMadeLime spoilt;
     LimeModels models = HandMadeLime::models();
     spoilt.write(name, spoil(name, models));
-    VideoHarness harness("limematerial show=preview light=true models=" + spoilt.folder(), caps(),
-                         caps());
+    VideoHarness harness("limematerial show=preview estimate-light=true models=" + spoilt.folder(),
+                         caps(), caps());
     for (int i = 0; i < 8; ++i) ASSERT_FALSE(harness.process(scene(50, 30, 20)).empty()) << name;
     GstElement* element = harness.find("limematerial");
     if (std::string(name) != "segmentation") {

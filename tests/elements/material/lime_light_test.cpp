@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "gst/base/meta/inverse_material_meta.h"
+#include "gst/material/meta/inverse_material_meta.h"
 #include "kernels/environment/environment.hpp"
 #include "lime_fixture.hpp"
 #include "tests/kernels/environment/normal_map_file.hpp"
@@ -50,20 +50,20 @@ class LimeLight : public LimeElementTest {
 
 TEST_F(LimeLight, IsInTheMetaWhereItIsAskedFor) {
   EXPECT_TRUE(light("").empty()) << "nobody asked";
-  const auto requested = light("light=true");
+  const auto requested = light("estimate-light=true");
   ASSERT_FALSE(requested.empty());
   for (const float v : requested) ASSERT_TRUE(v >= 0 && std::isfinite(v));
   EXPECT_GT(*std::max_element(requested.begin(), requested.end()), .01);
   EXPECT_FALSE(light("show=preview").empty());
-  EXPECT_TRUE(light("light=true normals=none").empty());
+  EXPECT_TRUE(light("estimate-light=true normals=none").empty());
 }
 
 TEST_F(LimeLight, NormalMapsCount) {
   const NormalMapPath file;
   file.write(png(1, 1, 3, 8, {128, 218, 218}));
-  const auto upward = light("light=true normals=none normal-map=" + file.path());
+  const auto upward = light("estimate-light=true normals=none normal-map=" + file.path());
   ASSERT_FALSE(upward.empty());
-  EXPECT_NE(upward, light("light=true"));
+  EXPECT_NE(upward, light("estimate-light=true"));
   const auto error =
       run_line("videotestsrc num-buffers=2 ! " + line("normal-map=/nowhere.png") + " ! fakesink")
           .first_error();
@@ -88,7 +88,7 @@ TEST_F(LimeLight, NormalMapsThatHelpLittleGetAWarning) {
   const auto warnings_of = [this](const std::vector<uint8_t>& pixels, int left) {
     const NormalMapPath file;
     file.write(png(2, 1, 3, 8, pixels));
-    VideoHarness harness(line("light=true normal-map=" + file.path()), caps(), caps());
+    VideoHarness harness(line("estimate-light=true normal-map=" + file.path()), caps(), caps());
     for (int i = 0; i < 8; ++i) harness.process(scene(left, 30, 10));
     return harness.warnings();
   };
@@ -110,9 +110,10 @@ TEST_F(LimeLight, NormalMapsThatHelpLittleGetAWarning) {
 TEST_F(LimeLight, TheFileIsTheOneThatWasNamedAtTheStart) {
   const TemporaryFolder folder;
   {
-    VideoHarness harness(line("environment-location=" + (folder / "first.hdr")), caps(), caps());
+    VideoHarness harness(line("save-environment-location=" + (folder / "first.hdr")), caps(),
+                         caps());
     harness.process(scene(60, 30, 20));
-    g_object_set(harness.find("limematerial"), "environment-location",
+    g_object_set(harness.find("limematerial"), "save-environment-location",
                  (folder / "second.hdr").c_str(), nullptr);
     for (int i = 0; i < 6; ++i) harness.process(scene(60, 30, 20));
   }
@@ -131,7 +132,7 @@ TEST_F(LimeLight, FilesAreReadAtTheStartAlone) {
 
   std::optional<NormalMapPath> file(std::in_place);
   file->write(png(1, 1, 3, 8, {128, 218, 218}));
-  VideoHarness harness(line("light=true normals=none normal-map=" + file->path()), caps());
+  VideoHarness harness(line("estimate-light=true normals=none normal-map=" + file->path()), caps());
   file.reset();
   for (const auto& [width, height] : {std::pair{96, 64}, {64, 96}}) {
     harness.set_src_caps(caps(width, height));
@@ -145,7 +146,7 @@ TEST_F(LimeLight, FilesAreReadAtTheStartAlone) {
 TEST_F(LimeLight, GoesToAFileWhenTheStreamEnds) {
   const TemporaryFolder folder;
   const std::string file = folder / "light.hdr";
-  const auto result = run_line(ball() + line("environment-location=" + file) + " ! fakesink");
+  const auto result = run_line(ball() + line("save-environment-location=" + file) + " ! fakesink");
   EXPECT_TRUE(result.eos) << result.first_error();
   EXPECT_TRUE(result.warnings.empty()) << result.warnings.front();
   const Environment light = Environment::load(file);
@@ -156,7 +157,7 @@ TEST_F(LimeLight, GoesToAFileWhenTheElementStops) {
   const TemporaryFolder folder;
   const std::string file = folder / "light.hdr";
   {
-    VideoHarness harness(line("environment-location=" + file), caps(), caps());
+    VideoHarness harness(line("save-environment-location=" + file), caps(), caps());
     for (int i = 0; i < 6; ++i) harness.process(scene(60, 30, 20));
     EXPECT_FALSE(std::filesystem::exists(file));
   }
@@ -165,7 +166,7 @@ TEST_F(LimeLight, GoesToAFileWhenTheElementStops) {
 
 TEST_F(LimeLight, AFileThatCannotBeWrittenIsAnErrorAtTheStartAndAWarningAtTheEnd) {
   const auto refused =
-      run_line(ball() + line("environment-location=/nowhere/light.hdr") + " ! fakesink");
+      run_line(ball() + line("save-environment-location=/nowhere/light.hdr") + " ! fakesink");
   EXPECT_NE(refused.first_error().find("/nowhere/light.hdr"), std::string::npos)
       << refused.first_error();
   const TemporaryFolder here;
@@ -176,11 +177,11 @@ TEST_F(LimeLight, AFileThatCannotBeWrittenIsAnErrorAtTheStartAndAWarningAtTheEnd
         {here.path(), "it is a folder"},
         {here / "light.exr", "it would be a Radiance picture; name it .hdr"}}) {
     const auto error =
-        run_line(ball() + line("environment-location=" + path) + " ! fakesink").first_error();
+        run_line(ball() + line("save-environment-location=" + path) + " ! fakesink").first_error();
     EXPECT_NE(error.find(path + " cannot be written: " + why), std::string::npos) << error;
   }
   std::optional<TemporaryFolder> gone(std::in_place);
-  VideoHarness harness(line("environment-location=" + (*gone / "light.hdr")), caps(), caps());
+  VideoHarness harness(line("save-environment-location=" + (*gone / "light.hdr")), caps(), caps());
   for (int i = 0; i < 6; ++i) harness.process(scene(60, 30, 20));
   gone.reset();
   gst_harness_push_event(harness.harness(), gst_event_new_eos());
@@ -190,12 +191,12 @@ TEST_F(LimeLight, AFileThatCannotBeWrittenIsAnErrorAtTheStartAndAWarningAtTheEnd
   const TemporaryFolder folder;
   const std::string file = folder / "light.hdr";
   const auto unknown = run_line("videotestsrc num-buffers=3 pattern=black ! " +
-                                line("environment-location=" + file) + " ! fakesink");
+                                line("save-environment-location=" + file) + " ! fakesink");
   EXPECT_TRUE(unknown.eos);
   ASSERT_EQ(unknown.warnings.size(), 1u) << "reported once";
   EXPECT_NE(unknown.warnings.front().find("there is no light yet"), std::string::npos);
-  EXPECT_EQ(unknown.warnings.front().find("light=true"), std::string::npos)
-      << "environment-location asks for the light itself";
+  EXPECT_EQ(unknown.warnings.front().find("estimate-light=true"), std::string::npos)
+      << "save-environment-location asks for the light itself";
   EXPECT_FALSE(std::filesystem::exists(file));
 }
 
@@ -205,14 +206,14 @@ TEST_F(LimeLight, ARunWithoutFramesHasNoLightToMiss) {
   GstElement* lime = harness.find("limematerial");
   harness.process(scene(60, 30, 20));
   gst_element_set_state(lime, GST_STATE_READY);
-  g_object_set(lime, "environment-location", (folder / "light.hdr").c_str(), nullptr);
+  g_object_set(lime, "save-environment-location", (folder / "light.hdr").c_str(), nullptr);
   for (const GstState state : {GST_STATE_PAUSED, GST_STATE_READY})
     EXPECT_EQ(gst_element_set_state(lime, state), GST_STATE_CHANGE_SUCCESS);
   EXPECT_TRUE(harness.warnings().empty());
 }
 
 TEST_F(LimeLight, IsSavedOnRequest) {
-  VideoHarness harness(line("light=true"), caps(), caps());
+  VideoHarness harness(line("estimate-light=true"), caps(), caps());
   GstElement* lime = harness.find("limematerial");
   const auto save = [lime](const char* path) {
     gboolean good = TRUE;
@@ -258,7 +259,7 @@ TEST_F(LimeLight, PreviewShowsTheEstimatedMaterial) {
 }
 
 TEST_F(LimeLight, EndsWithItsSceneAndWhereItIsNotAskedFor) {
-  VideoHarness harness(line("show=input light=true"), caps(), {});
+  VideoHarness harness(line("show=input estimate-light=true"), caps(), {});
   const auto lit = [&](const std::vector<uint8_t>& frame) {
     harness.push(frame);
     GstBuffer* buffer = gst_harness_pull(harness.harness());
@@ -269,10 +270,10 @@ TEST_F(LimeLight, EndsWithItsSceneAndWhereItIsNotAskedFor) {
   const auto ball = scene(60, 30, 20);
   for (int i = 0; i < 6; ++i) lit(ball);
   EXPECT_TRUE(lit(ball));
-  g_object_set(harness.find("limematerial"), "light", FALSE, nullptr);
+  g_object_set(harness.find("limematerial"), "estimate-light", FALSE, nullptr);
   EXPECT_FALSE(lit(ball));
   EXPECT_EQ(stat<guint64>(harness.find("limematerial"), "light-views", G_TYPE_UINT64), 0u);
-  g_object_set(harness.find("limematerial"), "light", TRUE, nullptr);
+  g_object_set(harness.find("limematerial"), "estimate-light", TRUE, nullptr);
   EXPECT_FALSE(lit(ball)) << "what was known is old";
   for (int i = 0; i < 6; ++i) lit(ball);
   EXPECT_TRUE(lit(ball));

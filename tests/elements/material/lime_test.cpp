@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "gst/base/meta/inverse_material_meta.h"
+#include "gst/material/meta/inverse_material_meta.h"
 #include "lime_fixture.hpp"
 #include "tests/has_networks.hpp"
 #include "tests/srgb.hpp"
@@ -121,7 +121,7 @@ TEST_F(LimeElementTest, EveryShowHasAPicture) {
 }
 
 TEST_F(LimeElementTest, SkipsWorkForAnUnchangedObject) {
-  VideoHarness harness(line("tuning=recheck=6"), caps(), caps());
+  VideoHarness harness(line("tuning=estimate-interval=6"), caps(), caps());
   GstElement* lime = harness.find("limematerial");
   for (int i = 0; i < 30; ++i) harness.process(scene(60, 30, 20));
   const auto before = stat<guint64>(lime, "estimates", G_TYPE_UINT64);
@@ -134,7 +134,8 @@ TEST_F(LimeElementTest, SkipsWorkForAnUnchangedObject) {
 
 TEST_F(LimeElementTest, AnUnchangedPictureIsNotDrawnAgain) {
   for (const char* show : {"input", "diffuse", "mosaic", "preview"}) {
-    VideoHarness harness(line(std::string("tuning=recheck=1000 show=") + show), caps(), caps());
+    VideoHarness harness(line(std::string("tuning=estimate-interval=1000 show=") + show), caps(),
+                         caps());
     GstElement* lime = harness.find("limematerial");
     const auto kept = [lime] { return stat<gboolean>(lime, "reused", G_TYPE_BOOLEAN); };
     std::vector<uint8_t> out;
@@ -151,8 +152,8 @@ TEST_F(LimeElementTest, AnUnchangedPictureIsNotDrawnAgain) {
 }
 
 TEST_F(LimeElementTest, LayersOfAnUnchangedPictureAreReused) {
-  VideoHarness harness(line("tuning=recheck=1000") + " ! intrinsiccompose show=specular", caps(),
-                       caps());
+  VideoHarness harness(line("tuning=estimate-interval=1000") + " ! intrinsiccompose show=specular",
+                       caps(), caps());
   std::vector<uint8_t> out;
   for (int i = 0; i < 40; ++i) out = harness.process(scene(60, 30, 20));
   EXPECT_GT(out[4 * (30 * kWidth + 60)], 20) << "there are highlights";
@@ -162,7 +163,7 @@ TEST_F(LimeElementTest, LayersOfAnUnchangedPictureAreReused) {
 }
 
 TEST_F(LimeElementTest, AnUnchangedPictureIsDrawnAgainForAnotherView) {
-  VideoHarness harness(line("tuning=recheck=1000 show=mask"), caps(), caps());
+  VideoHarness harness(line("tuning=estimate-interval=1000 show=mask"), caps(), caps());
   GstElement* lime = harness.find("limematerial");
   const auto shown = [&](const char* property, const char* value) {
     gst_util_set_object_arg(G_OBJECT(lime), property, value);
@@ -180,7 +181,7 @@ TEST_F(LimeElementTest, AnUnchangedPictureIsDrawnAgainForAnotherView) {
 }
 
 TEST_F(LimeElementTest, APreviewIsDrawnAgainWhereItsLightIsForgotten) {
-  VideoHarness harness(line("tuning=recheck=1000 show=preview"), caps(), caps());
+  VideoHarness harness(line("tuning=estimate-interval=1000 show=preview"), caps(), caps());
   GstElement* lime = harness.find("limematerial");
   std::vector<uint8_t> lit;
   for (int i = 0; i < 40; ++i) lit = harness.process(scene(60, 30, 20));
@@ -224,7 +225,7 @@ TEST_F(LimeElementTest, ASecondRunIsAsTheFirst) {
   const auto runs = run_line_again(
       "videotestsrc num-buffers=8 pattern=solid-color foreground-color=0xffe66464 ! "
       "video/x-raw,format=RGBA,width=96,height=64 ! " +
-          line("show=specular environment-location=" + light) + " ! appsink name=out",
+          line("show=specular save-environment-location=" + light) + " ! appsink name=out",
       3, [&] { EXPECT_TRUE(std::filesystem::remove(light)) << "nothing was written"; });
   for (const LineResult& run : runs) {
     EXPECT_TRUE(run.eos) << run.first_error();

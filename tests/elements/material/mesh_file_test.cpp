@@ -255,7 +255,7 @@ TEST_F(MeshFile, CountsInPlyThatCannotBeAreErrors) {
   list.replace(list.find("list uchar"), 10, "list char ").replace(list.size() - 26, 1, "\xff");
   EXPECT_NE(error(written("list.ply", list)).find("of 2 elements \"face\" it has 0"),
             std::string::npos);
-  EXPECT_NE(error(written("negative.ply", with("-1"))).find("its header promises -1 elements"),
+  EXPECT_NE(error(written("negative.ply", with("-1"))).find("its header declares -1 elements"),
             std::string::npos);
   EXPECT_EQ(load(written("good.ply", with("5", comment))).triangles(), 6U);
 }
@@ -265,7 +265,7 @@ TEST_F(MeshFile, DegenerateFacesAreDroppedWithAWarning) {
   const std::string obj = written(
       "nan.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nf 1 2 3\nf 1 2 4\nf 2 3 4\nl 1 2\n");
   EXPECT_EQ(load_mesh(obj, warning).triangles(), 1U);
-  EXPECT_NE(warning.find(obj + ": 2 of 3 faces are left out"), std::string::npos) << warning;
+  EXPECT_NE(warning.find(obj + ": 2 of 3 faces were dropped"), std::string::npos) << warning;
 }
 
 TEST_F(MeshFile, TooManyTrianglesAreAnErrorThatNamesTheLimit) {

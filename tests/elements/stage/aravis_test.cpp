@@ -26,7 +26,7 @@ TEST_F(Aravis, IdsWrapAndEveryFrameIsItsOwn) {
   EXPECT_EQ(bits, 16U);
   EXPECT_GE(stat("frames"), 220U);
   // All stay in use: some are the camera's own memory, the others are copies.
-  EXPECT_EQ(stat("lent"), 8U);
+  EXPECT_EQ(stat("zero-copy"), 8U);
   EXPECT_GE(stat("copied"), 212U);
   EXPECT_EQ(stat("underruns"), 0U);
   close();

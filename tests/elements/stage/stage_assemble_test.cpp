@@ -98,7 +98,7 @@ TEST_F(StagePairs, FramesWithoutTheOtherHalfAreCounted) {
 }
 
 TEST_F(StagePairs, ADoubledFrameCostsNoPairAlsoWhereUnlabeledOnesMayPass) {
-  g_object_set(element_, "drop-unlabeled", FALSE, nullptr);
+  g_object_set(element_, "tuning", "drop-unlabeled=false", nullptr);
   start();
   for (int64_t n = -10; n < 43; ++n)
     for (int copies = n == 21 || n == 30 ? 2 : 1; copies; --copies) ASSERT_EQ(push(n), GST_FLOW_OK);

@@ -3,7 +3,7 @@
 #include <map>
 #include <mutex>
 
-#include "gst/base/meta/inverse_light_stage_meta.h"
+#include "gst/stage/meta/inverse_light_stage_meta.h"
 #include "tests/elements/element_test.hpp"
 
 namespace inverse::testing {
@@ -39,7 +39,7 @@ GstPadProbeReturn after(GstPad*, GstPadProbeInfo* info, gpointer data) {
 void run(const std::string& source, const std::string& sync, Truth& truth) {
   GstElement* element = nullptr;
   const LineResult result =
-      run_line("lightstagetestsrc is-live=false label=true noise=0.01 " + source +
+      run_line("lightstagetestsrc is-live=false noise=0.01 " + source +
                    " ! video/x-raw,format=RGBA,width=48,height=36 ! lightstagesync name=s " + sync +
                    " ! fakesink sync=false",
                120, [&](GstElement* pipeline) {
@@ -57,8 +57,8 @@ void run(const std::string& source, const std::string& sync, Truth& truth) {
 
 /// `more`: further entries of tuning.
 std::string trouble(int seed, const std::string& more = "") {
-  return " tuning=drop-rate=0.02:duplicate-rate=0.01:jitter=0.33" + more +
-         " num-buffers=600 seed=" + std::to_string(seed);
+  return " num-buffers=600 tuning=label=true:drop-rate=0.02:duplicate-rate=0.01:jitter=0.33" +
+         more + ":seed=" + std::to_string(seed);
 }
 
 TEST(StageLine, APerformanceByTimesAloneAlsoWhereSomeAreLate) {
@@ -86,7 +86,8 @@ TEST(StageLine, SingleLightsByIdsAlsoWhereTimesAreLate) {
     run("program=static:331 frame-ids=true frame-id-bits=16" +
             trouble(seed, ":late-rate=0.02:first-frame-id=65400"),
         // Left to itself it asks the source.
-        std::string("program=static:331 frame-id=offset") + (seed == 6 ? " frame-id-bits=16" : ""),
+        std::string("program=static:331 frame-id=offset") +
+            (seed == 6 ? " tuning=frame-id-bits=16" : ""),
         truth);
     EXPECT_EQ(truth.mislabeled, 0u) << seed;
     EXPECT_GT(truth.labeled, 300u) << seed;

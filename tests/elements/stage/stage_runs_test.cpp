@@ -40,7 +40,7 @@ class StageRuns : public StageSync {
       if (const GstStructure* what = gst_message_get_structure(message);
           what && gst_structure_has_name(what, "lightstagesync")) {
         const std::string event = gst_structure_get_string(what, "event");
-        found.left += event == "camera-left-alone" ? 1 : 0;
+        found.left += event == "camera-excluded" ? 1 : 0;
         found.back += event == "camera-back" ? 1 : 0;
       }
       if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_WARNING) {

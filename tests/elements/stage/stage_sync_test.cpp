@@ -206,7 +206,7 @@ TEST_F(StageSync, SingleLightsThatNothingConfirmsAreAWarning) {
 
 TEST_F(StageSync, UnlabeledFramesMayPass) {
   use_performance();
-  g_object_set(element_, "drop-unlabeled", FALSE, nullptr);
+  g_object_set(element_, "tuning", "drop-unlabeled=false", nullptr);
   start();
   for (int64_t n = -10; n < 10; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
   const auto frames = pull(20);
@@ -257,7 +257,7 @@ TEST_F(StageSync, FlushSeekAndEos) {
 TEST_F(StageSync, FrameIdsCount) {
   use_performance();
   gst_util_set_object_arg(G_OBJECT(element_), "frame-id", "offset");
-  gst_util_set_object_arg(G_OBJECT(element_), "frame-id-bits", "16");
+  g_object_set(element_, "tuning", "frame-id-bits=16", nullptr);
   start();
   const BallOnStage ball(program_, kWidth, kHeight);
   for (int64_t n = -10; n < 300; ++n) {

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 TEST(LightStageTestSrc, FollowsItsProgramToTheEnd) {
   const LightProgram program = light_program("static:12", 50);
-  const Shots shots = shoot("is-live=false program=static:12 rate=50 label=true");
+  const Shots shots = shoot("is-live=false program=static:12 rate=50 tuning=label=true");
   EXPECT_TRUE(shots.line.eos) << shots.line.first_error();
   ASSERT_EQ(shots.frames.size(), program.triggers().value());
   EXPECT_EQ(GST_VIDEO_INFO_FPS_N(&shots.line.info), 50);
@@ -88,7 +88,7 @@ TEST(LightStageTestSrc, LightAddsUp) {
 TEST(LightStageTestSrc, LosesAndRepeatsFramesAsAsked) {
   const Shots shots = shoot(
       "is-live=false program=performance:4 num-buffers=400 frame-ids=true frame-id-bits=16 "
-      "tuning=first-frame-id=65400:drop-rate=0.05:duplicate-rate=0.04:jitter=0.33:late-rate=0.05 "
+      "tuning=first-frame-id=65400:drop-rate=0.05:duplicate-rate=0.04:jitter=0.33:late-rate=0.05:"
       "seed=3");
   ASSERT_EQ(shots.frames.size(), 400U) << shots.line.first_error();
   const CameraFaults faults{.05F, .04F, .05F, .33F, 3};
@@ -119,8 +119,8 @@ TEST(LightStageTestSrc, LosesAndRepeatsFramesAsAsked) {
 
 TEST(LightStageTestSrc, StartsLaterWhereAsked) {
   const Shots shots = shoot(
-      "is-live=false program=static:2 rate=20 label=true start=0.35 "
-      "frame-ids=true tuning=first-frame-id=5");
+      "is-live=false program=static:2 rate=20 start=0.35 frame-ids=true "
+      "tuning=label=true:first-frame-id=5");
   const LightProgram program = light_program("static:2", 20);
   ASSERT_EQ(shots.frames.size(), 7 + program.triggers().value()) << shots.line.first_error();
   for (size_t i = 0; i < shots.frames.size(); ++i) {
@@ -134,7 +134,8 @@ TEST(LightStageTestSrc, StartsLaterWhereAsked) {
 
 /// Rendering takes a while; the program does not pass meanwhile.
 TEST(LightStageTestSrc, LiveProgramsBeginWithTheirMarker) {
-  const Shots shots = shoot("program=static:60 label=true num-buffers=2", "width=320,height=240");
+  const Shots shots =
+      shoot("program=static:60 tuning=label=true num-buffers=2", "width=320,height=240");
   ASSERT_EQ(shots.frames.size(), 2U) << shots.line.first_error();
   EXPECT_EQ(shots.frames[0].meta.trigger, 0U);
   EXPECT_LE(shots.frames[1].meta.trigger, 3U);  // nor does it while kernels are built
@@ -143,7 +144,8 @@ TEST(LightStageTestSrc, LiveProgramsBeginWithTheirMarker) {
 }
 
 TEST(LightStageTestSrc, SeedsRepeatNoise) {
-  const std::string source = "is-live=false program=performance:4 num-buffers=3 noise=0.1 seed=";
+  const std::string source =
+      "is-live=false program=performance:4 num-buffers=3 noise=0.1 tuning=seed=";
   const auto first = shoot(source + "1").line.frames, again = shoot(source + "1").line.frames,
              other = shoot(source + "2").line.frames;
   ASSERT_EQ(first.size(), 3U);
@@ -292,7 +294,7 @@ TEST(LightStageTestSrc, FollowsPackets) {
   settings.sacn.destination = "127.0.0.1:" + port;
   const auto driver = make_light_driver(settings);
   GstElement* pipeline = gst_parse_launch(
-      ("lightstagetestsrc is-live=false label=true program=performance:5 gain=0.5 "
+      ("lightstagetestsrc is-live=false tuning=label=true program=performance:5 gain=0.5 "
        "listen=127.0.0.1:" +
        port + " ! video/x-raw," + linear16(32, 24) + " ! appsink name=out sync=false max-buffers=1")
           .c_str(),

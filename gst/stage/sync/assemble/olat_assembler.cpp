@@ -14,7 +14,7 @@
 
 #include "common/error.hpp"
 #include "frame_picture.hpp"
-#include "gst/base/log.hpp"
+#include "gst/base/log/log.hpp"
 #include "motion.hpp"
 #include "olat_motion.hpp"
 #include "stage/program/light_list.hpp"

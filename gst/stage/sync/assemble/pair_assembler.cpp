@@ -6,7 +6,7 @@
 
 #include "frame_picture.hpp"
 #include "gst/base/caps.hpp"
-#include "gst/base/log.hpp"
+#include "gst/base/log/log.hpp"
 #include "motion.hpp"
 #include "stage/gray_gradients.hpp"
 

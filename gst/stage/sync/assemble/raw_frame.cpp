@@ -63,7 +63,7 @@ RawFrame::RawFrame(const GstVideoInfo& info, GstBuffer* buffer, GstMapFlags flag
                     " bytes cannot hold the " + std::to_string(GST_VIDEO_INFO_WIDTH(&info)) + "x" +
                     std::to_string(GST_VIDEO_INFO_HEIGHT(&info)) + " " +
                     gst_video_format_to_string(GST_VIDEO_INFO_FORMAT(&info)) +
-                    " frame that its caps promise; mend the element that sent it");
+                    " frame of its caps; fix the element that sent it");
 }
 
 RawFrame::~RawFrame() { gst_video_frame_unmap(&frame_); }

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "gst/base/errors.hpp"
-#include "gst/base/log.hpp"
+#include "gst/base/log/errors.hpp"
+#include "gst/base/log/log.hpp"
 #include "light_upload.hpp"
 
 namespace inverse {

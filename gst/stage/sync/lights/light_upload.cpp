@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "light_upload.hpp"
 
-#include "gst/base/errors.hpp"
+#include "gst/base/log/errors.hpp"
 
 namespace inverse {
 

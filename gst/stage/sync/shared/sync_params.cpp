@@ -14,20 +14,17 @@ const PropertyTable<SyncParams>& sync_properties() {
       number<P>("rate", &P::rate, 1u, 1000u, "Steps per second of performance and static programs",
                 Mutable::ready),
       choice<P>("frame-id", &P::frame_id, "GstInverseFrameId",
-                {{value(P::FrameId::none), "none",
-                  "The trigger of a frame is found by time stamps alone"},
+                {{value(P::FrameId::none), "none", "None: labels follow from time stamps alone"},
                  {value(P::FrameId::offset), "offset",
-                  "GST_BUFFER_OFFSET is the number that the camera gave the frame (v4l2src); it "
-                  "counts, and time stamps check"}},
+                  "GST_BUFFER_OFFSET (v4l2src, lightstagearavissrc), checked against time stamps"}},
                 "Source of the camera's frame id", Mutable::ready),
-      choice<P>(
-          "frame-id-bits", &P::frame_id_bits, "GstInverseFrameIdBits",
-          {{0, "auto",
-            "As an element upstream says that has this property (lightstagearavissrc); else 64"},
-           {16, "16", "Ids wrap after 65535"},
-           {32, "32", "Ids wrap after 4294967295"},
-           {64, "64", "Ids wrap after 2^64 - 1"}},
-          "Bits of a frame id, after which it starts again at 0 or 1", Mutable::ready),
+      tuning(choice<P>("frame-id-bits", &P::frame_id_bits, "GstInverseFrameIdBits",
+                       {{0, "auto", "Value of the upstream source, else 64"},
+                        {16, "16", "Ids wrap after 65535"},
+                        {32, "32", "Ids wrap after 4294967295"},
+                        {64, "64", "Ids wrap after 2^64 - 1"}},
+                       "Bits of a frame id, after which it starts again at 0 or 1",
+                       Mutable::ready)),
       tuning(
           number<P>("jitter", &P::jitter, 0.01, 0.45,
                     "Maximum deviation of a time stamp from its trigger, in periods of the program",
@@ -37,7 +34,7 @@ const PropertyTable<SyncParams>& sync_properties() {
                        Mutable::ready)),
       choice<P>("sets", &P::sets, "GstInverseSets",
                 {{value(P::Sets::complete), "complete",
-                  "Only frames of triggers that every camera has sent a frame of"},
+                  "Only frames of triggers for which every camera sent one"},
                  {value(P::Sets::all), "all", "All labeled frames"}},
                 "Which sets of frames of several cameras pass", Mutable::ready),
       number<P>("timeout", &P::timeout, 0.01, 60,
@@ -46,18 +43,18 @@ const PropertyTable<SyncParams>& sync_properties() {
       tuning(number<P>("max-frames", &P::max_frames, 0u, 1024u,
                        "Maximum number of waiting frames per camera; 0 = by timeout, up to 1 GiB",
                        Mutable::ready)),
-      flag<P>("drop-unlabeled", &P::drop_unlabeled,
-              "Drop frames without a label instead of passing them; only for assemble=none",
-              Mutable::ready),
-      choice<P>("assemble", &P::assemble, "GstInverseAssemble",
-                {{value(P::Assemble::none), "none", "Frames pass as they are, with their labels"},
-                 {value(P::Assemble::pairs), "pairs",
-                  "Gradients A and B of a performance in one buffer: layers where the next element "
-                  "takes them, else one picture with A at the left and B at the right"},
-                 {value(P::Assemble::olat), "olat",
-                  "Frames of a static capture, each moved to where the subject was in its last "
-                  "tracking frame, once that has come"}},
-                "How to combine labeled frames", Mutable::ready),
+      tuning(flag<P>("drop-unlabeled", &P::drop_unlabeled,
+                     "Drop frames without a label instead of passing them; for assemble=none",
+                     Mutable::ready)),
+      choice<P>(
+          "assemble", &P::assemble, "GstInverseAssemble",
+          {{value(P::Assemble::none), "none", "Frames pass as they are, with their labels"},
+           {value(P::Assemble::pairs), "pairs",
+            "Gradients A and B in one buffer: as layers if the next element takes them, else side "
+            "by side"},
+           {value(P::Assemble::olat), "olat",
+            "Frames of a static capture, moved to the subject's place in the last tracking frame"}},
+          "How to combine labeled frames", Mutable::ready),
       choice<P>("align", &P::align, "GstInverseAlign",
                 {{value(P::Align::none), "none", "B as it was seen, one trigger after A"},
                  {value(P::Align::flow), "flow",
@@ -70,14 +67,14 @@ const PropertyTable<SyncParams>& sync_properties() {
               "Vulkan device for layers: an index or a part of its name; empty = shared, else "
               "INVERSE_DEVICE, else the fastest",
               Mutable::ready),
-      choice<P>("camera-trigger", &P::camera_trigger, "GstInverseCameraTrigger",
-                {{value(P::CameraTrigger::none), "none",
-                  "Something else: the rig, or their own clocks. Frames are labeled by time and "
-                  "marker"},
-                 {value(P::CameraTrigger::aravis_software), "aravis-software",
-                  "This element steps the lights, then fires the software trigger of every camera "
-                  "upstream (lightstagearavissrc, aravissrc), waits for these frames, and so on"}},
-                "Trigger of the cameras", Mutable::ready),
+      choice<P>(
+          "camera-trigger", &P::camera_trigger, "GstInverseCameraTrigger",
+          {{value(P::CameraTrigger::none), "none",
+            "The rig or the cameras' own clocks; labels follow from time and marker"},
+           {value(P::CameraTrigger::aravis_software), "aravis-software",
+            "For each step of the lights this element triggers every camera upstream and waits "
+            "for the frames"}},
+          "Trigger of the cameras", Mutable::ready),
       tuning(number<P>("trigger-timeout", &P::trigger_timeout, 0.01, 60,
                        "camera-trigger=aravis-software: seconds to wait for the frame of a trigger",
                        Mutable::ready)),
@@ -86,15 +83,15 @@ const PropertyTable<SyncParams>& sync_properties() {
                        Mutable::ready)),
       choice<P>(
           "backend", [](P & p) -> auto& { return p.lights.backend; }, "GstInverseLightBackend",
-          {{value(Backend::none), "none", "The rig has the program, and its own trigger steps it"},
+          {{value(Backend::none), "none", "The rig runs the program by itself"},
            {value(Backend::sacn), "sacn",
             "Streaming ACN (E1.31) over UDP, stepped by the pipeline's clock"},
            {value(Backend::ola), "ola",
-            "olad of the Open Lighting Architecture, on this machine, which has the hardware; "
-            "stepped by the pipeline's clock"},
+            "olad of the Open Lighting Architecture on this machine, stepped by the pipeline's "
+            "clock"},
            {value(Backend::serial), "serial",
-            "A controller on a serial line that is given the program before the start, and a "
-            "pulse for each step"}},
+            "A controller on a serial line, which gets the program at the start and a pulse per "
+            "step"}},
           "Protocol to control the lights", Mutable::ready),
       tuning(number<P>("lead-in", &P::lead_in, 0, 3600,
                        "Minimum seconds of black from PLAYING to the program's start",
@@ -118,16 +115,16 @@ const PropertyTable<SyncParams>& sync_properties() {
           "backend=sacn, ola: priority over other senders", Mutable::ready)),
       tuning(number<P>(
           "ola-port", [](P & p) -> auto& { return p.lights.ola.port; }, 1u, 65535u,
-          "backend=ola: the port on which olad answers", Mutable::ready)),
+          "backend=ola: TCP port of olad", Mutable::ready)),
       text<P>(
           "serial-port", [](P & p) -> auto& { return p.lights.serial.port; },
           "Serial port, such as /dev/ttyUSB0 (backend=serial)", Mutable::ready),
       tuning(number<P>(
           "baud", [](P & p) -> auto& { return p.lights.serial.baud; }, 9600u, 3000000u,
-          "backend=serial: its speed, bits a second", Mutable::ready)),
+          "backend=serial: speed, bits per second", Mutable::ready)),
       tuning(flag<P>(
           "pulses", [](P & p) -> auto& { return p.lights.serial.pulses; },
-          "backend=serial: step the program from here; else the rig's own trigger does",
+          "backend=serial: step the program from here; false = the rig's own trigger does",
           Mutable::ready)),
       tuning(number<P>(
           "serial-timeout", [](P & p) -> auto& { return p.lights.serial.timeout; }, 0.01, 3600,

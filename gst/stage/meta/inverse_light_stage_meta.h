@@ -35,17 +35,17 @@ typedef enum {
 /**
  * GstLightStageMeta:
  * @program: fingerprint of the light program
- * @trigger: triggers from the start of the program, its marker's included, to this frame (to the
- * first frame of a pair)
- * @pass: how often the program's steps had been gone through
+ * @trigger: number of triggers from the start of the program, marker included, to this frame (of a
+ * pair: to its first frame)
+ * @pass: number of completed passes through the program's steps
  * @step: index of the step in the program, or -1 for frames of a marker
  * @kind: what the lights did
  * @light: of an OLAT frame: the index of its light, else -1
  * @direction: of an OLAT frame: unit vector from the subject to the light; x right, y up, z to the
  * camera. Else 0
  * @lights: number of lights
- * @colors: what every light emitted: float32 RGB, 0...1, one after the other. Never written to: a
- * copy of the meta shares it, and who wants to keep it takes a reference
+ * @colors: emitted color of every light in order, float32 RGB, 0...1. Immutable and shared by
+ * copies of the meta: take a reference to keep it
  */
 typedef struct {
   GstMeta meta;

@@ -2,16 +2,16 @@
 #pragma once
 #include <optional>
 
+#include "gst/base/frames/picture.hpp"
 #include "kernels/image/view/light_picture.hpp"
-#include "picture.hpp"
 
 namespace inverse {
 
 /// Draws what can be seen of a frame's light. Its kernels are made when they are first needed.
 class LightPictures {
  public:
-  /// Light of the kinds that only frames with layers of light have; throws Error(unsupported), in
-  /// the words of `element`, where this is none.
+  /// Light of the kinds that only frames with layers of light have; throws Error(unsupported),
+  /// which names `element`, if this is none.
   Picture draw(gpu::Commands& commands, const Layers& layers, LightPicture::What what,
                const char* element, uint32_t base = 0);
   /// Shading: in color where light has color, else as gray.

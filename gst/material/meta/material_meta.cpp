@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include "registered_once.hpp"
+#include "gst/base/meta/registered_once.hpp"
 
 namespace inverse {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-/* gst-inverse: the material of the object that limematerial sees in a frame.
+/* gst-inverse: the material of the object in a frame, by limematerial.
  *
  * This header is all that is needed: no library to link.
  *
@@ -16,20 +16,19 @@ G_BEGIN_DECLS
 /**
  * GstMaterialMeta:
  *
- * It comes with every frame of limematerial (of several in a line: the last one's), and stays where
- * frames are converted (videoconvert) or scaled (videoscale: the box is, too, as if the picture
- * filled the frame: with borders added it is off). Elements that crop,
- * pad or turn frames (videocrop, videobox, videoflip) drop it, as box and light would be wrong.
+ * limematerial attaches it to every frame. It passes through conversion (videoconvert) and scaling
+ * (videoscale with add-borders=false: the box is scaled, too). Elements that crop, pad or turn
+ * frames (videocrop, videobox, videoflip) drop it, as box and light would be wrong.
  *
- * @found: whether there is an object; nothing else but the light means anything where there is none
+ * @found: whether there is an object; without one, only the light is valid
  * @diffuse: diffuse albedo, linear RGB, 0...1
  * @specular: specular albedo, white, 0...1
- * @shininess: exponent of Blinn-Phong's lobe, 2...1024. What the object gives back of the light is
- * diffuse * D + specular * g * S, with g = (shininess + 8) / 16 above 8, else 1. The mean, in log2,
- * over the probabilities of all bins: it need not lie in the most probable one
- * @bins: probabilities of eight bins of the shininess, even in log2 from 2 to 1024
- * @averaged: frames that it is the mean of; 0 with the frame in which the object is found: only
- * its box is known then, and the numbers of its material are 0
+ * @shininess: exponent of Blinn-Phong's lobe, 2...1024. Reflected light is diffuse * D +
+ * specular * g * S, with g = (shininess + 8) / 16 above 8, else 1. It is the mean in log2 over all
+ * bins and may lie outside the most probable one
+ * @bins: probabilities of eight bins of the shininess, of equal width in log2, from 2 to 1024
+ * @averaged: number of frames in the mean; 0 in the frame in which the object is found: only its
+ * box is known then, and its material is 0
  * @left: the object's box, in pixels of the frame
  * @top: the same
  * @right: the same
@@ -38,10 +37,9 @@ G_BEGIN_DECLS
  * @environment_height: its rows
  * @environment: the light around the object, or %NULL while it is not known: float32 RGB, rows from
  * the top, no padding. Latitude-longitude: the top row looks up (+y), the center column to the
- * camera (+z), and x is to the right: the mirror image of a panorama in a file, which is as seen
- * from the object. Radiance, linear: under 1 from everywhere a white diffuse
- * surface has the value 1 in the frame (full scale). Never written to again: a copy of the meta
- * shares it, and who wants to keep it takes a reference
+ * camera (+z), x to the right: the mirror image of a panorama file, which is seen from the object.
+ * Linear radiance: under 1 from everywhere a white diffuse surface has the value 1 (full scale).
+ * Immutable and shared by copies of the meta: take a reference to keep it
  */
 typedef struct {
   GstMeta meta;
