@@ -197,7 +197,8 @@ TEST_F(Aravis, WhatIsWrongIsSaid) {
   close();
 
   for (const auto& [line, text] : std::vector<std::pair<std::string, std::string>>{
-           {source() + " ! video/x-raw,format=BGR ! fakesink", "has no such frames"},
+           {source() + " ! video/x-raw,format=BGR ! fakesink",
+            "does not offer the requested format"},
            {source("features=\"NoSuchThing=3\"") + " ! fakesink", "NoSuchThing"},
            {source("features=\"Width=64\"") + " ! " + kGray + " ! fakesink",
             "say size and format by caps"},
