@@ -109,13 +109,13 @@ class ScaledIntrinsic {
   std::optional<ResolutionPlanner::Found> found_before() const;
   /// Half resolution is set up again when it is next used.
   void release_half();
-  void start_anew();
+  void restart();
   /// What warm_up does (warm_up.cpp). Whether every kernel was used.
   bool play_all() const;
   /// The frame's intrinsic plane, solved after `halvings`.
   PlanePtr solve(gpu::Commands& commands, size_t halvings, const PlanePtr& input,
                  const Params& params, const FrameInfo& info);
-  void carry_over(gpu::Commands& commands, size_t from, size_t to, PlanePtr intrinsic);
+  void warm_start(gpu::Commands& commands, size_t from, size_t to, PlanePtr intrinsic);
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;

@@ -13,7 +13,7 @@ layout(push_constant) uniform Push {
   uint side;       // of the lit sphere's table
 } push;
 
-const int kNobody = -1;
+const int kNone = -1;
 
 // Sample positions: no two in the same row or column of eighths.
 const vec4 kAcross[2] = vec4[2](vec4(0.5625, 0.4375, 0.8125, 0.3125), vec4(0.1875, 0.0625, 0.6875, 0.9375));
@@ -43,7 +43,7 @@ uint meets(int first, int k, vec2 corner) {
 }
 
 void find_visible(uvec2 at, out Seen seen[2]) {
-  seen[0] = seen[1] = Seen(vec4(-1e30), ivec4(kNobody));
+  seen[0] = seen[1] = Seen(vec4(-1e30), ivec4(kNone));
   uint tile = at.y / push.tile * push.columns + at.x / push.tile;
   vec2 corner = vec2(at);
   for (uint w = 0u; w < push.words; ++w) {

@@ -31,7 +31,7 @@ class Guide {
   const gpu::BufferPtr& cells() const {
     return cells_;
   }  ///< level 2, two vec4 a cell of 4 x 4 pixels
-  const gpu::BufferPtr& wide() const {
+  const gpu::BufferPtr& guide_coarse() const {
     return guide_coarse_;
   }  ///< level 4, vec4 a cell of 16 x 16 pixels
   const gpu::BufferPtr& statistics() const {

@@ -41,7 +41,7 @@ void EdgePrior::record_values(gpu::Commands& commands, const Guide& guide, const
   values_.dispatch(
       commands, listed,
       {.cells = guide.cells(),
-       .wide = guide.wide(),
+       .guide_coarse = guide.guide_coarse(),
        .statistics = guide.statistics(),
        .tuning = biases_,
        .value = target.value},
