@@ -171,7 +171,7 @@ uint32_t GlobalIntrinsic::Report::slots() const {
   const float* colors = found->map_as<float>() + 4 * size_t{Model::SCENE_COLORS};
   uint32_t slots = 0;
   for (uint32_t k = 0; k < Model::kSlots; ++k)
-    if (colors[4 * k + 2] > 0) slots = k + 1;
+    if (colors[4 * k + Model::COLOR_USED] > 0) slots = k + 1;
   return slots;
 }
 
@@ -370,14 +370,17 @@ GlobalIntrinsic::Findings GlobalIntrinsic::findings(uint64_t frame) const {
   const Report& of = report(frame);
   const float* found = of.found->map_as<float>();
   const auto slot = [&](uint32_t k) { return found + 4 * size_t{k}; };
-  Findings findings{
-      solve_.findings(of.solve),    slot(Model::SCENE_AMOUNT)[0],
-      slot(Model::SCENE_AMOUNT)[1], static_cast<uint32_t>(slot(Model::SCENE_AMOUNT)[3]),
-      slot(Model::SCENE_TINT)[0],   slot(Model::SCENE_TIME)[0] > 0,
-      slot(Model::SCENE_TINT)[3]};
+  const float *amount = slot(Model::SCENE_AMOUNT), *tint = slot(Model::SCENE_TINT);
+  Findings findings{.solve = solve_.findings(of.solve),
+                    .amount = amount[Model::AMOUNT_KAPPA],
+                    .confidence = amount[Model::AMOUNT_CONFIDENCE],
+                    .colors = static_cast<uint32_t>(amount[Model::AMOUNT_COLORS]),
+                    .tint = tint[Model::TINT_RMS],
+                    .cut = slot(Model::SCENE_TIME)[Model::TIME_CUT] > 0,
+                    .chroma = tint[Model::TINT_SPREAD]};
   for (uint32_t k = 0; k < Model::kSlots; ++k) {
     const float* color = slot(Model::SCENE_COLORS + k);
-    if (!(color[2] > 0)) continue;
+    if (!(color[Model::COLOR_USED] > 0)) continue;
     // color_of in model.glsl
     const float u = 0.70710678F * color[0], v = 0.40824829F * color[1];
     const float max = std::max({v + u, v - u, -2 * v});

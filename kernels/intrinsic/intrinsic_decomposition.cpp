@@ -25,7 +25,7 @@ IntrinsicDecomposition::Params problem_of(IntrinsicDecomposition::Params params)
 /// What a report reads back; the shaders that write it say what each number is.
 struct Numbers {
   std::array<float, 4> progress, cut_decision, scale, binding, gates;
-  std::array<std::array<float, 4>, 2> statistics, kept_statistics;
+  std::array<std::array<float, 4>, Guide::kStatisticsSize> statistics, kept_statistics;
   uint32_t active, evaluated, moving;
 };
 constexpr float kAllTiles = -1;  // the tolerance that lists all
@@ -123,17 +123,18 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
   bins_.record_weights(commands, guide_, terms_,
                        plan_.bins ? EdgePrior::kMaxChroma * params.prior.chroma_weight : 0);
   commands.stage("operators");
-  const ChromaBins::State state{terms_,
-                                multigrid_.cell_means(),
-                                multigrid_.cell_correction(),
-                                multigrid_.cell_residual(),
-                                multigrid_.cell_system(),
-                                multigrid_.cell_source_term()};
+  const ChromaBins::State state{.terms = terms_,
+                                .means = multigrid_.cell_means(),
+                                .correction = multigrid_.cell_correction(),
+                                .far = multigrid_.cell_residual(),
+                                .system = multigrid_.cell_system(),
+                                .source_term = multigrid_.cell_source_term()};
   for (uint32_t cycle = 0; cycle < plan_.cycles; ++cycle)
     multigrid_.record_cycle(
         commands, multigrid, cycle,
-        {plan_.stops() || cycle + 1 == plan_.cycles, plan_.stops() && cycle > 0,
-         plan_.cycle_tolerance},
+        {.measured = plan_.stops() || cycle + 1 == plan_.cycles,
+         .conditional = plan_.stops() && cycle > 0,
+         .tolerance = plan_.cycle_tolerance},
         [&] { bins_.record(commands, guide_, state); },
         [&] { bins_.record_source_term(commands, state, plan_.measures_bins); }, list());
 }
@@ -200,7 +201,7 @@ void IntrinsicDecomposition::list_tiles(gpu::Commands& commands, const Params& p
 void IntrinsicDecomposition::evaluate_edges(gpu::Commands& commands, const Params& params) {
   EdgePrior::Params prior = params.prior;
   if (!plan_.bins) prior.chroma_weight = 0;
-  const EdgePrior::Target target{multigrid_.system(), flux_, value_};
+  const EdgePrior::Target target{.system = multigrid_.system(), .flux = flux_, .value = value_};
   if (!has_history_) prior_.reset();
   switch (plan_.edges) {
     case Plan::Edges::tiles:
@@ -319,17 +320,21 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
   Findings findings;
   findings.plan = plan;
   findings.tiles = of.stats.tiles;
-  findings.change = std::sqrt(numbers.progress[0]);
-  findings.cycles = plan.stops() ? static_cast<uint32_t>(numbers.progress[2]) : plan.cycles;
+  findings.change = std::sqrt(numbers.progress[Progress::PROGRESS_CHANGE]);
+  findings.cycles = plan.stops()
+                        ? static_cast<uint32_t>(numbers.progress[Progress::PROGRESS_CYCLES])
+                        : plan.cycles;
   if (plan.history) {
-    findings.mismatch = numbers.cut_decision[0];
-    findings.cut = numbers.cut_decision[1] == 0;
+    findings.mismatch = numbers.cut_decision[Cut::CUT_MISMATCH];
+    findings.cut = numbers.cut_decision[Cut::CUT_ANCHORED] == 0;
   }
   findings.scale = numbers.scale[0];
   if (plan.measures_bins)
-    findings.binding = std::sqrt(numbers.binding[0] / std::max(numbers.binding[1], 1e-20F));
+    findings.binding = std::sqrt(numbers.binding[Bins::BINDING_EFFECT] /
+                                 std::max(numbers.binding[Bins::BINDING_WEIGHT], 1e-20F));
   if (plan.measures_gate)
-    findings.gate = std::sqrt(numbers.gates[0] / static_cast<float>(guide_.cell_extent().pixels()));
+    findings.gate = std::sqrt(numbers.gates[shaders::intrinsic_energy_cell_terms::GATE_SQUARES] /
+                              static_cast<float>(guide_.cell_extent().pixels()));
   findings.tiles_active = plan.tiles() ? numbers.active : of.stats.tiles;
   findings.tiles_evaluated = plan.tiles()                         ? findings.tiles_active
                              : plan.edges == Plan::Edges::compare ? numbers.evaluated

@@ -33,7 +33,7 @@ Guide::Guide(const std::shared_ptr<gpu::Device>& device, Extent extent)
   cells_ = Buffer::create(device, Element::vec4,
                           extent2_.pixels() * shaders::intrinsic_guide_cells::CELL_STRIDE);
   guide_coarse_ = Buffer::create(device, Element::vec4, extent4_.pixels());
-  statistics_ = Buffer::create(device, Element::vec4, 2);
+  statistics_ = Buffer::create(device, Element::vec4, kStatisticsSize);
   for (auto& sums : sums_)
     sums = Buffer::create(device, Element::vec4,
                           gpu::partial_count(*sum_.kernel(), sum_items(extent1_)));

@@ -29,7 +29,7 @@ void main() {
   ivec2 position = ivec2(tile_position(uint(packs)));
   if (position.y >= push.size.y) return;
   int wide_columns = ((push.size.x + 1) / 2 + 1) / 2;
-  float mean = FETCH(statistics, 0).x;
+  float mean = FETCH(statistics, STATISTICS_MEAN).x;
   vec4 v = vec4(0.0), target = vec4(0.0), g = vec4(0.0);
   for (int k = 0; k < 4; ++k) {
     int x = 4 * position.x + k, cell = CELL_STRIDE * (position.y * push.size.x + min(x, push.size.x - 1));

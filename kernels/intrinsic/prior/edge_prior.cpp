@@ -14,7 +14,7 @@ EdgePrior::EdgePrior(const std::shared_ptr<gpu::Device>& device, Extent extent)
       biases_(gpu::Buffer::create(device, gpu::Element::vec4,
                                   shaders::intrinsic_prior_fold_biases::FOLD_VECTORS)),
       kept_(gpu::Buffer::create(device, gpu::Element::vec4, half_of(extent).pixels())),
-      kept_statistics_(gpu::Buffer::create(device, gpu::Element::vec4, 2)) {}
+      kept_statistics_(gpu::Buffer::create(device, gpu::Element::vec4, Guide::kStatisticsSize)) {}
 
 void EdgePrior::record_edges(gpu::Commands& commands, const Guide& guide, const Target& target,
                              const Params& params, const TileList* listed) const {
