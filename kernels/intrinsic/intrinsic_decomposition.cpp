@@ -15,10 +15,7 @@ IntrinsicDecomposition::Params problem_of(IntrinsicDecomposition::Params params)
   constexpr IntrinsicDecomposition::Params kDefaults{};
   params.cycles = kDefaults.cycles;
   params.warm_cycles = kDefaults.warm_cycles;
-  params.cycle_tolerance = kDefaults.cycle_tolerance;
-  params.edge_tolerance = kDefaults.edge_tolerance;
-  params.tile_tolerance = kDefaults.tile_tolerance;
-  params.repeat_tolerance = kDefaults.repeat_tolerance;
+  params.tolerances = {};
   return params;
 }
 
@@ -29,6 +26,7 @@ struct Numbers {
   uint32_t active, evaluated, moving;
 };
 constexpr float kAllTiles = -1;  // the tolerance that lists all
+static_assert(Planner::kMeanDrift == shaders::intrinsic_prior_change::kMeanDrift);
 
 }  // namespace
 
@@ -150,12 +148,7 @@ void IntrinsicDecomposition::make_plan(const Params& params, const FrameInfo& in
   plan_ = planner_.next({.adaptive = params.adaptive,
                          .chroma = params.prior.chroma_weight > 0,
                          .anchor = params.anchor.anchor_weight > 0,
-                         .cycle_tolerance = params.cycle_tolerance,
-                         .edge_tolerance = params.edge_tolerance,
-                         .chroma_tolerance = params.chroma_tolerance,
-                         .gate_tolerance = params.gate_tolerance,
-                         .tile_tolerance = params.tile_tolerance,
-                         .repeat_tolerance = params.repeat_tolerance,
+                         .tolerances = params.tolerances,
                          .cut_fraction = params.anchor.cut_fraction,
                          .cycles = params.cycles,
                          .warm_cycles = params.warm_cycles},
@@ -179,7 +172,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   assemble(commands, params.anchor);
   solve(commands, params);
   const PlanePtr intrinsic = write_layers(commands, input, params);
-  record_report(commands);
+  record_report(commands, params);
   commands.stage("layers");
   active_.advance(plan_.tiles());
   last_ = plan_.whole() ? nullptr : intrinsic;
@@ -208,7 +201,7 @@ void IntrinsicDecomposition::evaluate_edges(gpu::Commands& commands, const Param
       prior_.record_tiles(commands, guide_, target, prior, active_.list());
       break;
     case Plan::Edges::compare:
-      prior_.record_changes(commands, guide_, target, prior, params.edge_tolerance);
+      prior_.record_changes(commands, guide_, target, prior, params.tolerances.edge);
       break;
     case Plan::Edges::all_save:
     case Plan::Edges::all:
@@ -287,9 +280,9 @@ void IntrinsicDecomposition::start_from_layers(gpu::Commands& commands, const Pl
   commands.stage("warm-start");
 }
 
-void IntrinsicDecomposition::record_report(gpu::Commands& commands) {
+void IntrinsicDecomposition::record_report(gpu::Commands& commands, const Params& params) {
   Report& report = reports_[recorded_++];
-  report.stats = {plan_, multigrid_.depth(), prior_.tiles()};
+  report.stats = {plan_, multigrid_.depth(), prior_.tiles(), params.tolerances};
   if (!report.found)
     report.found = gpu::Buffer::create(device_, gpu::Element::word,
                                        sizeof(Numbers) / sizeof(uint32_t), gpu::Memory::readback);
@@ -317,6 +310,10 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
   const Report& of = report(frame);
   const Plan& plan = of.stats.plan;
   const Numbers& numbers = *of.found->map_as<Numbers>();
+  using Progress = shaders::intrinsic_multigrid_convergence;
+  using Cut = shaders::intrinsic_temporal_cut_decision;
+  using Bins = shaders::intrinsic_chroma_source_term;
+  using Statistics = shaders::intrinsic_guide_frame;
   Findings findings;
   findings.plan = plan;
   findings.tiles = of.stats.tiles;
@@ -341,11 +338,13 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
                                                                   : of.stats.tiles;
   if (plan.whole()) return findings;
   findings.tiles_moving = numbers.moving;
-  // The statistics' first number is a mean, which may move four times as far.
-  findings.drift = std::abs(numbers.statistics[0][0] - numbers.kept_statistics[0][0]) * 0.25F;
+  const auto drift = [&](size_t slot, size_t i) {
+    return std::abs(numbers.statistics[slot][i] - numbers.kept_statistics[slot][i]);
+  };
+  findings.mean_drift = drift(Statistics::STATISTICS_MEAN, 0);
   for (size_t i = 0; i < 4; ++i)
-    findings.drift = std::max(std::abs(numbers.statistics[1][i] - numbers.kept_statistics[1][i]),
-                              findings.drift);  // NaN stays
+    if (const float other = drift(Statistics::STATISTICS_SIGMAS, i); !(other <= findings.drift))
+      findings.drift = std::isnan(findings.drift) ? findings.drift : other;
   return findings;
 }
 

@@ -72,7 +72,7 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
                                const FrameInfo& info) {
   if (info.reset) restart();
   const auto choice =
-      planner_.next({params.adaptive, params.halvings(), params.half_tolerance}, found_before());
+      planner_.next({params.adaptive, params.halvings(), params.tolerances.half}, found_before());
   if (choice.cut) fade_.stop();
   if (choice.half_far) release_half();
   const size_t now = choice.halvings;

@@ -130,11 +130,11 @@ void set(Params& params, const std::string& text) {
   const std::string name = text.substr(0, at);
   const float value = std::stof(text.substr(at + 1));
   if (name == "tile-tolerance")
-    params.tile_tolerance = value;
+    params.tolerances.tile = value;
   else if (name == "warm-cycles")
     params.warm_cycles = uint32_t(value);
   else if (name == "settled")
-    params.cycle_tolerance = value;
+    params.tolerances.cycle = value;
   else
     throw std::runtime_error("no setting " + name);
 }

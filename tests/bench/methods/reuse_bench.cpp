@@ -69,7 +69,7 @@ Kept send_again(bench::DeviceSession& session, const bench::TruthFrame& truth, f
   };
   send(true);
   Kept kept{error(), 0, 0};
-  params.cycle_tolerance = std::min(params.cycle_tolerance, bound);
+  params.tolerances.cycle = std::min(params.tolerances.cycle, bound);
   while (kept.frames < count &&
          (kept.frames == 0 || bound == 0 || method.findings(method.recorded() - 1).change >= bound))
     send(false), ++kept.frames;
