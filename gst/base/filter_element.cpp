@@ -11,6 +11,7 @@
 
 #include "gst/base/log/errors.hpp"
 #include "gst/base/meta/layers_meta.hpp"
+#include "kernels/reuse/tolerances.hpp"
 #include "report.hpp"
 
 // Members log into the category of their element.
@@ -297,9 +298,9 @@ void FilterElement::convert_input(GstBuffer* in, Slot& slot, FrameContext& frame
   }
   // Chroma is interpolated: a change shows one pixel further.
   const auto affected = dilate_tiles(frame.changed, slot.tiles->columns());
-  const bool few_changed =
-      !frame.changed.empty() &&
-      4 * std::count(affected.begin(), affected.end(), 1) < static_cast<ptrdiff_t>(affected.size());
+  const bool few_changed = !frame.changed.empty() &&
+                           static_cast<float>(std::count(affected.begin(), affected.end(), 1)) <
+                               kMaxChangedTiles * static_cast<float>(affected.size());
   // If nothing else holds the frame before, this one may overwrite it.
   if (few_changed && kept_input_ && kept_input_.use_count() == 1) {
     plane = kept_input_;

@@ -79,7 +79,7 @@ void Decomposer::process(FrameContext& frame) {
     kept_ = frame.layers;
   else
     kept_.reset();
-  past_[frame.number] = {last_method_, reused, rate_controller_.level(), reused_};
+  past_[frame.number] = {last_method_, reused, reason, rate_controller_.level(), reused_};
   if (frame.draw) draw(frame, settings, reused);
 }
 
@@ -120,8 +120,8 @@ void Decomposer::describe(GstStructure* stats, uint64_t number) const {
   if (frame.reused && gst_structure_has_field(stats, "cut"))
     gst_structure_set(stats, "cut", G_TYPE_BOOLEAN, FALSE, nullptr);
   if (frame.reused)
-    gst_structure_set(stats, "skipped", G_TYPE_STRING, "method: the picture of the frame before",
-                      nullptr);
+    gst_structure_set(stats, "skipped", G_TYPE_STRING,
+                      (std::string("method: ") + frame.reason).c_str(), nullptr);
   gboolean cut = FALSE;
   if (gst_structure_get_boolean(stats, "cut", &cut) && cut)
     GST_CAT_INFO_OBJECT(log().category, log().object, "scene cut at frame %" G_GUINT64_FORMAT,

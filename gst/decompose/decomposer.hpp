@@ -43,7 +43,8 @@ class Decomposer final : public Filter {
   struct Past {
     uint64_t method = 0;  // the method's number of the frame whose layers it has
     bool reused = false;
-    size_t level = 0;  // of RateController
+    const char* reason = "";  // of RepeatPlanner
+    size_t level = 0;         // of RateController
     uint64_t reused_so_far = 0;
   };
 

@@ -19,6 +19,8 @@ struct DecomposerParams {
   Quality quality = Quality::medium;
   double target_fps = 0;      ///< frames a second to hold; 0: any
   double latency_budget = 0;  ///< ms for a frame; 0: any
+  /// Adapts the defaults to what is set of other properties.
+  void take_defaults(const DecomposerParams& /*set*/) {}
   /// Computes what follows from the properties, once all are read.
   void derive() {}
 };
@@ -80,10 +82,7 @@ class MethodSettings final : public DecomposerSettings {
   MethodSettings(const PropertyTable<P>& table, const QualityLevels<MethodParams>& levels)
       : parameters_(table,
                     [&levels](const P& set) {
-                      P params;
-                      params.quality = set.quality;
-                      levels.set(params, set.quality);
-                      return params;
+                      return defaults(set, levels.levels[levels.top(set.quality)]);
                     }),
         levels_(levels) {}
   PropertyStore& store() override { return parameters_; }
@@ -100,7 +99,8 @@ class MethodSettings final : public DecomposerSettings {
     const size_t top = levels_.top(next.quality);
     controller.set_goal({next.target_fps, next.latency_budget}, top);
     if (controller.level() != top)
-      next = parameters_.snapshot(levels_.levels[controller.level()].set);
+      next = parameters_.snapshot(
+          [&](P& params) { params = defaults(params, levels_.levels[controller.level()]); });
     next.derive();
     const MethodParams &before = params_, &now = next;
     const bool changed = before != now;
@@ -111,6 +111,15 @@ class MethodSettings final : public DecomposerSettings {
   const P& params() const { return params_; }
 
  private:
+  /// The properties that are not set, at a level of work.
+  static P defaults(const P& set, const Level<MethodParams>& level) {
+    P params;
+    params.quality = set.quality;
+    level.set(params);
+    params.take_defaults(set);
+    return params;
+  }
+
   Parameters<P> parameters_;
   const QualityLevels<MethodParams>& levels_;
   P params_;

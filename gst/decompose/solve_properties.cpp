@@ -2,6 +2,7 @@
 #include "solve_properties.hpp"
 
 #include <string>
+#include <utility>
 
 namespace inverse {
 
@@ -29,6 +30,15 @@ void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,
                     G_TYPE_UINT, found.tiles_active, "tiles-reason", G_TYPE_STRING,
                     std::string(solve.plan.reason).c_str(), "skipped", G_TYPE_STRING,
                     joined(solve.plan.skipped).c_str(), nullptr);
+  const Tolerances& tolerances = solve.tolerances;
+  for (const auto& [name, value] : {std::pair{"half-tolerance", tolerances.half},
+                                    {"tile-tolerance", tolerances.tile},
+                                    {"chroma-tolerance", tolerances.chroma},
+                                    {"cycle-tolerance", tolerances.cycle},
+                                    {"repeat-tolerance", tolerances.repeat},
+                                    {"edge-tolerance", tolerances.edge},
+                                    {"gate-tolerance", tolerances.gate}})
+    gst_structure_set(stats, name, G_TYPE_DOUBLE, static_cast<double>(value), nullptr);
 }
 
 }  // namespace inverse

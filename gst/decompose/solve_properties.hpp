@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
-#include "kernels/reuse/skip_error.hpp"
 #include "method.hpp"
 
 namespace inverse {
@@ -9,19 +8,26 @@ namespace inverse {
 /// The parameters of an element whose method solves by ScaledIntrinsic: the method's, and these.
 template <typename MethodParams>
 struct SolveParams : MethodParams, DecomposerParams {
-  float skip_error = kSkipError;  ///< rms log shading
-  void derive() { this->scale_tolerances(skip_error / kSkipError); }
+  float skip_error = Tolerances::kSkipError;  ///< rms log shading
+  void take_defaults(const SolveParams& set) {
+    skip_error = set.skip_error;
+    this->tolerances.scale_to(skip_error);
+  }
+  void derive() { this->adaptive = this->adaptive && skip_error > 0; }
 };
 
 /// The properties of SolveParams<…>, P.
 template <typename P>
 PropertyTable<P> solve_properties() {
+  const auto tolerance = [](float Tolerances::*member) {
+    return [member](P& p) -> float& { return p.tolerances.*member; };
+  };
   return {
       flag<P>("adaptive", &P::adaptive, "Skip work within skip-error; turn off to compare"),
       number<P>(
           "skip-error", &P::skip_error, 0.f, 1.f,
           "Target for the error that skipped work adds (rms log shading), estimated; 0 = exact"),
-      tuning(number<P>("cycle-tolerance", &P::cycle_tolerance, 0.f, 1.f,
+      tuning(number<P>("cycle-tolerance", tolerance(&Tolerances::cycle), 0.f, 1.f,
                        "Change by a multigrid cycle after which no other follows (rms log "
                        "shading); 0 = all run")),
       tuning(flag<P>("half-resolution", &P::half_resolution,
@@ -29,20 +35,20 @@ PropertyTable<P> solve_properties() {
       tuning(flag<P>("quarter-resolution", &P::quarter_resolution,
                      "With half-resolution: solve at a quarter of width and height")),
       tuning(number<P>(
-          "half-tolerance", &P::half_tolerance, 0.f, 1.f,
+          "half-tolerance", tolerance(&Tolerances::half), 0.f, 1.f,
           "Maximum error at which half resolution is chosen (rms log shading); 0 = never")),
       tuning(number<P>(
-          "chroma-tolerance", &P::chroma_tolerance, 0.f, 1.f,
+          "chroma-tolerance", tolerance(&Tolerances::chroma), 0.f, 1.f,
           "Maximum effect of the equal-chroma term that is skipped (rms log shading); 0 = never")),
-      tuning(number<P>("gate-tolerance", &P::gate_tolerance, 0.f, 1.f,
+      tuning(number<P>("gate-tolerance", tolerance(&Tolerances::gate), 0.f, 1.f,
                        "Gate (rms over cells) below which pixels are not compared; 0 = never")),
-      tuning(number<P>("repeat-tolerance", &P::repeat_tolerance, 0.f, 0.1f,
+      tuning(number<P>("repeat-tolerance", tolerance(&Tolerances::repeat), 0.f, 0.1f,
                        "Change by the last cycle below which a repeated picture reuses its layers "
                        "(rms log shading)")),
       tuning(number<P>(
-          "edge-tolerance", &P::edge_tolerance, 0.f, 1.f,
+          "edge-tolerance", tolerance(&Tolerances::edge), 0.f, 1.f,
           "Change of a tile at which its edges are evaluated again (log intensity or chroma)")),
-      tuning(number<P>("tile-tolerance", &P::tile_tolerance, 0.f, 1.f,
+      tuning(number<P>("tile-tolerance", tolerance(&Tolerances::tile), 0.f, 1.f,
                        "Maximum estimated error of a skipped static tile before it is recomputed "
                        "(rms log shading)")),
       tuning(

@@ -5,7 +5,6 @@
 // the including kernel and the one after it.
 PLANE_IN(MODEL_BINDING, model);      // R, S before any edit
 PLANE_IN(MODEL_BINDING + 1, bases);  // before any edit
-const int kMaxBases = 16;
 const float kWhite = 0.15;      // a base color this near to white is white
 const float kBaseFloor = 1e-3;  // of its channels
 

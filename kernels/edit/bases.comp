@@ -16,8 +16,6 @@
 // directly, by chromaticity or by index, and s_k = mean b_k: a color of mean 1 keeps their brightness.
 layout(constant_id = 1) const uint kBy = 0u;
 const uint kBySurface = 0u, kByKey = 1u, kByIndex = 2u, kByClustersSurface = 3u, kByBasesSurface = 4u;
-const int kMaxBases = 16;
-const int kMaxClusters = 16;  // Palette::kMaxClusters
 PLANE_IN(0, bases);
 PLANE_IN(1, model);      // R.rgb, S before any edit
 PLANE_IN(2, selection);  // x = 0…1

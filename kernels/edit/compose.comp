@@ -26,7 +26,6 @@ layout(push_constant) uniform Push {
 } push;
 
 const float kRatioFloor = 2e-3;     // linear light, 1 = full scale
-const float kMiddleGray = 0.21404;  // sRGB code 128
 
 void main() {
   uvec2 at = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y * kRows);

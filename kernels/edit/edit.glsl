@@ -4,6 +4,9 @@
 
 const uint kRows = 4u;         // pixels an invocation, one above the other
 const uint kSampleSide = 64u;  // a sample of a frame is at most this wide and high
+const int kMaxBases = 16;
+const int kMaxClusters = 16;        // of Palette::colors()
+const float kMiddleGray = 0.21404;  // sRGB code 128
 
 // Linear light, 1 = full scale, below which chromaticity is noise: about two codes of 8-bit video. Colors fade to gray
 // there.

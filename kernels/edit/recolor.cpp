@@ -14,6 +14,8 @@ constexpr float kLargest = shaders::edit_recolor::kLargest;
 constexpr float kHardestEdge = 1e-6f;  // softness of a hard edge
 constexpr float kUnlimited = 3.4e38f;
 constexpr int kMaxClusters = static_cast<int>(Palette::kMaxClusters);
+static_assert(kMaxClusters == shaders::edit_recolor::kMaxClusters &&
+              kMaxBases == shaders::edit_recolor::kMaxBases);
 
 /// `value` within [low, high]; `low` for NaN.
 float limited(float value, float low, float high) {

@@ -8,7 +8,6 @@
 // from 0 to 1 as (distance to the nearest other − distance to this one) goes from −softness / 2 to softness / 2.
 PLANE_IN(4, model);
 PLANE_IN(5, palette);  // Palette::colors()
-const int kMaxClusters = 16;  // Palette::kMaxClusters
 
 void main() {
   uvec2 at = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y * kRows);

@@ -17,7 +17,6 @@ layout(push_constant) uniform Push {
   float strength;  // 0: the frame, 1: the layers
 } push;
 
-const float kMiddleGray = 0.21404;  // sRGB code 128
 
 void main() {
   uvec2 at = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y * kRows);

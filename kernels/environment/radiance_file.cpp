@@ -62,8 +62,7 @@ Target target_of(const std::string& path) {
   const fs::file_status found = fs::status(path, status);
   if (found.type() == fs::file_type::none) fail_to_write(path, status.message());
   if (fs::is_directory(found)) fail_to_write(path, "it is a folder");
-  if (fs::is_fifo(found) || fs::is_socket(found))
-    fail_to_write(path, "it is a pipe, which waits for somebody who reads it");
+  if (fs::is_fifo(found) || fs::is_socket(found)) fail_to_write(path, "it is a pipe");
   const bool there = fs::exists(found);
   const fs::path target = there ? fs::canonical(path, none) : fs::path(path);
   const std::string folder = target.parent_path().empty() ? "." : target.parent_path().string();

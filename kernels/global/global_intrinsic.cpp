@@ -42,7 +42,7 @@ GlobalIntrinsic::Params within_ranges(GlobalIntrinsic::Params params) {
   clamp(params.measurement_weight, 0.0F, 100.0F);
   clamp(params.full_spread, 0.01F, 10.0F);
   clamp(params.base_colors, 1, Model::kSlots);
-  clamp(params.least_share, 0.0F, 0.5F);
+  clamp(params.min_share, 0.0F, 0.5F);
   clamp(params.same_color, 0.0F, 10.0F);
   clamp(params.renew, 0.01F, 1.0F);
   clamp(params.white_balance, 0.0F, 1.0F);
@@ -171,7 +171,7 @@ uint32_t GlobalIntrinsic::Report::slots() const {
   const float* colors = found->map_as<float>() + 4 * size_t{Model::SCENE_COLORS};
   uint32_t slots = 0;
   for (uint32_t k = 0; k < Model::kSlots; ++k)
-    if (colors[4 * k + 2] > 0) slots = k + 1;
+    if (colors[4 * k + Model::COLOR_USED] > 0) slots = k + 1;
   return slots;
 }
 
@@ -259,7 +259,7 @@ Layers GlobalIntrinsic::record_gray(gpu::Commands& commands, const PlanePtr& inp
 }
 
 void GlobalIntrinsic::record_tint(gpu::Commands& commands, const PlanePtr& input,
-                                  const Params& params, const PlanePtr& untinted,
+                                  const Params& params, const PlanePtr& neutral_input,
                                   const PlanePtr& tau) {
   kernels_.divide_tint.dispatch(commands, plan_.reused() ? &*changed_[recorded_] : nullptr,
                                 {.frame = input->buffer,
@@ -270,7 +270,7 @@ void GlobalIntrinsic::record_tint(gpu::Commands& commands, const PlanePtr& input
                                  .smooth_part = fits_[0],
                                  .coefficients = fits_[2],
                                  .scene = scene_,
-                                 .plain = untinted->buffer,
+                                 .plain = neutral_input->buffer,
                                  .light = tau->buffer},
                                 {.size = extent_,
                                  .grid = grid_,
@@ -283,7 +283,7 @@ void GlobalIntrinsic::record_tint(gpu::Commands& commands, const PlanePtr& input
   commands.stage("divide-tint");
 }
 
-PlanePtr GlobalIntrinsic::record_direct(gpu::Commands& commands, const PlanePtr& untinted,
+PlanePtr GlobalIntrinsic::record_direct(gpu::Commands& commands, const PlanePtr& neutral_input,
                                         const PlanePtr& tau, const Layers& layers) {
   // Reused light has the direct share of before, except where shading changed.
   const bool keeps = plan_.light != LightPlanner::Light::measure;
@@ -295,7 +295,7 @@ PlanePtr GlobalIntrinsic::record_direct(gpu::Commands& commands, const PlanePtr&
     if (drawn_) commands.copy(kept_.light->buffer, light->buffer, light->buffer->bytes());
   }
   kernels_.direct.dispatch(commands, drawn_,
-                           {.frame = untinted->buffer,
+                           {.frame = neutral_input->buffer,
                             .intrinsic = layers[Role::intrinsic]->buffer,
                             .scene = scene_,
                             .tau = gpu::aliased(tau->buffer),
@@ -316,12 +316,12 @@ Layers GlobalIntrinsic::record_light(gpu::Commands& commands, const PlanePtr& in
     if (!tiles) tiles.emplace(device_, extent_, gpu::Memory::upload);
     tiles->assign(planner_.tiles());
   } else if (keeps) {
-    kept_.untinted = planes_.acquire();
+    kept_.neutral_input = planes_.acquire();
     kept_.tau = planes_.acquire();
   }
-  const PlanePtr untinted = keeps ? kept_.untinted : planes_.acquire(),
+  const PlanePtr neutral_input = keeps ? kept_.neutral_input : planes_.acquire(),
                  tau = keeps ? kept_.tau : planes_.acquire();
-  record_tint(commands, input, params, untinted, tau);
+  record_tint(commands, input, params, neutral_input, tau);
   const uint32_t planes = info.shares ? planes_needed(params) : 0;
   PlanePtr bases = planes > 0 ? kept_.bases : nullptr;
   if (planes > 0 && !bases) {
@@ -352,8 +352,8 @@ Layers GlobalIntrinsic::record_light(gpu::Commands& commands, const PlanePtr& in
   // The input of the solve changes in tiles beside changed ones, too.
   ScaledIntrinsic::FrameInfo solve{.repeated = info.repeated};
   if (plan_.reused()) solve.changed = planner_.tiles();
-  Layers layers = solve_.record(commands, untinted, params, solve);
-  const PlanePtr light = record_direct(commands, untinted, tau, layers);
+  Layers layers = solve_.record(commands, neutral_input, params, solve);
+  const PlanePtr light = record_direct(commands, neutral_input, tau, layers);
   layers[Role::input] = input;
   layers[Role::light] = layers[Role::model_light] = light;
   if (bases) {
@@ -361,7 +361,7 @@ Layers GlobalIntrinsic::record_light(gpu::Commands& commands, const PlanePtr& in
     share_out(commands, layers, planes);
   }
   commands.keep(input);
-  commands.keep(untinted);
+  commands.keep(neutral_input);
   commands.keep(tau);
   return layers;
 }
@@ -370,14 +370,17 @@ GlobalIntrinsic::Findings GlobalIntrinsic::findings(uint64_t frame) const {
   const Report& of = report(frame);
   const float* found = of.found->map_as<float>();
   const auto slot = [&](uint32_t k) { return found + 4 * size_t{k}; };
-  Findings findings{
-      solve_.findings(of.solve),    slot(Model::SCENE_AMOUNT)[0],
-      slot(Model::SCENE_AMOUNT)[1], static_cast<uint32_t>(slot(Model::SCENE_AMOUNT)[3]),
-      slot(Model::SCENE_TINT)[0],   slot(Model::SCENE_TIME)[0] > 0,
-      slot(Model::SCENE_TINT)[3]};
+  const float *amount = slot(Model::SCENE_AMOUNT), *tint = slot(Model::SCENE_TINT);
+  Findings findings{.solve = solve_.findings(of.solve),
+                    .amount = amount[Model::AMOUNT_KAPPA],
+                    .confidence = amount[Model::AMOUNT_CONFIDENCE],
+                    .colors = static_cast<uint32_t>(amount[Model::AMOUNT_COLORS]),
+                    .tint = tint[Model::TINT_RMS],
+                    .cut = slot(Model::SCENE_TIME)[Model::TIME_CUT] > 0,
+                    .chroma = tint[Model::TINT_SPREAD]};
   for (uint32_t k = 0; k < Model::kSlots; ++k) {
     const float* color = slot(Model::SCENE_COLORS + k);
-    if (!(color[2] > 0)) continue;
+    if (!(color[Model::COLOR_USED] > 0)) continue;
     // color_of in model.glsl
     const float u = 0.70710678F * color[0], v = 0.40824829F * color[1];
     const float max = std::max({v + u, v - u, -2 * v});

@@ -59,7 +59,7 @@ class GlobalIntrinsic {
     int base_colors = 16;
     /// Minimum share of the frame of a base color, 0…0.5; distance of chroma (log units) up to
     /// which it continues one of the frame before.
-    float least_share = 0.004F, same_color = 0.3F;
+    float min_share = 0.004F, same_color = 0.3F;
     /// Share of the newest frame in estimates of the scene, 0.01…1.
     float renew = 0.2F;
     /// Share of the lamps' estimated color that is removed first, 0…1.
@@ -159,9 +159,9 @@ class GlobalIntrinsic {
   /// Part of warm_up (warm_up.cpp), of a separate object. Whether every kernel was used.
   bool play_all();
   void record_tint(gpu::Commands& commands, const PlanePtr& input, const Params& params,
-                   const PlanePtr& untinted, const PlanePtr& tau);
-  PlanePtr record_direct(gpu::Commands& commands, const PlanePtr& untinted, const PlanePtr& tau,
-                         const Layers& layers);
+                   const PlanePtr& neutral_input, const PlanePtr& tau);
+  PlanePtr record_direct(gpu::Commands& commands, const PlanePtr& neutral_input,
+                         const PlanePtr& tau, const Layers& layers);
   void record_report(gpu::Commands& commands, bool first);
   /// Light that surfaces of every base color receive: by the base colors of the frame before or, if
   /// `known`, of this one.
@@ -218,7 +218,7 @@ class GlobalIntrinsic {
   Params params_;  // of the frame before
   /// What Light::measure_keep keeps: the frame without its tint, and its light.
   struct Kept {
-    PlanePtr untinted, tau, light, lamp, bases;
+    PlanePtr neutral_input, tau, light, lamp, bases;
   } kept_;
   const TileList* drawn_ = nullptr;
 };

@@ -9,7 +9,9 @@
 namespace inverse::global_model {
 
 using Model = shaders::global_scene_weigh;
-inline constexpr uint64_t kUsable = 16 * Model::SCENE_TINT + 8;  // bytes into the scene's buffer
+/// Place in the scene's buffer, bytes.
+inline constexpr uint64_t kUsable = sizeof(float) * (4 * Model::SCENE_TINT + Model::TINT_USABLE);
+static_assert(Model::kSlots == kMaxBases);
 /// Standard deviations of the confidence of a residual of chroma (residual.glsl), log units.
 inline constexpr float kResidualSigma = 0.35F, kTintSigma = 0.7F;
 

@@ -72,7 +72,7 @@ void GlobalIntrinsic::measure_amount(gpu::Commands& commands, const Params& para
                      .neutral = 1 / (2 * kNeutralWidth * kNeutralWidth)},
                     line_of(grid_.pixels()));
   commands.dispatch(kernels_.weigh, {.counts = candidates_, .scene = scene_},
-                    {.ln_least = std::log(kMinAmount),
+                    {.ln_min = std::log(kMinAmount),
                      .ln_ratio = std::log(kAmountRatio),
                      .neutral = params.neutral,
                      .ln_typical = std::log(params.typical),
@@ -110,7 +110,7 @@ void GlobalIntrinsic::find_colors(gpu::Commands& commands, const Params& params)
                      .heights = heights_,
                      .work = work_},
                     {.smoothing = params.smoothing,
-                     .least_share = params.least_share,
+                     .min_share = params.min_share,
                      .same = params.same_color,
                      .follow = kFollow,
                      .most = params.base_colors,

@@ -28,7 +28,7 @@ bool GlobalIntrinsic::play_all() {
   };
   const auto now = [&]() -> const Stats& { return stats(recorded_ - 1); };
   Params params;
-  params.half_tolerance = 0;
+  params.tolerances.half = 0;
   // With layers, each number of their planes; with the lamps' color; without either.
   for (uint32_t planes = 1; planes <= kIndirectPlanes; ++planes) {
     params.base_colors = static_cast<int>(4 * planes);
@@ -39,8 +39,8 @@ bool GlobalIntrinsic::play_all() {
   params.white_balance = 0;
   // A nearly static picture, as if for long: light is kept, then reused, and the solve begins to
   // work on tiles.
-  params.gate_tolerance = params.chroma_tolerance = 0;
-  params.tile_tolerance = 1;
+  params.tolerances.gate = params.tolerances.chroma = 0;
+  params.tolerances.tile = 1;
   show(picture, params, {});
   planner_.assume_static();
   std::vector<uint8_t> changed(TileList::count(extent_));

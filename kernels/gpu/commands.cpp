@@ -185,7 +185,7 @@ void Commands::prepare(const KernelPtr& kernel, std::span<const Binding> buffers
         throw Error(ErrorKind::internal, std::string("kernel ") + kernel->name() +
                                              ": one buffer at bindings " + std::to_string(k) +
                                              " and " + std::to_string(i) +
-                                             "; gpu::aliased says that it is meant");
+                                             "; mark it gpu::aliased if intended");
     infos[i] = {buffer->handle(), 0, VK_WHOLE_SIZE};
     views[i] = buffer->view();
     writes[i] = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};

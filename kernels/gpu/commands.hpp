@@ -114,7 +114,6 @@ class Commands {
   /// Waits until the submitted work is done. Throws Error(device_lost) if the device is lost, or
   /// after `Device::timeout_ns`; further waits then throw at once until the work is done.
   void wait();
-  bool in_flight() const { return in_flight_; }
   /// Whether `wait` would return at once.
   bool done() const;
 

@@ -15,20 +15,18 @@ IntrinsicDecomposition::Params problem_of(IntrinsicDecomposition::Params params)
   constexpr IntrinsicDecomposition::Params kDefaults{};
   params.cycles = kDefaults.cycles;
   params.warm_cycles = kDefaults.warm_cycles;
-  params.cycle_tolerance = kDefaults.cycle_tolerance;
-  params.edge_tolerance = kDefaults.edge_tolerance;
-  params.tile_tolerance = kDefaults.tile_tolerance;
-  params.repeat_tolerance = kDefaults.repeat_tolerance;
+  params.tolerances = {};
   return params;
 }
 
 /// What a report reads back; the shaders that write it say what each number is.
 struct Numbers {
   std::array<float, 4> progress, cut_decision, scale, binding, gates;
-  std::array<std::array<float, 4>, 2> statistics, kept_statistics;
+  std::array<std::array<float, 4>, Guide::kStatisticsSize> statistics, kept_statistics;
   uint32_t active, evaluated, moving;
 };
 constexpr float kAllTiles = -1;  // the tolerance that lists all
+static_assert(Planner::kMeanDrift == shaders::intrinsic_prior_change::kMeanDrift);
 
 }  // namespace
 
@@ -123,17 +121,18 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
   bins_.record_weights(commands, guide_, terms_,
                        plan_.bins ? EdgePrior::kMaxChroma * params.prior.chroma_weight : 0);
   commands.stage("operators");
-  const ChromaBins::State state{terms_,
-                                multigrid_.cell_means(),
-                                multigrid_.cell_correction(),
-                                multigrid_.cell_residual(),
-                                multigrid_.cell_system(),
-                                multigrid_.cell_source_term()};
+  const ChromaBins::State state{.terms = terms_,
+                                .means = multigrid_.cell_means(),
+                                .correction = multigrid_.cell_correction(),
+                                .far = multigrid_.cell_residual(),
+                                .system = multigrid_.cell_system(),
+                                .source_term = multigrid_.cell_source_term()};
   for (uint32_t cycle = 0; cycle < plan_.cycles; ++cycle)
     multigrid_.record_cycle(
         commands, multigrid, cycle,
-        {plan_.stops() || cycle + 1 == plan_.cycles, plan_.stops() && cycle > 0,
-         plan_.cycle_tolerance},
+        {.measured = plan_.stops() || cycle + 1 == plan_.cycles,
+         .conditional = plan_.stops() && cycle > 0,
+         .tolerance = plan_.cycle_tolerance},
         [&] { bins_.record(commands, guide_, state); },
         [&] { bins_.record_source_term(commands, state, plan_.measures_bins); }, list());
 }
@@ -149,12 +148,7 @@ void IntrinsicDecomposition::make_plan(const Params& params, const FrameInfo& in
   plan_ = planner_.next({.adaptive = params.adaptive,
                          .chroma = params.prior.chroma_weight > 0,
                          .anchor = params.anchor.anchor_weight > 0,
-                         .cycle_tolerance = params.cycle_tolerance,
-                         .edge_tolerance = params.edge_tolerance,
-                         .chroma_tolerance = params.chroma_tolerance,
-                         .gate_tolerance = params.gate_tolerance,
-                         .tile_tolerance = params.tile_tolerance,
-                         .repeat_tolerance = params.repeat_tolerance,
+                         .tolerances = params.tolerances,
                          .cut_fraction = params.anchor.cut_fraction,
                          .cycles = params.cycles,
                          .warm_cycles = params.warm_cycles},
@@ -178,7 +172,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   assemble(commands, params.anchor);
   solve(commands, params);
   const PlanePtr intrinsic = write_layers(commands, input, params);
-  record_report(commands);
+  record_report(commands, params);
   commands.stage("layers");
   active_.advance(plan_.tiles());
   last_ = plan_.whole() ? nullptr : intrinsic;
@@ -200,14 +194,14 @@ void IntrinsicDecomposition::list_tiles(gpu::Commands& commands, const Params& p
 void IntrinsicDecomposition::evaluate_edges(gpu::Commands& commands, const Params& params) {
   EdgePrior::Params prior = params.prior;
   if (!plan_.bins) prior.chroma_weight = 0;
-  const EdgePrior::Target target{multigrid_.system(), flux_, value_};
+  const EdgePrior::Target target{.system = multigrid_.system(), .flux = flux_, .value = value_};
   if (!has_history_) prior_.reset();
   switch (plan_.edges) {
     case Plan::Edges::tiles:
       prior_.record_tiles(commands, guide_, target, prior, active_.list());
       break;
     case Plan::Edges::compare:
-      prior_.record_changes(commands, guide_, target, prior, params.edge_tolerance);
+      prior_.record_changes(commands, guide_, target, prior, params.tolerances.edge);
       break;
     case Plan::Edges::all_save:
     case Plan::Edges::all:
@@ -230,15 +224,15 @@ PlanePtr IntrinsicDecomposition::write_layers(gpu::Commands& commands, const Pla
       .dispatch(commands, list(),
                 {.frame = input->buffer,
                  .cells = guide_.cells(),
-                 .wide = guide_.wide(),
+                 .guide_coarse = guide_.guide_coarse(),
                  .scale = scale_.value(),
                  .start = start_,
                  .before = anchor_.memory(),
                  .now = anchor_.now(),
                  .shading = multigrid_.field(),
                  .memory = gpu::aliased(anchor_.now()),
-                 .held = gpu::aliased(multigrid_.field()),
-                 .kept = anchor_.kept(),
+                 .new_shading = gpu::aliased(multigrid_.field()),
+                 .cell_history = anchor_.kept(),
                  .intrinsic = intrinsic->buffer},
                 {.size = extent_, .texture = 1 / params.anchor.hold_texture},
                 line_of(guide_.cell_extent().pixels()));
@@ -272,7 +266,7 @@ void IntrinsicDecomposition::start_from_layers(gpu::Commands& commands, const Pl
                     {.frame = input->buffer,
                      .intrinsic = start_layers_->buffer,
                      .cells = guide_.cells(),
-                     .wide = guide_.wide(),
+                     .guide_coarse = guide_.guide_coarse(),
                      .scale = scale_.value(),
                      .level0 = guide_.level0(),
                      .memory = anchor_.memory(),
@@ -286,9 +280,9 @@ void IntrinsicDecomposition::start_from_layers(gpu::Commands& commands, const Pl
   commands.stage("warm-start");
 }
 
-void IntrinsicDecomposition::record_report(gpu::Commands& commands) {
+void IntrinsicDecomposition::record_report(gpu::Commands& commands, const Params& params) {
   Report& report = reports_[recorded_++];
-  report.stats = {plan_, multigrid_.depth(), prior_.tiles()};
+  report.stats = {plan_, multigrid_.depth(), prior_.tiles(), params.tolerances};
   if (!report.found)
     report.found = gpu::Buffer::create(device_, gpu::Element::word,
                                        sizeof(Numbers) / sizeof(uint32_t), gpu::Memory::readback);
@@ -316,31 +310,41 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
   const Report& of = report(frame);
   const Plan& plan = of.stats.plan;
   const Numbers& numbers = *of.found->map_as<Numbers>();
+  using Progress = shaders::intrinsic_multigrid_convergence;
+  using Cut = shaders::intrinsic_temporal_cut_decision;
+  using Bins = shaders::intrinsic_chroma_source_term;
+  using Statistics = shaders::intrinsic_guide_frame;
   Findings findings;
   findings.plan = plan;
   findings.tiles = of.stats.tiles;
-  findings.change = std::sqrt(numbers.progress[0]);
-  findings.cycles = plan.stops() ? static_cast<uint32_t>(numbers.progress[2]) : plan.cycles;
+  findings.change = std::sqrt(numbers.progress[Progress::PROGRESS_CHANGE]);
+  findings.cycles = plan.stops()
+                        ? static_cast<uint32_t>(numbers.progress[Progress::PROGRESS_CYCLES])
+                        : plan.cycles;
   if (plan.history) {
-    findings.mismatch = numbers.cut_decision[0];
-    findings.cut = numbers.cut_decision[1] == 0;
+    findings.mismatch = numbers.cut_decision[Cut::CUT_MISMATCH];
+    findings.cut = numbers.cut_decision[Cut::CUT_ANCHORED] == 0;
   }
   findings.scale = numbers.scale[0];
   if (plan.measures_bins)
-    findings.binding = std::sqrt(numbers.binding[0] / std::max(numbers.binding[1], 1e-20F));
+    findings.binding = std::sqrt(numbers.binding[Bins::BINDING_EFFECT] /
+                                 std::max(numbers.binding[Bins::BINDING_WEIGHT], 1e-20F));
   if (plan.measures_gate)
-    findings.gate = std::sqrt(numbers.gates[0] / static_cast<float>(guide_.cell_extent().pixels()));
+    findings.gate = std::sqrt(numbers.gates[shaders::intrinsic_energy_cell_terms::GATE_SQUARES] /
+                              static_cast<float>(guide_.cell_extent().pixels()));
   findings.tiles_active = plan.tiles() ? numbers.active : of.stats.tiles;
   findings.tiles_evaluated = plan.tiles()                         ? findings.tiles_active
                              : plan.edges == Plan::Edges::compare ? numbers.evaluated
                                                                   : of.stats.tiles;
   if (plan.whole()) return findings;
   findings.tiles_moving = numbers.moving;
-  // The statistics' first number is a mean, which may move four times as far.
-  findings.drift = std::abs(numbers.statistics[0][0] - numbers.kept_statistics[0][0]) * 0.25F;
+  const auto drift = [&](size_t slot, size_t i) {
+    return std::abs(numbers.statistics[slot][i] - numbers.kept_statistics[slot][i]);
+  };
+  findings.mean_drift = drift(Statistics::STATISTICS_MEAN, 0);
   for (size_t i = 0; i < 4; ++i)
-    findings.drift = std::max(std::abs(numbers.statistics[1][i] - numbers.kept_statistics[1][i]),
-                              findings.drift);  // NaN stays
+    if (const float other = drift(Statistics::STATISTICS_SIGMAS, i); !(other <= findings.drift))
+      findings.drift = std::isnan(findings.drift) ? findings.drift : other;
   return findings;
 }
 

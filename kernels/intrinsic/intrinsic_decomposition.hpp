@@ -37,26 +37,10 @@ class IntrinsicDecomposition {
     uint32_t warm_cycles = 2;
     Multigrid::Params multigrid;
     OutputScale::Params scale;
-    /// Skips what a frame does not need (kernels/reuse/plan.hpp). The tolerances below say how much
-    /// error that may add; docs/reference/methods/intrinsicdecomp.md, 8.
+    /// Skips what a frame does not need (kernels/reuse/plan.hpp;
+    /// docs/reference/methods/intrinsicdecomp.md, 8).
     bool adaptive = true;
-    /// Change of log shading by a cycle, rms, 0…1, below which no other follows; 0: all run.
-    float cycle_tolerance = 0.01F;
-    /// Change of log intensity or chroma of a 2 x 2 mean, 0…1, from which on the edges of a tile
-    /// are evaluated again.
-    float edge_tolerance = 0.05F;
-    /// Effect of the chroma bins on log shading (rms of cell means, weighted by the value prior),
-    /// 0…1, below which they are skipped; 0: never.
-    float chroma_tolerance = 0.02F;
-    /// Gate of the temporal anchor, rms over cells, 0…1, below which pixels are not compared with
-    /// the frame before; 0: never.
-    float gate_tolerance = 0.06F;
-    /// Estimated error of a skipped tile, rms log shading, 0…1, above which it is worked on again;
-    /// 0: no tile is skipped. Only tiles whose input is unchanged are skipped.
-    float tile_tolerance = 0.02F;
-    /// Change of log shading by the last cycle, rms, 0…0.1, below which a repeated picture has
-    /// converged.
-    float repeat_tolerance = 1e-3F;
+    Tolerances tolerances;
     bool operator==(const Params&) const = default;
   };
   struct FrameInfo {
@@ -70,6 +54,7 @@ class IntrinsicDecomposition {
     Plan plan;
     uint32_t levels = 0;  ///< of the multigrid
     uint32_t tiles = 0;   ///< of 16 x 16 pixels, of a frame
+    Tolerances tolerances;
   };
 
   /// Throws Error(limit) if frames of this size do not fit the device.
@@ -128,7 +113,7 @@ class IntrinsicDecomposition {
   PlanePtr write_layers(gpu::Commands& commands, const PlanePtr& input, const Params& params);
   /// The plane for the layers: if only tiles are worked on, one that has the others.
   PlanePtr layers_plane(gpu::Commands& commands);
-  void record_report(gpu::Commands& commands);
+  void record_report(gpu::Commands& commands, const Params& params);
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;

@@ -12,8 +12,8 @@ void intrinsic_level(ScaledIntrinsic::Params& params) {
   params.set_halvings(kHalvings);
   params.cycles = kCycles;
   params.warm_cycles = kWarm;
-  params.edge_tolerance = kEdgeTolerance;
-  params.cycle_tolerance = kCycleTolerance;
+  params.tolerances.edge = kEdgeTolerance;
+  params.tolerances.cycle = kCycleTolerance;
 }
 
 /// The levels of intrinsicdecomp (docs/reference/methods/intrinsicdecomp.md, 10).

@@ -56,7 +56,7 @@ PlanePtr ScaledIntrinsic::solve(gpu::Commands& commands, size_t halvings, const 
   return intrinsic;
 }
 
-void ScaledIntrinsic::carry_over(gpu::Commands& commands, size_t from, size_t to,
+void ScaledIntrinsic::warm_start(gpu::Commands& commands, size_t from, size_t to,
                                  PlanePtr intrinsic) {
   set_up(to);
   for (size_t k = 0; k < to; ++k) {
@@ -70,9 +70,9 @@ void ScaledIntrinsic::carry_over(gpu::Commands& commands, size_t from, size_t to
 
 Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                                const FrameInfo& info) {
-  if (info.reset) start_anew();
+  if (info.reset) restart();
   const auto choice =
-      planner_.next({params.adaptive, params.halvings(), params.half_tolerance}, found_before());
+      planner_.next({params.adaptive, params.halvings(), params.tolerances.half}, found_before());
   if (choice.cut) fade_.stop();
   if (choice.half_far) release_half();
   const size_t now = choice.halvings;
@@ -81,7 +81,7 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   if (crossed) {
     const PlanePtr old = solve(commands, was_, input, params, info);
     shown = fade_.record(commands, input, old);
-    carry_over(commands, was_, now, old);
+    warm_start(commands, was_, now, old);
   }
   const PlanePtr intrinsic = solve(commands, now, input, params, info);
   if (crossed)
@@ -111,10 +111,10 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
 void ScaledIntrinsic::reset() {
   for (auto& method : methods_)
     if (method) method->reset();
-  start_anew();
+  restart();
 }
 
-void ScaledIntrinsic::start_anew() {
+void ScaledIntrinsic::restart() {
   planner_.reset();
   fade_.stop();
 }

@@ -23,22 +23,11 @@ class ScaledIntrinsic {
     bool half_resolution = false;
     /// With half_resolution: a quarter of width and height instead.
     bool quarter_resolution = false;
-    /// Distance of log shading between half and full resolution, rms (LayerDistance), 0…1, below
-    /// which half is chosen if `adaptive` is on; 0: never.
-    float half_tolerance = 0.06F;
-    /// How often the frame is halved before it is solved, unless half_tolerance decides.
+    /// How often the frame is halved before it is solved, unless Tolerances::half decides.
     size_t halvings() const { return !half_resolution ? 0 : quarter_resolution ? 2 : 1; }
     void set_halvings(size_t halvings) {
       half_resolution = halvings > 0;
       quarter_resolution = halvings > 1;
-    }
-    /// Scales all tolerances of skipped work; 0 skips nothing that changes the result.
-    void scale_tolerances(float factor) {
-      adaptive = adaptive && factor > 0;
-      for (float* tolerance :
-           {&cycle_tolerance, &edge_tolerance, &chroma_tolerance, &gate_tolerance, &tile_tolerance,
-            &repeat_tolerance, &half_tolerance})
-        *tolerance *= factor;
     }
     bool operator==(const Params&) const = default;
   };
@@ -73,7 +62,7 @@ class ScaledIntrinsic {
   /// Whether another run on the picture of `frame`, one of the last kFramesInFlight that is done,
   /// would change little: its last cycle did, and no layers fade.
   bool converged(uint64_t frame, const Params& params) const {
-    return !fade_.on() && findings(frame).change < params.repeat_tolerance;
+    return !fade_.on() && findings(frame).change < params.tolerances.repeat;
   }
   /// Forgets the frames so far (flush, discontinuity).
   void reset();
@@ -109,13 +98,13 @@ class ScaledIntrinsic {
   std::optional<ResolutionPlanner::Found> found_before() const;
   /// Half resolution is set up again when it is next used.
   void release_half();
-  void start_anew();
+  void restart();
   /// What warm_up does (warm_up.cpp). Whether every kernel was used.
   bool play_all() const;
   /// The frame's intrinsic plane, solved after `halvings`.
   PlanePtr solve(gpu::Commands& commands, size_t halvings, const PlanePtr& input,
                  const Params& params, const FrameInfo& info);
-  void carry_over(gpu::Commands& commands, size_t from, size_t to, PlanePtr intrinsic);
+  void warm_start(gpu::Commands& commands, size_t from, size_t to, PlanePtr intrinsic);
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;

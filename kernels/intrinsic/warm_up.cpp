@@ -48,25 +48,25 @@ bool ScaledIntrinsic::play_all() const {
   };
   // All work, without and with a frame before; the output's scale far from its later value.
   Params params;
-  params.half_tolerance = 0;
+  params.tolerances.half = 0;
   params.scale.white_level = 0.3F;
   params.adaptive = false;
   play(params, 2, false);
   // With `adaptive`: measurements of bins and anchor, which are then skipped, cycles that end
   // early, and the comparison of resolutions.
   params.adaptive = true;
-  params.chroma_tolerance = 1;
-  params.half_tolerance = 1e-6F;
+  params.tolerances.chroma = 1;
+  params.tolerances.half = 1e-6F;
   small.reset();
   small.planner_.compare_next();
   play(params, 5, false);
   // Tiles, while the output's scale moves, with cycles that end early and with all of them.
   params.scale.white_level = 0.9F;
-  params.chroma_tolerance = params.half_tolerance = 0;
+  params.tolerances.chroma = params.tolerances.half = 0;
   play(params, 6, true);
   const IntrinsicDecomposition& full = *small.methods_[0];
   const bool tiles_used = full.stats(full.recorded() - 1).plan.tiles();
-  params.cycle_tolerance = 0;
+  params.tolerances.cycle = 0;
   play(params, 1, true);
   // Other resolutions, and back.
   params.half_resolution = true;

@@ -9,12 +9,12 @@ namespace inverse {
 namespace {
 
 /// Whether most of an object's points were masked out because of another object.
-bool mostly(std::span<const uint8_t> object, std::span<const uint8_t> left_out) {
-  if (left_out.empty()) return false;
+bool mostly(std::span<const uint8_t> object, std::span<const uint8_t> foreign_mask) {
+  if (foreign_mask.empty()) return false;
   size_t points = 0, among = 0;
   for (size_t i = 0; i < object.size(); ++i) {
     points += object[i] != 0;
-    among += object[i] && left_out[i];
+    among += object[i] && foreign_mask[i];
   }
   return 2 * among > points;
 }
@@ -62,9 +62,9 @@ bool LimeMaterial::finds_light(const Params& params) const {
   return params.light_asked && (normal_map_ || params.light.inflate);
 }
 
-NetworkSchedule::Known LimeMaterial::known(const Params& params, bool still) const {
+NetworkSchedule::Known LimeMaterial::known(const Params& params, bool unchanged) const {
   NetworkSchedule::Known known{.square = tracker_.square(),
-                               .still = still,
+                               .unchanged = unchanged,
                                .found = object_.found,
                                .placed = have_layers_ && tracker_.square() == estimated_in_,
                                .moved = tracker_.moved(),
@@ -73,7 +73,7 @@ NetworkSchedule::Known LimeMaterial::known(const Params& params, bool still) con
                                .finds_light = finds_light(params),
                                .views = light_.views(),
                                .changed = {},
-                               .relit = light_.changed()};
+                               .light_changed = light_.changed()};
   if (change_.kept()) known.changed = changed_;
   return known;
 }
@@ -82,12 +82,12 @@ void LimeMaterial::find_object(gpu::Commands& commands, const Plane& frame, Slot
   networks_.record_mask(commands, frame, slot.square);
   commands.copy(networks_.probability(), slot.probability, slot.probability->bytes());
   // Layers and material belong to the tracked object alone.
-  slot.left_out = tracker_.foreign(slot.square, networks_.side());
-  if (slot.left_out.empty()) return;
+  slot.foreign_mask = tracker_.foreign(slot.square, networks_.side());
+  if (slot.foreign_mask.empty()) return;
   if (!slot.foreign)
-    slot.foreign =
-        gpu::Buffer::create(device_, gpu::Element::word, slot.left_out.size(), gpu::Memory::upload);
-  std::copy(slot.left_out.begin(), slot.left_out.end(), slot.foreign->map_as<uint32_t>());
+    slot.foreign = gpu::Buffer::create(device_, gpu::Element::word, slot.foreign_mask.size(),
+                                       gpu::Memory::upload);
+  std::copy(slot.foreign_mask.begin(), slot.foreign_mask.end(), slot.foreign->map_as<uint32_t>());
   networks_.record_foreign(commands, slot.foreign);
 }
 
@@ -108,7 +108,7 @@ void LimeMaterial::read_back(gpu::Commands& commands, const gpu::BufferPtr& sour
 void LimeMaterial::take_light(const Slot& slot) {
   light_.take({points(slot.image), points(slot.codes), tracker_.mask(), networks_.side(),
                slot.square, extent_},
-              tracker_.box(), slot.plan.light_anew, normal_map_, fusion_.material(),
+              tracker_.box(), slot.plan.light_restarts, normal_map_, fusion_.material(),
               slot.params.light);
 }
 
@@ -126,13 +126,13 @@ void LimeMaterial::warm_up() {
 }
 
 void LimeMaterial::record(gpu::Commands& commands, const Plane& frame, const Params& params,
-                          bool still) {
+                          bool unchanged) {
   Slot& slot = slots_[recorded_];
   slot.params = params;
   slot.square = tracker_.square();
   slot.epoch = epoch_;
   const NetworkSchedule::Plan plan = slot.plan =
-      schedule_.next({params.adaptive, params.recheck}, known(params, still));
+      schedule_.next({params.adaptive, params.recheck}, known(params, unchanged));
   if (!finds_light(params)) {
     message_count_ += light_.light() != nullptr;
     light_.forget();
@@ -151,12 +151,12 @@ void LimeMaterial::record(gpu::Commands& commands, const Plane& frame, const Par
 void LimeMaterial::compare(const Slot& slot) {
   const std::span<const float> image = points(slot.image);
   const uint32_t side = networks_.side();
-  // What has just been found anew was another picture: the next one may be, too.
+  // What has just been found again was another picture: the next one may be, too.
   if (slot.square == estimated_in_) changed_ = change_.since(image, tracker_.mask(), side);
   if (slot.plan.estimates) change_.keep(image, tracker_.mask(), side);
   if (finds_light(slot.params))
     light_.compare(image, tracker_.mask(), side,
-                   slot.plan.light_anew || (slot.plan.rests && !light_.watched()),
+                   slot.plan.light_restarts || (slot.plan.static_object && !light_.watched()),
                    tracker_.rests() && slot.square == estimated_in_);
 }
 
@@ -176,9 +176,9 @@ void LimeMaterial::done(uint64_t number) {
     change_.reset();  // the layers are of another picture than the one that is kept
   // Points that were masked out as another object when the frame was recorded may now be the
   // tracked object, after the first one left: the networks did not process it.
-  const bool seen = tracker_.found() && !tracker_.misled() && !tracker_.mask().empty() &&
-                    !mostly(tracker_.mask(), slot.left_out);
-  if (seen && slot.plan.rests && tracker_.rests()) light_.rest(tracker_.box());
+  const bool seen = tracker_.found() && !tracker_.ambiguous() && !tracker_.mask().empty() &&
+                    !mostly(tracker_.mask(), slot.foreign_mask);
+  if (seen && slot.plan.static_object && tracker_.rests()) light_.rest(tracker_.box());
   if (seen && slot.plan.estimates) {
     const std::span<const float> albedo = points(slot.albedo), bins = points(slot.exponent);
     std::copy_n(albedo.begin(), 3, latest_.diffuse.begin());

@@ -60,8 +60,8 @@ class LimeMaterial {
   LimeMaterial(const std::shared_ptr<gpu::Device>& device, Extent extent, LimeModels models);
 
   using Layers = LimeNetworks::Layers;
-  /// Records the networks that a frame needs. `still`: its pixels within `square()` are unchanged.
-  void record(gpu::Commands& commands, const Plane& frame, const Params& params, bool still);
+  /// Records the networks that a frame needs. `unchanged`: its pixels within `square()` are.
+  void record(gpu::Commands& commands, const Plane& frame, const Params& params, bool unchanged);
   /// Records drawing the layers of the last recorded frame.
   Layers record_layers(gpu::Commands& commands, const Plane& frame);
   /// Reports that the device has finished a frame, by its index in the calls of `record` from 0.
@@ -98,7 +98,7 @@ class LimeMaterial {
   struct Slot {
     gpu::BufferPtr probability, albedo, exponent;  // read back
     gpu::BufferPtr image, codes;                   // the same, made when needed
-    std::vector<uint8_t> left_out;                 // by points, what the tracker calls foreign
+    std::vector<uint8_t> foreign_mask;             // by points, what the tracker calls foreign
     gpu::BufferPtr foreign;                        // the same on the device, made when needed
     Square square;
     NetworkSchedule::Plan plan;
@@ -108,7 +108,7 @@ class LimeMaterial {
   };
   const Slot& slot(uint64_t number) const { return slots_[number]; }
   bool finds_light(const Params& params) const;
-  NetworkSchedule::Known known(const Params& params, bool still) const;
+  NetworkSchedule::Known known(const Params& params, bool unchanged) const;
   void find_object(gpu::Commands& commands, const Plane& frame, Slot& slot);
   void estimate(gpu::Commands& commands, Slot& slot);
   static void read_back(gpu::Commands& commands, const gpu::BufferPtr& source,

@@ -120,7 +120,7 @@ std::span<const std::byte> body_of(std::span<const std::byte> bytes, const std::
   if (bytes.size() < sizeof(Header)) file.refuse("it is too short to be a network");
   const auto header = file.value<Header>();
   if (header.magic != kMagic)
-    file.refuse("it is no network of ours; inverse-onnx-import makes one of an ONNX file");
+    file.refuse("not a .net file; inverse-onnx-import makes one of an ONNX file");
   if (header.version != kVersion)
     file.refuse("it is of version " + std::to_string(header.version) + ", not " +
                 std::to_string(kVersion) + "; import it again with inverse-onnx-import");

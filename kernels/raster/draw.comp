@@ -40,13 +40,13 @@ void main() {
   // Points of the same triangle are shaded once, at their mean.
   vec4 sum = vec4(0.0);
   int who = largest(seen);
-  while (who != kNobody) {
+  while (who != kNone) {
     vec4 first = vec4(equal(seen[0].who, ivec4(who))), second = vec4(equal(seen[1].who, ivec4(who)));
     float count = dot(first + second, vec4(1.0));
     vec2 middle = vec2(dot(first, kAcross[0]) + dot(second, kAcross[1]), dot(first, kDown[0]) + dot(second, kDown[1]));
     sum += count * vec4(shade(who, vec2(at) + middle / count), 1.0);
-    seen[0].who = mix(seen[0].who, ivec4(kNobody), greaterThan(first, vec4(0.0)));
-    seen[1].who = mix(seen[1].who, ivec4(kNobody), greaterThan(second, vec4(0.0)));
+    seen[0].who = mix(seen[0].who, ivec4(kNone), greaterThan(first, vec4(0.0)));
+    seen[1].who = mix(seen[1].who, ivec4(kNone), greaterThan(second, vec4(0.0)));
     who = largest(seen);
   }
   STORE(picture, at.y * push.size.x + at.x, sum / 8.0);

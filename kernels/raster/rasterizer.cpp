@@ -8,10 +8,11 @@
 namespace inverse {
 namespace {
 
-constexpr uint32_t kBlock = 8;            // pixels along a block, as in visible.glsl
+using Visible = shaders::raster_draw;
+constexpr uint32_t kBlock = Visible::kBlock;
 constexpr uint32_t kMaxGroups = 512;      // beyond this number, groups are larger instead
 constexpr uint64_t kMaxWords = 1U << 21;  // of bits; beyond this number, tiles are larger instead
-constexpr uint32_t kMinGroup = 32;        // visible.glsl tests this number of triangles at once
+constexpr uint32_t kMinGroup = Visible::kTogether;
 constexpr uint32_t kLargestGroup = 256;
 
 uint32_t divided(uint32_t a, uint32_t b) { return (a + b - 1) / b; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Visibility of a mesh at eight samples of a pixel: the nearest triangle at each. One invocation per pixel; 64 of them
-// are a block of 8 x 8, which reads the same groups of triangles.
+// Visibility of a mesh at eight samples of a pixel: the nearest triangle at each. One invocation per pixel; kBlock x kBlock of
+// them are a block, which reads the same groups of triangles.
 PLANE_IN(0, records);
 WORD_IN(1, bits);
 PLANE_IN(2, bounds);
@@ -9,11 +9,13 @@ layout(push_constant) uniform Push {
   uint tile;       // pixels along a tile of `bits`
   uint columns;    // tiles along a row
   uint words;      // words a tile
-  uint group;      // triangles of a group, a multiple of 32
+  uint group;      // triangles of a group, a multiple of kTogether
   uint side;       // of the lit sphere's table
 } push;
 
-const int kNobody = -1;
+const int kNone = -1;
+const uint kBlock = 8u;      // pixels along a block of invocations
+const uint kTogether = 32u;  // triangles tested at once, a bit each
 
 // Sample positions: no two in the same row or column of eighths.
 const vec4 kAcross[2] = vec4[2](vec4(0.5625, 0.4375, 0.8125, 0.3125), vec4(0.1875, 0.0625, 0.6875, 0.9375));
@@ -24,9 +26,9 @@ struct Seen {
   ivec4 who;
 };
 
-uvec2 pixel_of(uvec2 id) {  // of 64 invocations a block along x, and a row of blocks along y
-  uint place = id.x % 64u;
-  return uvec2(id.x / 64u, id.y) * 8u + uvec2(place % 8u, place / 8u);
+uvec2 pixel_of(uvec2 id) {  // of the invocations of a block along x, and a row of blocks along y
+  uint place = id.x % (kBlock * kBlock);
+  return uvec2(id.x / (kBlock * kBlock), id.y) * kBlock + uvec2(place % kBlock, place / kBlock);
 }
 
 Seen nearer(Seen seen, vec4 x, vec4 y, vec4 p, vec4 q, vec4 r, int who) {
@@ -43,7 +45,7 @@ uint meets(int first, int k, vec2 corner) {
 }
 
 void find_visible(uvec2 at, out Seen seen[2]) {
-  seen[0] = seen[1] = Seen(vec4(-1e30), ivec4(kNobody));
+  seen[0] = seen[1] = Seen(vec4(-1e30), ivec4(kNone));
   uint tile = at.y / push.tile * push.columns + at.x / push.tile;
   vec2 corner = vec2(at);
   for (uint w = 0u; w < push.words; ++w) {
@@ -51,10 +53,10 @@ void find_visible(uvec2 at, out Seen seen[2]) {
     while (left != 0u) {
       uint first = (w * 32u + uint(findLSB(left))) * push.group;
       left &= left - 1u;
-      // 32 triangles at a time: first a cheap test of their boxes against the pixel, then only those that pass.
-      for (uint part = first; part < first + push.group; part += 32u) {
+      // kTogether triangles at a time: first a cheap test of their boxes against the pixel, then only those that pass.
+      for (uint part = first; part < first + push.group; part += kTogether) {
         uint mine = 0u;
-        for (uint k = 0u; k < 32u; k += 8u) {  // a turn of a loop costs more than a box
+        for (uint k = 0u; k < kTogether; k += 8u) {  // a turn of a loop costs more than a box
           int b = int(part + k);
           uint eight = meets(b, 0, corner) | meets(b, 1, corner) | meets(b, 2, corner) | meets(b, 3, corner) |
                        meets(b, 4, corner) | meets(b, 5, corner) | meets(b, 6, corner) | meets(b, 7, corner);

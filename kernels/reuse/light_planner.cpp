@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "kernels/image/tiles/tile_list.hpp"
+#include "tolerances.hpp"
 
 namespace inverse {
 namespace {
@@ -30,7 +31,7 @@ LightPlanner::Light LightPlanner::light(const Frame& frame) {
   if (!frame.adaptive || !frame.same_params || frame.first || frame.changed.empty())
     return measure(0);
   tiles_ = dilate_tiles(frame.changed, frame.columns);
-  if (share_of(tiles_) > kMaxChanged) return measure(0);
+  if (share_of(tiles_) > kMaxChangedTiles) return measure(0);
   if (++static_frames_ < kStaticFrames) return Light::measure;
   if (static_frames_ == kStaticFrames) {
     ever_changed_.assign(tiles_.size(), 0);

@@ -48,10 +48,8 @@ class LightPlanner {
 
   /// Frames in a row without color after which only that is measured.
   static constexpr uint32_t kGrayFrames = 8;
-  /// Frames in a row, each with at most this share of its tiles changed or beside such, after which
-  /// light is reused.
+  /// Frames in a row, each with at most kMaxChangedTiles, after which light is reused.
   static constexpr uint32_t kStaticFrames = 12;
-  static constexpr float kMaxChanged = 0.25F;
   /// Frames for which light is reused, and the share of tiles that may change in that time. Then it
   /// is measured for some frames.
   static constexpr uint32_t kReuseFrames = 64, kMeasureFrames = 4;

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "kernels/gpu/commands.hpp"
+#include "kernels/gpu/frame_ring.hpp"
 
 namespace inverse {
 
@@ -13,8 +13,8 @@ void Planner::learn(const Params& params, const Found& found) {
   if (found.plan.edges == Plan::Edges::compare && found.plan.history)
     most_edges_change_ = 2 * found.tiles_evaluated > found.tiles;
   if (found.plan.measures_bins)
-    bins_matter_ = found.cut || !(found.binding < params.chroma_tolerance);
-  if (found.plan.measures_gate) gate_matters_ = !(found.gate < params.gate_tolerance);
+    bins_matter_ = found.cut || !(found.binding < params.tolerances.chroma);
+  if (found.plan.measures_gate) gate_matters_ = !(found.gate < params.tolerances.gate);
 }
 
 bool Planner::may_stop(float tolerance, const std::optional<Found>& found) const {
@@ -31,13 +31,13 @@ std::string_view Planner::choose_mode(Plan& plan, const Params& params, const Fr
     return reason;
   };
   if (!params.adaptive) return whole("adaptive is off");
-  if (!(params.tile_tolerance > 0)) return whole("tile-tolerance is 0");
+  if (!(params.tolerances.tile > 0)) return whole("tile-tolerance is 0");
   if (!(plan.tile_tolerance > 0)) return whole("a repeated picture converges everywhere");
   if (frame.warm_start) return whole("the resolution changed");
   if (!plan.compares_pixels || !compared_pixels_)
     return whole("pixels are not compared with two frames before");
   // If so many tiles change that they make a cut, skipping the others is not worth it.
-  if (frame.changed > std::min(kMaxChanged, 0.9F * params.cut_fraction))
+  if (frame.changed > std::min(kMaxChangedTiles, 0.9F * params.cut_fraction))
     return whole("the input of too many tiles changed, or is not known");
   // Skipped tiles reuse what was decided for them.
   if (!frame.layers_reusable || since_restart_ == 0 || (params.chroma && bins_matter_) != bins_)
@@ -47,7 +47,8 @@ std::string_view Planner::choose_mode(Plan& plan, const Params& params, const Fr
     return "the input of few tiles changed, but not for long enough";
   if (static_cast<float>(found->tiles_moving) > kMaxMoving * static_cast<float>(found->tiles))
     return "too many tiles have not converged";
-  if (!(found->drift <= params.edge_tolerance))  // nor for NaN
+  const float tolerance = params.tolerances.edge;
+  if (!(found->drift <= tolerance && found->mean_drift <= kMeanDrift * tolerance))  // nor for NaN
     return "statistics of the whole frame changed";
   plan.mode = Plan::Mode::tiles;
   return "the input of few tiles changed";
@@ -65,11 +66,12 @@ Plan Planner::next(const Params& params, const Frame& frame, const std::optional
   plan.cycles = plan.history ? params.warm_cycles : params.cycles;
   plan.compares_pixels = plan.history && (!params.adaptive || gate_matters_);
   // A picture that stays converges everywhere, and the sooner, the sooner its layers are reused.
-  const float tolerance = frame.repeated ? std::min(params.cycle_tolerance, params.repeat_tolerance)
-                                         : params.cycle_tolerance;
+  const Tolerances& tolerances = params.tolerances;
+  const float tolerance =
+      frame.repeated ? std::min(tolerances.cycle, tolerances.repeat) : tolerances.cycle;
   if (params.adaptive && (!plan.history || may_stop(tolerance, found)))
     plan.cycle_tolerance = tolerance;
-  plan.tile_tolerance = frame.repeated && repeated_ ? 0 : params.tile_tolerance;
+  plan.tile_tolerance = frame.repeated && repeated_ ? 0 : tolerances.tile;
   repeated_ = frame.repeated;
   plan.reason = choose_mode(plan, params, frame, found);
   tile_frames_ = plan.tiles() ? tile_frames_ + 1 : 0;

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "tolerances.hpp"
+
 namespace inverse {
 
 /// What of a frame of IntrinsicDecomposition is run, and what is skipped. A plain value: stages
@@ -54,8 +56,8 @@ class Planner {
   /// Of IntrinsicDecomposition::Params, where each is explained.
   struct Params {
     bool adaptive = true, chroma = true, anchor = true;  ///< chroma, anchor: have a weight
-    float cycle_tolerance = 0, edge_tolerance = 0, chroma_tolerance = 0, gate_tolerance = 0,
-          tile_tolerance = 0, repeat_tolerance = 0, cut_fraction = 1;
+    Tolerances tolerances;
+    float cut_fraction = 1;
     uint32_t cycles = 4, warm_cycles = 2;
   };
   /// What is known of a frame before anything of it is recorded.
@@ -77,7 +79,9 @@ class Planner {
     float binding = 0;  ///< with Plan::measures_bins: effect of the chroma bins, rms log shading
     float gate = 0;     ///< with Plan::measures_gate: the anchor's gate, rms over cells
     uint32_t tiles_moving = 0;  ///< not with Mode::whole: that moved by more than tile_tolerance
-    float drift = 0;            ///< of its statistics from those that edges were evaluated with
+    /// Of its statistics from those that edges were evaluated with: of the mean log intensity, and
+    /// the largest of the others.
+    float mean_drift = 0, drift = 0;
   };
 
   /// The next frame is the first one of its kind: without a past, or with other parameters.
@@ -90,9 +94,10 @@ class Planner {
   /// Frames from one comparison of tiles to the next if edges of most tiles are evaluated:
   /// comparing then costs more than it saves.
   static constexpr uint64_t kCompareEvery = 8;
-  /// Shares of tiles above which a list of them saves too little: of those whose input changed, and
-  /// of all that need work.
-  static constexpr float kMaxChanged = 0.25F, kMaxMoving = 0.5F;
+  /// Share of tiles that need work above which a list of them saves too little.
+  static constexpr float kMaxMoving = 0.5F;
+  /// How many times as far as the other statistics their mean may drift.
+  static constexpr float kMeanDrift = 4;
   /// Frames of Mode::tiles from one that works on all tiles to the next.
   static constexpr uint64_t kAllEvery = 32;
 

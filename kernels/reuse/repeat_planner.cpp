@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "kernels/gpu/commands.hpp"
+#include "kernels/gpu/frame_ring.hpp"
 
 namespace inverse {
 
@@ -20,7 +20,7 @@ RepeatPlanner::Decision RepeatPlanner::next(const Frame& frame) {
   }
   ++shown_;
   if (!frame.adaptive) return {false, "adaptive is off"};
-  if (!frame.compared) return {false, "it is compared with no frame before"};
+  if (!frame.compared) return {false, "no previous frame"};
   if (!frame.repeated) return {false, "the picture changed"};
   if (frame.params_changed) return {false, "parameters changed"};
   if (!frame.layers_available) return {false, "the layers of the frame before are not available"};
@@ -28,10 +28,9 @@ RepeatPlanner::Decision RepeatPlanner::next(const Frame& frame) {
   if (shown_ <= std::min(shown_before_, kMaxRepeats))
     return {true, "the video shows each picture several times"};
   if (!frame.converged)
-    return {false, completed(frame.number)
-                       ? "the picture came again, but its layers have not converged"
-                       : "no frame of this picture is completed yet"};
-  return {true, "the picture came again, and its layers have converged"};
+    return {false, completed(frame.number) ? "repeated picture, but its layers have not converged"
+                                           : "no frame of this picture is completed yet"};
+  return {true, "repeated picture, and its layers have converged"};
 }
 
 }  // namespace inverse

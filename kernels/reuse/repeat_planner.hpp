@@ -6,7 +6,7 @@
 namespace inverse {
 
 /// Decides for each frame of a decomposer whether it reuses all layers of the frame before, because
-/// the picture came again. Needs no device.
+/// its picture is repeated. Needs no device.
 class RepeatPlanner {
  public:
   struct Frame {
@@ -20,7 +20,7 @@ class RepeatPlanner {
   };
   struct Decision {
     bool reuse = false;
-    const char* reason = "";  ///< for the log
+    const char* reason = "";  ///< for the log and `stats`
   };
 
   /// The last frame that is sure to be done when frame `number` is planned, if it shows the same

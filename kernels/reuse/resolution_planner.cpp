@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "kernels/gpu/commands.hpp"
+#include "kernels/gpu/frame_ring.hpp"
 
 namespace inverse {
 

@@ -18,7 +18,7 @@ void main() {
   int j = int(gl_GlobalInvocationID.x), count = push.coarse.x * push.coarse.y;
   if (j >= count) return;
   ivec2 first = 2 * ivec2(j % push.coarse.x, j / push.coarse.x), last = min(first + 2, push.grid);
-  bool anew = !kKnown && FETCH(scene, SCENE_TIME).y < 1.5;
+  bool restart = !kKnown && FETCH(scene, SCENE_TIME)[TIME_FRAMES] < 1.5;
   int label[4];
   vec4 color[4];
   for (int k = 0; k < 4; ++k) {
@@ -26,7 +26,7 @@ void main() {
     label[k] = -1;
     if (at.x < last.x && at.y < last.y) {
       int i = at.y * push.grid.x + at.x;
-      if (anew) LOAD(labels, i) = 0u;
+      if (restart) LOAD(labels, i) = 0u;
       label[k] = int(LOAD(labels, i));
       color[k] = vec4(FETCH(colors, i).rgb, 1.0);
     }

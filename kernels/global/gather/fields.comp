@@ -20,7 +20,7 @@ layout(push_constant) uniform Push {
 vec4 base_of(int k) {
   vec4 color = FETCH(scene, SCENE_COLORS + k);
   vec3 base = color_of(color.xy);
-  return color.z > 0.0 ? vec4(base / max(max(base.r, base.g), base.b), 1.0) : vec4(0.0);
+  return color[COLOR_USED] > 0.0 ? vec4(base / max(max(base.r, base.g), base.b), 1.0) : vec4(0.0);
 }
 
 void main() {

@@ -36,7 +36,7 @@ void main() {
   sum = workgroup_sum(sum);
   moments = workgroup_sum(moments) / (sum.x + 1e-9);
   float change = sum.y / (sum.x + 1e-9);
-  bool cut = kDecide ? push.first == 1u || !(change <= push.cut) : LOAD(scene, SCENE_TIME).x > 0.0;
+  bool cut = kDecide ? push.first == 1u || !(change <= push.cut) : LOAD(scene, SCENE_TIME)[TIME_CUT] > 0.0;
   for (int i = int(gl_LocalInvocationID.x); i < push.count; i += int(gl_WorkGroupSize.x)) {
     vec4 point = LOAD(points, i);
     if (kDecide) STORE(before, i, vec4(point.xy, 0.0, 0.0));
@@ -44,16 +44,20 @@ void main() {
   }
   if (gl_LocalInvocationID.x > 0u) return;
   if (kDecide) {
-    float frames = cut ? 1.0 : LOAD(scene, SCENE_TIME).y + 1.0;
-    STORE(scene, SCENE_TIME, vec4(cut ? 1.0 : 0.0, min(frames, 1e6), max(push.renew, 1.0 / frames), change));
+    float frames = cut ? 1.0 : LOAD(scene, SCENE_TIME)[TIME_FRAMES] + 1.0;
+    LOAD(scene, SCENE_TIME)[TIME_CUT] = cut ? 1.0 : 0.0;
+    LOAD(scene, SCENE_TIME)[TIME_FRAMES] = min(frames, 1e6);
+    LOAD(scene, SCENE_TIME)[TIME_SHARE] = max(push.renew, 1.0 / frames);
+    LOAD(scene, SCENE_TIME)[TIME_CHANGE] = change;
   }
   if (!kStart) return;
   float spread = sqrt(max(moments.z - dot(moments.xy, moments.xy), 0.0));
   float usable = push.full > 0.0 ? smoothstep(push.none, push.full, spread) : 1.0;
-  LOAD(scene, SCENE_AMOUNT).z = sum.x / float(push.count) + 1e-9;
-  LOAD(scene, SCENE_TINT).zw = vec2(usable, spread);
+  LOAD(scene, SCENE_AMOUNT)[AMOUNT_WEIGHT] = sum.x / float(push.count) + 1e-9;
+  LOAD(scene, SCENE_TINT)[TINT_USABLE] = usable;
+  LOAD(scene, SCENE_TINT)[TINT_SPREAD] = spread;
   if (usable > 0.0) return;
   LOAD(scene, SCENE_AMOUNT).xyw = LOAD(scene, SCENE_TINT).xyz = vec3(0.0);
-  LOAD(scene, SCENE_TIME).y = 0.0;  // estimates from before a gray passage do not count when color comes back
+  LOAD(scene, SCENE_TIME)[TIME_FRAMES] = 0.0;  // estimates from before a gray passage do not count when color comes back
   for (int s = 0; s < kSlots; ++s) STORE(scene, SCENE_COLORS + s, vec4(0.0));
 }

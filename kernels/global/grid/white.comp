@@ -25,7 +25,7 @@ void main() {
   sum = workgroup_sum(sum) / float(push.count);
   if (gl_LocalInvocationID.x > 0u) return;
   vec2 seen = push.share * chroma_of(pow(max(sum.rgb, 1e-30), vec3(1.0 / 6.0)));
-  vec2 white = mix(LOAD(scene, SCENE_WHITE).xy, seen, LOAD(scene, SCENE_TIME).z);
+  vec2 white = mix(LOAD(scene, SCENE_WHITE).xy, seen, LOAD(scene, SCENE_TIME)[TIME_SHARE]);
   LOAD(scene, SCENE_WHITE).xy = white;
   STORE(lamp, 0, vec4(color_of(white), 1.0));
 }

@@ -37,7 +37,7 @@ void main() {
   ivec2 first = ivec2(tile_position(uint(push.size.x + 3) / 4u)) * ivec2(4, 1);
   if (first.y >= push.size.y) return;
   vec4 known = FETCH(scene, SCENE_AMOUNT), statistics = FETCH(scene, SCENE_TINT);
-  bool cut = FETCH(scene, SCENE_TIME).x > 0.0;
+  bool cut = FETCH(scene, SCENE_TIME)[TIME_CUT] > 0.0;
   vec4 lamps = FETCH(scene, SCENE_WHITE);
   vec3 white = color_of(lamps.xy);
   vec2 v = between(first.y, float(push.factor), push.grid.y);
@@ -48,7 +48,7 @@ void main() {
     vec3 tau = vec3(1.0), indirect = vec3(0.0);
     vec4 pixel = FETCH(frame, n);
     vec3 rgb = sanitize(pixel.rgb) / white;
-    if (known.x > 0.0) {
+    if (known[AMOUNT_KAPPA] > 0.0) {
       vec2 u = between(x, float(push.factor), push.grid.x);
       if (!kWide || x == first.x) {
         ivec2 low = ivec2(u.x, v.x), high = min(low + 1, push.grid - 1);
@@ -61,14 +61,14 @@ void main() {
       vec2 z = chroma_of(rgb);
       int label = int(FETCH1(slots, bin_of(z - BLEND(tint_at).xy)));
       RECEIVED(indirect, label, x, first.y, 2.0 * float(push.factor))
-      indirect = known.x * colored_by(lamps.z, indirect);
-      if (known.w > 1.5) {  // a frame of one color does not determine that of its light
+      indirect = known[AMOUNT_KAPPA] * colored_by(lamps.z, indirect);
+      if (known[AMOUNT_COLORS] > 1.5) {  // a frame of one color does not determine that of its light
         vec2 tint = chroma_of(light_of(shading, indirect));
         float fraction = fraction_of(shading, indirect);
         vec2 e = z - tint - FETCH(scene, SCENE_COLORS + label).xy;
-        e = mix(BLEND(smooth_at).xy, e, light_confidence(e, fraction, statistics.x, push.residual_sigma, push.tint_sigma));
+        e = mix(BLEND(smooth_at).xy, e, light_confidence(e, fraction, statistics[TINT_RMS], push.residual_sigma, push.tint_sigma));
         vec4 fit = BLEND(fit_at);
-        tau = color_of(tint + statistics.y * min(1.0, 3.0 * fraction) * (fit.xy * e + fit.zw));
+        tau = color_of(tint + statistics[TINT_RESIDUAL] * min(1.0, 3.0 * fraction) * (fit.xy * e + fit.zw));
       }
     }
     tau = max(tau, max(vec3(kMinTau), rgb / kMaxLight));  // bounded as in the solve, so that R S tau stays the frame

@@ -25,6 +25,6 @@ void main() {
   vec2 off = FETCH(points, i).xy - tint.xy;
   uint label = FETCH1(slots, bin_of(off));
   STORE(labels, i, label);
-  if (FETCH(scene, SCENE_AMOUNT).w > 1.5) off -= FETCH(scene, SCENE_COLORS + int(label)).xy;
-  STORE(raw, i, vec4(off, light_confidence(off, tint.z, FETCH(scene, SCENE_TINT).x, push.residual_sigma, push.tint_sigma), 0.0));
+  if (FETCH(scene, SCENE_AMOUNT)[AMOUNT_COLORS] > 1.5) off -= FETCH(scene, SCENE_COLORS + int(label)).xy;
+  STORE(raw, i, vec4(off, light_confidence(off, tint.z, FETCH(scene, SCENE_TINT)[TINT_RMS], push.residual_sigma, push.tint_sigma), 0.0));
 }

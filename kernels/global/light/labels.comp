@@ -22,6 +22,6 @@ void main() {
   int label = int(FETCH1(slots, bin_of(chroma_of(sanitize(FETCH(frame, n).rgb) / white) - tint)));
   vec4 base = FETCH(scene, SCENE_COLORS + min(label, kSlots - 1));
   vec3 color = color_of(base.xy);
-  bool known = FETCH(scene, SCENE_AMOUNT).w > 0.0 && base.z > 0.0;
+  bool known = FETCH(scene, SCENE_AMOUNT)[AMOUNT_COLORS] > 0.0 && base[COLOR_USED] > 0.0;
   STORE(picture, n, vec4(known ? color / max(color.r, max(color.g, color.b)) : vec3(0.5), 1.0));
 }

@@ -15,13 +15,25 @@ const int kBinCount = kBins * kBins;
 const int kCandidates = 16;  // for the amount of indirect light
 
 // The scene's buffer.
-#define SCENE_AMOUNT 0  // kappa, its confidence, points' mean weight, base colors in use
-#define SCENE_TINT 1    // rms tint if all light were indirect, share of the residual that counts; share of colors to measure by, 0…1,
-                        // and spread of chroma
-#define SCENE_TIME 2    // 1 at a start or cut, frames with color since then, share of this frame, its change
+#define SCENE_AMOUNT 0
+#define AMOUNT_KAPPA 0
+#define AMOUNT_CONFIDENCE 1
+#define AMOUNT_WEIGHT 2  // mean of the points
+#define AMOUNT_COLORS 3  // base colors in use
+#define SCENE_TINT 1
+#define TINT_RMS 0       // if all light were indirect
+#define TINT_RESIDUAL 1  // share of the residual that counts
+#define TINT_USABLE 2    // share of colors to measure by, 0…1
+#define TINT_SPREAD 3    // of chroma
+#define SCENE_TIME 2
+#define TIME_CUT 0     // 1 at a start or cut
+#define TIME_FRAMES 1  // with color since then
+#define TIME_SHARE 2   // of this frame
+#define TIME_CHANGE 3  // of this frame
 #define SCENE_WHITE 3   // log chroma of the lamps, as far as removed; confidence of the color of gathered light
 #define SCENE_COSTS 4   // four vec4: of the candidates
 #define SCENE_COLORS 8  // log chroma, 1 if the slot has a color, share of the frame
+#define COLOR_USED 2
 #define SCENE_MEMORY 24  // of base colors' slots: usual place, 1 if a color has it, frames since that had a mode
 #define SCENE_SIZE 40
 

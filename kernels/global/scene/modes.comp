@@ -18,7 +18,7 @@ layout(set = 0, binding = 4, std430) coherent restrict buffer heights_block { fl
 layout(set = 0, binding = 5, std430) coherent restrict buffer work_block { int work_data[]; };
 layout(push_constant) uniform Push {
   float smoothing;    // standard deviation, bins
-  float least_share;  // of all mass, for a mode to count
+  float min_share;  // of all mass, for a mode to count
   float same;         // chroma up to which a mode continues a color of before
   float follow;       // share of the newest frame in a color's usual place
   int most;           // max number of base colors
@@ -63,10 +63,10 @@ float mass_around(vec2 chroma) {
 // Gives modes the slots of the colors that they continue, nearest pairs first, and other modes a free slot, or that of the color
 // that was absent for longest; adds the colors that stay without a mode.
 void keep_slots(float all) {
-  bool anew = LOAD(scene, SCENE_TIME).y < 1.5;
+  bool restart = LOAD(scene, SCENE_TIME)[TIME_FRAMES] < 1.5;
   uint free = (1u << push.most) - 1u;
   for (int s = 0; s < kSlots; ++s)
-    if (anew || s >= push.most) LOAD(scene, SCENE_MEMORY + s) = vec4(0.0);
+    if (restart || s >= push.most) LOAD(scene, SCENE_MEMORY + s) = vec4(0.0);
   for (int pair = 0; pair < mode_count; ++pair) {
     float nearest = push.same * push.same;
     int mode = -1, slot = -1;
@@ -91,7 +91,7 @@ void keep_slots(float all) {
     memory.w += 1.0;
     LOAD(scene, SCENE_MEMORY + s) = memory.w > float(push.forget) ? vec4(0.0) : memory;
     float left = mass_around(memory.xy);
-    if (memory.w > float(push.keep) || mode_count == push.most || left < 0.5 * push.least_share * all) continue;
+    if (memory.w > float(push.keep) || mode_count == push.most || left < 0.5 * push.min_share * all) continue;
     modes[mode_count] = vec4(memory.xy, left, float(s));
     mode_peaks[mode_count++] = LOAD(work, kPeak + bin_of(memory.xy));
     free &= ~(1u << s);
@@ -149,10 +149,10 @@ void choose(float all) {
     mode_count = 1;
   }
   keep_slots(all);
-  bool usable = LOAD(scene, SCENE_TINT).z > 0.0;
+  bool usable = LOAD(scene, SCENE_TINT)[TINT_USABLE] > 0.0;
   for (int s = 0; s < kSlots; ++s) LOAD(scene, SCENE_COLORS + s) = vec4(0.0);
   for (int m = 0; m < mode_count; ++m) LOAD(scene, SCENE_COLORS + int(modes[m].w)) = vec4(modes[m].xy, 1.0, modes[m].z) * float(usable);
-  LOAD(scene, SCENE_AMOUNT).w = usable ? float(mode_count) : 0.0;
+  LOAD(scene, SCENE_AMOUNT)[AMOUNT_COLORS] = usable ? float(mode_count) : 0.0;
 }
 
 void main() {
@@ -160,7 +160,7 @@ void main() {
   EVERY_BIN(b) sum.x += float(FETCH1(counts, b)) / kCountUnit;
   float scale = 1.0 / max(workgroup_sum(sum).x, 1e-9);
   sum = vec4(0.0);
-  float renew = LOAD(scene, SCENE_TIME).z;
+  float renew = LOAD(scene, SCENE_TIME)[TIME_SHARE];
   EVERY_BIN(b) {
     float now = scale * float(FETCH1(counts, b)) / kCountUnit;
     now = mix(LOAD(histogram, b), now, renew);
@@ -208,7 +208,7 @@ void main() {
   SYNC;
   EVERY_BIN(b) {
     float mass = float(LOAD(work, kMass + b)) / kMassUnit;
-    if (mass > 0.0 && mass >= push.least_share * all) {
+    if (mass > 0.0 && mass >= push.min_share * all) {
       int place = atomicAdd(LOAD(work, kList), 1);
       if (place < kMaxListed) LOAD(work, kListed + place) = b;
     }

@@ -20,5 +20,6 @@ void main() {
   sum = workgroup_sum(sum);
   if (gl_LocalInvocationID.x > 0u) return;
   float tint = sum.z / (sum.w + 1e-9);
-  LOAD(scene, SCENE_TINT).xy = vec2(sqrt(sum.x / (sum.y + 1e-9)), push.residual * tint / (tint + push.gate));
+  LOAD(scene, SCENE_TINT)[TINT_RMS] = sqrt(sum.x / (sum.y + 1e-9));
+  LOAD(scene, SCENE_TINT)[TINT_RESIDUAL] = push.residual * tint / (tint + push.gate);
 }

@@ -24,10 +24,10 @@ void main() {
     vec4 point = FETCH(points, i), known = FETCH(scene, SCENE_AMOUNT);
     vec3 light;
     RECEIVED(light, int(FETCH1(labels, i)), i % push.grid.x, i / push.grid.x, 2.0)
-    light = known.x * colored_by(FETCH(scene, SCENE_WHITE).z, light);
+    light = known[AMOUNT_KAPPA] * colored_by(FETCH(scene, SCENE_WHITE).z, light);
     vec2 tint = chroma_of(light_of(point.z, light));
     float f = fraction_of(point.z, light);
-    float weight = (0.5 + 0.5 * FETCH(colors, i).w / known.z) / (1.0 + 9.0 * f * f);
+    float weight = (0.5 + 0.5 * FETCH(colors, i).w / known[AMOUNT_WEIGHT]) / (1.0 + 9.0 * f * f);
     STORE(tints, i, vec4(tint, f, weight));
     COUNT(counts, 0, point.xy - tint, weight)
     float size2 = dot(tint, tint);

@@ -13,7 +13,7 @@
 WORD_IN(0, counts);
 PLANE_INOUT(1, scene);
 layout(push_constant) uniform Push {
-  float ln_least, ln_ratio;  // of candidates
+  float ln_min, ln_ratio;  // of candidates
   float neutral;             // weight of neutrality
   float ln_typical, spread;  // the prior
   float measurement_weight, full_spread;  // from this spread of chroma on; below, in proportion to it
@@ -29,12 +29,12 @@ float cost[kCandidates];
 vec2 moments(float measurement_weight) {
   float least = 3e38;
   for (int k = 0; k < kCandidates; ++k) {
-    float off = (push.ln_least + float(k) * push.ln_ratio - push.ln_typical) / push.spread;
+    float off = (push.ln_min + float(k) * push.ln_ratio - push.ln_typical) / push.spread;
     least = min(least, measurement_weight * cost[k] + 0.5 * off * off);
   }
   vec3 sum = vec3(0.0);
   for (int k = 0; k < kCandidates; ++k) {
-    float ln = push.ln_least + float(k) * push.ln_ratio, off = (ln - push.ln_typical) / push.spread;
+    float ln = push.ln_min + float(k) * push.ln_ratio, off = (ln - push.ln_typical) / push.spread;
     sum += exp(least - measurement_weight * cost[k] - 0.5 * off * off) * vec3(1.0, ln, ln * ln);
   }
   vec2 mean = sum.yz / sum.x;
@@ -56,19 +56,20 @@ void main() {
               push.neutral * float(FETCH1(counts, sums)) / max(float(FETCH1(counts, sums + 1)), 1e-4);
   }
   if (gl_LocalInvocationID.x > 0u) return;
-  float renew = LOAD(scene, SCENE_TIME).z;
+  float renew = LOAD(scene, SCENE_TIME)[TIME_SHARE];
   for (int k = 0; k < kCandidates; ++k) {
     float before = LOAD(scene, SCENE_COSTS + k / 4)[k % 4];
     cost[k] = mix(before, cost[k], renew);
     LOAD(scene, SCENE_COSTS + k / 4)[k % 4] = cost[k];
   }
   // Estimates lose their weight before the color is gone.
-  float usable = LOAD(scene, SCENE_TINT).z, spread = LOAD(scene, SCENE_TINT).w;
+  float usable = LOAD(scene, SCENE_TINT)[TINT_USABLE], spread = LOAD(scene, SCENE_TINT)[TINT_SPREAD];
   vec2 blind = moments(0.0), seen = moments(push.measurement_weight * min(1.0, spread / push.full_spread)), sharp = moments(push.measurement_weight);
   vec2 confidence = usable * clamp(1.0 - vec2(seen.y, sharp.y) / blind.y, 0.0, 1.0);
   bool manual = push.manual > 0.0;
-  LOAD(scene, SCENE_AMOUNT).xy = manual ? vec2(push.manual, 1.0) : vec2(usable * exp(seen.x), confidence.x);
+  LOAD(scene, SCENE_AMOUNT)[AMOUNT_KAPPA] = manual ? push.manual : usable * exp(seen.x);
+  LOAD(scene, SCENE_AMOUNT)[AMOUNT_CONFIDENCE] = manual ? 1.0 : confidence.x;
   // Averaged over more frames than the rest, so that light that loses its color and regains it is tracked.
-  float colored = smoothstep(0.0, kSure, confidence.y), share = max(push.renew_color, 1.0 / max(LOAD(scene, SCENE_TIME).y, 1.0));
+  float colored = smoothstep(0.0, kSure, confidence.y), share = max(push.renew_color, 1.0 / max(LOAD(scene, SCENE_TIME)[TIME_FRAMES], 1.0));
   LOAD(scene, SCENE_WHITE).z = manual ? 1.0 : mix(LOAD(scene, SCENE_WHITE).z, colored, share);
 }

@@ -10,7 +10,7 @@ namespace inverse {
 namespace {
 
 using Push = shaders::image_format_pack_rgb::Push;  // the same in all these kernels
-constexpr uint32_t kStripRows = 8;                  // rows per invocation, in every kernel
+constexpr uint32_t kStripRows = shaders::image_format_pack_rgb::ROWS;  // in all of them
 constexpr uint32_t kStrips = TileList::kTile / kStripRows;
 
 /// Words per plane.

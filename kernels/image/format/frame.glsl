@@ -14,6 +14,7 @@ layout(push_constant) uniform Push {
   float gain;       // pack: linear light is multiplied by it
   float largest;    // pack: largest code
 } push;
+const uint ROWS = 8u;         // of the strip that an invocation converts
 const uint kFlagShading = 1u;  // draw the plane's w as gray
 const uint kFlagOpaque = 2u;   // no alpha plane: write 1
 

@@ -10,7 +10,7 @@
 
 // A plane to Y'CbCr frames. Each invocation writes the whole words of a block of 4 x 2 pixels, or 8 x 2 if four chroma
 // samples share a word. Pixels beyond the right edge repeat the last one.
-const uint PAIRS = 4u;  // of rows
+const uint PAIRS = ROWS / 2u;
 const uint BLOCKS = LAYOUT == kPlanar && !DEEP ? 2u : 1u;
 WORD_OUT(1, raw);
 #define TILE_CONSTANT 7

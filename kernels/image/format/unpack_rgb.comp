@@ -10,7 +10,6 @@
 layout(constant_id = 2) const uint PIXEL = 4u;  // bytes: 1 gray8, 2 gray16, 3 rgb, 4 rgba, 8 rgba64
 layout(constant_id = 3) const bool BGR = false;
 layout(constant_id = 4) const bool ALPHA = true;
-const uint ROWS = 8u;
 WORD_IN(0, raw);
 PLANE_OUT(1, linear);
 #define TILE_CONSTANT 5

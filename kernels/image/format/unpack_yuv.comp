@@ -8,7 +8,7 @@
 
 // Y'CbCr frames to linear RGB, w = 1. Each invocation converts a strip of 4 pixels x PAIRS pairs of rows and reuses
 // chroma rows from pair to pair; each component of four pixels is one vec4.
-const uint PAIRS = 4u;
+const uint PAIRS = ROWS / 2u;
 WORD_IN(0, raw);
 PLANE_OUT(1, linear);
 #define TILE_CONSTANT 7

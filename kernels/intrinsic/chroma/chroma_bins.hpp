@@ -31,8 +31,8 @@ class ChromaBins {
   void record(gpu::Commands& commands, const Guide& guide, const State& state) const;
   /// Records the source term after a correction, and with `measure` measures `binding`.
   void record_source_term(gpu::Commands& commands, const State& state, bool measure = false);
-  /// One vec4, of the last measurement: sum of v (F / v)^2 and sum of v over the cells, F the
-  /// source term of the bins and v the weight of the value prior. The root of their ratio bounds
+  /// One vec4, of the last measurement: sums over the cells (source_term.comp), F the source term
+  /// of the bins and v the weight of the value prior. The root of their ratio bounds
   /// the effect of the bins on cell means of log shading, rms weighted by v
   /// (docs/reference/methods/intrinsicdecomp.md, 4).
   const gpu::BufferPtr& binding() const { return binding_; }

@@ -21,7 +21,8 @@ PLANE_IN(7, correction);  // ... and the correction of its last cycle
 PLANE_OUT(8, terms);
 PLANE_OUT(9, start);
 PLANE_INOUT(10, source_term);  // of the last frame: a good initial value if this frame continues it
-PLANE_OUT(11, sums);     // of gate^2, -, -, -
+PLANE_OUT(11, sums);
+#define GATE_SQUARES 0   // sum of gate^2
 PLANE_IN(12, activity);  // of tiles (activity.glsl)
 #define TILE_CONSTANT 3
 #define TILE_BINDING 13
@@ -57,9 +58,9 @@ vec4 make(uint packs, uvec2 position) {
   float quiet = 0.0;
   if (kAnchored) {
     float still = max(0.0, 1.0 - 2.0 * FETCH(tiles, tile).x);
-    float motion = push.motion * moved(ivec2(position.x, position.y / 4u), ivec2(packs, (push.size.y + 3u) / 4u), decision.z);
+    float motion = push.motion * moved(ivec2(position.x, position.y / 4u), ivec2(packs, (push.size.y + 3u) / 4u), decision[CUT_MOVED]);
     motion *= motion;
-    quiet = decision.y * still * still / (1.0 + motion * motion);
+    quiet = decision[CUT_ANCHORED] * still * still / (1.0 + motion * motion);
   }
   for (uint k = 0u; k < 4u; ++k) {
     int cell = int(position.y * push.size.x + min(4u * position.x + k, push.size.x - 1u));
@@ -77,7 +78,7 @@ vec4 make(uint packs, uvec2 position) {
   STORE(terms, TERMS_STRIDE * at + TERMS_CHROMA, g);
   STORE(terms, TERMS_STRIDE * at + TERMS_MEAN, MASKED(mean, inside));
     // Shading at a place with motion around is nearer to its earlier value than to the prior's.
-  vec4 from = kAnchored ? mix(target, FETCH(means, at) + FETCH(correction, at), decision.y * alike) : target;
+  vec4 from = kAnchored ? mix(target, FETCH(means, at) + FETCH(correction, at), decision[CUT_ANCHORED] * alike) : target;
   STORE(start, START_STRIDE * at + START_VALUE, from - most);
   STORE(start, START_STRIDE * at + START_GATE, gate);
   vec4 hold = gate * push.hold / (1.0 + change * change), share = vec4(1.0);
@@ -95,7 +96,7 @@ vec4 make(uint packs, uvec2 position) {
   vec4 source_before = kAnchored ? gate * LOAD(source_term, SOURCE_STRIDE * at + SOURCE_VALUE) : vec4(0.0);
   STORE(source_term, SOURCE_STRIDE * at + SOURCE_VALUE, MASKED(source_before, inside));
   STORE(source_term, SOURCE_STRIDE * at + SOURCE_SCREEN, v + g);
-  float weight = push.anchor * min(decision.w / push.frames, 1.0);
+  float weight = push.anchor * min(decision[CUT_FRAMES] / push.frames, 1.0);
   STORE(source_term, SOURCE_STRIDE * at + SOURCE_ANCHOR, weight * MASKED(share * gate, inside));
   return MASKED(gate, inside);
 }
@@ -105,5 +106,7 @@ void main() {
   uvec2 position = tile_position(packs);
   vec4 gate = vec4(0.0);
   if (position.y < push.size.y) gate = make(packs, position);
-  if (kMeasure) SUM_PARTIALS(sums, vec4(dot(gate, gate), 0.0, 0.0, 0.0));
+  vec4 sum = vec4(0.0);
+  sum[GATE_SQUARES] = dot(gate, gate);
+  if (kMeasure) SUM_PARTIALS(sums, sum);
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The energy that intrinsicdecomp minimizes (docs/reference/methods/intrinsicdecomp.md), one unknown a pixel, s = ln shading:
 //
-//   E(s) = sum over edges  a (ds - dm)^2 + b ds^2        paint is even here | light is even here
 //   E(s) = sum over edges  a (ds - dm)^2 + b ds^2        even reflectance | even shading
 //        + sum over cells  v (s' - V)^2                  value prior: fixes scale and low frequencies
 //                        + g (m' - s' - r_bin)^2         equal chroma, equal reflectance (soft)

@@ -11,7 +11,7 @@
 PLANE_IN(0, frame);
 PLANE_IN(1, intrinsic);  // R.rgb, S
 PLANE_IN(2, cells);
-PLANE_IN(3, wide);
+PLANE_IN(3, guide_coarse);
 PLANE_IN(4, scale);  // .x = ln c (scale.glsl)
 PLANE_IN(5, level0);
 PLANE_OUT(6, memory);
@@ -54,7 +54,7 @@ void main() {
       rows = rows.yzwx;
     }
     uint at = cell.y * cell_size.x + cell.x;
-    STORE(kept, at, cell_state(FETCH(cells, int(CELL_STRIDE * at)), FETCH(wide, int((cell.y / 4u) * cell_packs + cell.x / 4u))));
+    STORE(kept, at, cell_state(FETCH(cells, int(CELL_STRIDE * at)), FETCH(guide_coarse, int((cell.y / 4u) * cell_packs + cell.x / 4u))));
   }
   uint to = position.y * cell_packs + position.x;
   STORE(means, to, mean);

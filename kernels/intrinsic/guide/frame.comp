@@ -2,9 +2,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
+#include "guide.glsl"
 
 // Reduces the partial sums to the statistics of the frame. One workgroup.
-//   statistics[0] = mean log intensity, -, -, -       statistics[1] = sigma0 … sigma3 (of the prior's cues)
 PLANE_IN(0, intensity_sums);
 PLANE_IN(1, chromatic_sums);
 PLANE_IN(2, plain_sums);
@@ -33,7 +33,8 @@ void main() {
   }
   intensity.x += 1e-6;
   chromatic.xz += vec2(0.02 * 0.1, 0.02);
-  STORE(statistics, 0, vec4(intensity.y / intensity.x, 0.0, 0.0, 0.0));
-  STORE(statistics, 1, vec4(log(chromatic.x / chromatic.z + 0.01) + 2.0, 4.0 * chromatic.y / chromatic.z - 2.0,
-                            5.0 * intensity.z / intensity.x - 1.5, log(plain.x / (plain.y + 1e-6) + 0.003) + 3.0));
+  STORE(statistics, STATISTICS_MEAN, vec4(intensity.y / intensity.x, 0.0, 0.0, 0.0));
+  STORE(statistics, STATISTICS_SIGMAS,
+        vec4(log(chromatic.x / chromatic.z + 0.01) + 2.0, 4.0 * chromatic.y / chromatic.z - 2.0, 5.0 * intensity.z / intensity.x - 1.5,
+             log(plain.x / (plain.y + 1e-6) + 0.003) + 3.0));
 }

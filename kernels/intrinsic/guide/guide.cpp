@@ -33,7 +33,7 @@ Guide::Guide(const std::shared_ptr<gpu::Device>& device, Extent extent)
   cells_ = Buffer::create(device, Element::vec4,
                           extent2_.pixels() * shaders::intrinsic_guide_cells::CELL_STRIDE);
   guide_coarse_ = Buffer::create(device, Element::vec4, extent4_.pixels());
-  statistics_ = Buffer::create(device, Element::vec4, 2);
+  statistics_ = Buffer::create(device, Element::vec4, kStatisticsSize);
   for (auto& sums : sums_)
     sums = Buffer::create(device, Element::vec4,
                           gpu::partial_count(*sum_.kernel(), sum_items(extent1_)));
@@ -47,7 +47,7 @@ void Guide::record(gpu::Commands& commands, const gpu::BufferPtr& frame, const T
                   {.size = extent_}, line_of(extent1_.pixels()));
   cells_kernel_.dispatch(commands, listed, {.fine = level0_, .cells = cells_}, {.size = extent_},
                          line_of(extent2_.pixels()));
-  guide_coarse_kernel_.dispatch(commands, listed, {.cells = cells_, .wide = guide_coarse_},
+  guide_coarse_kernel_.dispatch(commands, listed, {.cells = cells_, .guide_coarse = guide_coarse_},
                                 {.size = extent2_}, line_of(extent4_.pixels()));
   commands.dispatch(sum_,
                     {.level = level1_,

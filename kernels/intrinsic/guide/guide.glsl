@@ -9,6 +9,11 @@ const float kChromaFloor = 1e-2;
 const float kMaxLight = 1e4;
 #define CELL_STRIDE 2
 
+// Statistics of a frame, two vec4: mean log intensity, -, -, -; and sigma0 … sigma3 of the prior's cues.
+#define STATISTICS_MEAN 0
+#define STATISTICS_SIGMAS 1
+#define STATISTICS_SIZE 2
+
 // Input of the method: NaN and negative values count as 0, +Inf (a broken sample) as 1.
 vec3 sanitize(vec3 rgb) {
   return mix(vec3(0.0), mix(min(rgb, kMaxLight), vec3(1.0), isinf(rgb)), greaterThan(rgb, vec3(0.0)));

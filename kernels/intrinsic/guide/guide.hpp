@@ -31,12 +31,13 @@ class Guide {
   const gpu::BufferPtr& cells() const {
     return cells_;
   }  ///< level 2, two vec4 a cell of 4 x 4 pixels
-  const gpu::BufferPtr& wide() const {
+  const gpu::BufferPtr& guide_coarse() const {
     return guide_coarse_;
   }  ///< level 4, vec4 a cell of 16 x 16 pixels
+  static constexpr uint64_t kStatisticsSize = shaders::intrinsic_guide_frame::STATISTICS_SIZE;
   const gpu::BufferPtr& statistics() const {
     return statistics_;
-  }  ///< of the frame, two vec4 (frame.comp)
+  }  ///< of the frame, kStatisticsSize vec4 (guide.glsl)
 
  private:
   Extent extent_, extent1_, extent2_, extent4_;

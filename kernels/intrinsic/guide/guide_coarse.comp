@@ -7,7 +7,7 @@
 
 // The guide's level 4 from its level 2. One cell of level 4 an invocation.
 PLANE_IN(0, cells);
-PLANE_OUT(1, wide);
+PLANE_OUT(1, guide_coarse);
 #define TILE_CONSTANT 1
 #define TILE_BINDING 2
 #include "image/tiles/tile_position.glsl"
@@ -22,5 +22,5 @@ void main() {
     uvec2 at = min(2u * parent + uvec2(k & 1u, (k >> 2u) & 1u), push.size - 1u);
     sum += FETCH(cells, int(CELL_STRIDE * (at.y * push.size.x + at.x)));
   }
-  STORE(wide, cell.y * wide_size.x + cell.x, sum / 16.0);
+  STORE(guide_coarse, cell.y * wide_size.x + cell.x, sum / 16.0);
 }

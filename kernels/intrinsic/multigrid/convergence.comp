@@ -5,13 +5,15 @@
 #include "gpu/workgroup_sum.glsl"
 
 // Convergence after a cycle. One workgroup.
-//   progress[0] = mean square change by the last cycle, 1 if another cycle is needed or 0, cycles so far, -
+#define PROGRESS_CHANGE 0     // mean square, by the last cycle
+#define PROGRESS_CONTINUES 1  // 1 if another cycle is needed, or 0
+#define PROGRESS_CYCLES 2     // so far
 PLANE_IN(0, sums);  // partial sums of squares
-PLANE_INOUT(1, progress);
+PLANE_INOUT(1, progress);  // one vec4, in which they are
 layout(push_constant) uniform Push {
   uint count;     // of `sums`
   float pixels;
-  float settled;  // mean square change that is not worth another cycle
+  float tolerance;  // mean square change that is not worth another cycle
   uint first;     // 1 in a frame's first measurement
 } push;
 
@@ -20,6 +22,9 @@ void main() {
   for (uint i = gl_LocalInvocationID.x; i < push.count; i += gl_WorkGroupSize.x) sum += FETCH(sums, int(i));
   float change = workgroup_sum(sum).x / push.pixels;
   if (gl_LocalInvocationID.x > 0u) return;
-  float cycles = push.first == 1u ? 1.0 : LOAD(progress, 0).z + 1.0;
-  STORE(progress, 0, vec4(change, change < push.settled ? 0.0 : 1.0, cycles, 0.0));
+  vec4 now = vec4(0.0);
+  now[PROGRESS_CHANGE] = change;
+  now[PROGRESS_CONTINUES] = change < push.tolerance ? 0.0 : 1.0;
+  now[PROGRESS_CYCLES] = push.first == 1u ? 1.0 : LOAD(progress, 0)[PROGRESS_CYCLES] + 1.0;
+  STORE(progress, 0, now);
 }

@@ -185,7 +185,7 @@ void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k,
   commands.dispatch(convergence_, {.sums = sums_, .progress = progress_},
                     {.count = static_cast<uint32_t>(sums_->count()),
                      .pixels = static_cast<float>(extent.pixels()),
-                     .settled = progress.settled * progress.settled,
+                     .tolerance = progress.tolerance * progress.tolerance,
                      .first = k == 0},
                     {});
 }
@@ -216,7 +216,8 @@ void Multigrid::record_cycle(gpu::Commands& commands, const Params& params, uint
     if (from_start) extrapolate(commands, params.slowest, k, progress, listed);
     commands.stage("ascend");
   };
-  constexpr uint64_t kGoesOn = sizeof(float);  // the second number of `progress_`
+  constexpr uint64_t kGoesOn =
+      sizeof(float) * shaders::intrinsic_multigrid_convergence::PROGRESS_CONTINUES;
   if (progress.conditional)
     commands.when(progress_, kGoesOn, cycle);
   else

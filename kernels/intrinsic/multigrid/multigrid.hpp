@@ -40,7 +40,7 @@ class Multigrid {
   struct Progress {
     bool measured = false;     ///< the change by this cycle is summed
     bool conditional = false;  ///< skipped if the measured cycle before was the last one needed
-    float settled = 0;         ///< rms change by a cycle, log units, below which no other is needed
+    float tolerance = 0;       ///< rms change by a cycle, log units, below which no other is needed
   };
   static constexpr uint64_t kFineStride = 3;  ///< vec4 a pack of the system on levels 0 and 1
   static constexpr uint64_t kForceStride =
@@ -81,8 +81,7 @@ class Multigrid {
   void record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,
                     const Progress& progress, const std::function<void()>& before,
                     const std::function<void()>& after, const TileList* listed = nullptr);
-  /// One vec4, of the last measured cycle (convergence.comp): mean square change of the unknown,
-  /// log units²; whether further cycles are needed; measured cycles of this frame so far.
+  /// One vec4, of the last measured cycle (convergence.comp), log units².
   const gpu::BufferPtr& progress() const { return progress_; }
   /// How many levels there are, the single pixel included.
   uint32_t depth() const { return depth_; }

@@ -13,15 +13,15 @@
 layout(constant_id = 1) const bool kAnchored = false;
 PLANE_IN(0, frame);
 PLANE_IN(1, cells);
-PLANE_IN(2, wide);
+PLANE_IN(2, guide_coarse);
 PLANE_IN(3, scale);  // .x = ln c (scale.glsl)
 PLANE_IN(4, start);  // of cells (cell_terms.comp)
 PLANE_IN(5, before);    // m and the brightness of reflectance, the last frame's
 PLANE_IN(6, now);       // m (assemble.comp)
 PLANE_IN(7, shading);
 PLANE_OUT(8, memory);   // the same buffer as `now`: the brightness of reflectance
-PLANE_OUT(9, held);     // the same buffer as `shading`
-PLANE_INOUT(10, kept);
+PLANE_OUT(9, new_shading);  // the same buffer as `shading`
+PLANE_INOUT(10, cell_history);
 PLANE_OUT(11, intrinsic);
 #define TILE_CONSTANT 2
 #define TILE_BINDING 12
@@ -51,7 +51,7 @@ void main() {
   vec3 above = vec3(0.0), here = above, below = above;
   if (kAnchored) {
     int y = int(cell.y), last = int(push.size.y + 3u) / 4 - 1;
-    change = guide.x - LOAD(kept, at).w;
+    change = guide.x - LOAD(cell_history, at).w;
     above = holds_of(ivec2(cell), max(y - 1, 0));
     here = holds_of(ivec2(cell), y);
     below = holds_of(ivec2(cell), min(y + 1, last));
@@ -72,7 +72,7 @@ void main() {
       vec4 off = push.texture * (FETCH(now, mean) - FETCH(before, mean) - change);
       hold /= 1.0 + off * off;
       s += MASKED(hold * (bright - FETCH(before, brightness) - s), INSIDE(cell.x, push.size.x));
-      STORE(held, pack, s);
+      STORE(new_shading, pack, s);
     }
     STORE(memory, uint(brightness), bright - s);
     for (uint x = 0u; x < count.x; ++x) {
@@ -83,5 +83,5 @@ void main() {
       s = s.yzwx;
     }
   }
-  STORE(kept, at, cell_state(guide, FETCH(wide, int((cell.y / 4u) * PACK4(packs) + cell.x / 4u))));
+  STORE(cell_history, at, cell_state(guide, FETCH(guide_coarse, int((cell.y / 4u) * PACK4(packs) + cell.x / 4u))));
 }

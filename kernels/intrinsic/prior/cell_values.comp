@@ -7,7 +7,7 @@
 
 // EdgePrior, cells: v, V and g of energy.glsl from a cell's cues. One pack of cells an invocation.
 PLANE_IN(0, cells);
-PLANE_IN(1, wide);
+PLANE_IN(1, guide_coarse);
 PLANE_IN(2, statistics);
 PLANE_IN(3, tuning);
 PLANE_OUT(4, value);
@@ -29,12 +29,12 @@ void main() {
   ivec2 position = ivec2(tile_position(uint(packs)));
   if (position.y >= push.size.y) return;
   int wide_columns = ((push.size.x + 1) / 2 + 1) / 2;
-  float mean = FETCH(statistics, 0).x;
+  float mean = FETCH(statistics, STATISTICS_MEAN).x;
   vec4 v = vec4(0.0), target = vec4(0.0), g = vec4(0.0);
   for (int k = 0; k < 4; ++k) {
     int x = 4 * position.x + k, cell = CELL_STRIDE * (position.y * push.size.x + min(x, push.size.x - 1));
     vec4 p = FETCH(cells, cell), activity = FETCH(cells, cell + 1);
-    vec4 around = p - FETCH(wide, (position.y >> 2) * wide_columns + position.x);
+    vec4 around = p - FETCH(guide_coarse, (position.y >> 2) * wide_columns + position.x);
     float f[CELL_CUES];
     f[0] = 2.0 * p.w - 0.7;
     f[1] = clamp((p.x - mean) / 1.5, -2.0, 2.0);

@@ -3,10 +3,11 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "image/pack4.glsl"
+#include "intrinsic/guide/guide.glsl"
 
 // Flags the tiles whose edges have to be evaluated again: those with a cell of guide level 1, in the tile or up to two cells around
-// it, that differs by more than the tolerance from the saved one; all tiles if the frame's statistics differ so (its mean by four
-// times the tolerance), or if no edges are evaluated yet (all = 1). One tile an invocation.
+// it, that differs by more than the tolerance from the saved one; all tiles if the frame's statistics differ so (the mean by
+// kMeanDrift times the tolerance), or if no edges are evaluated yet (all = 1). One tile an invocation.
 PLANE_IN(0, level1);
 PLANE_IN(1, kept);
 PLANE_IN(2, statistics);
@@ -19,14 +20,15 @@ layout(push_constant) uniform Push {
 } push;
 
 const int kTileCells = 8;  // along a tile
+const float kMeanDrift = 4.0;
 
 void main() {
   uvec2 tiles = (push.size + uint(kTileCells) - 1u) / uint(kTileCells), tile = grid_position(tiles.x);
   if (tile.y >= tiles.y) return;
-  // The mean may differ by four times the tolerance. Comparisons are false for NaN.
+  // Comparisons are false for NaN.
   vec4 tolerance = vec4(push.tolerance);
-  bool same = abs(FETCH(statistics, 0).x - FETCH(kept_statistics, 0).x) <= 4.0 * push.tolerance &&
-              all(lessThanEqual(abs(FETCH(statistics, 1) - FETCH(kept_statistics, 1)), tolerance));
+  bool same = abs(FETCH(statistics, STATISTICS_MEAN).x - FETCH(kept_statistics, STATISTICS_MEAN).x) <= kMeanDrift * push.tolerance &&
+              all(lessThanEqual(abs(FETCH(statistics, STATISTICS_SIGMAS) - FETCH(kept_statistics, STATISTICS_SIGMAS)), tolerance));
   ivec2 first = max(ivec2(tile) * kTileCells - 2, ivec2(0));
   ivec2 last = min(ivec2(tile) * kTileCells + kTileCells + 1, ivec2(push.size) - 1);
   for (int y = first.y; y <= last.y; ++y)

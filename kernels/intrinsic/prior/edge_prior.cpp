@@ -14,7 +14,7 @@ EdgePrior::EdgePrior(const std::shared_ptr<gpu::Device>& device, Extent extent)
       biases_(gpu::Buffer::create(device, gpu::Element::vec4,
                                   shaders::intrinsic_prior_fold_biases::FOLD_VECTORS)),
       kept_(gpu::Buffer::create(device, gpu::Element::vec4, half_of(extent).pixels())),
-      kept_statistics_(gpu::Buffer::create(device, gpu::Element::vec4, 2)) {}
+      kept_statistics_(gpu::Buffer::create(device, gpu::Element::vec4, Guide::kStatisticsSize)) {}
 
 void EdgePrior::record_edges(gpu::Commands& commands, const Guide& guide, const Target& target,
                              const Params& params, const TileList* listed) const {
@@ -41,7 +41,7 @@ void EdgePrior::record_values(gpu::Commands& commands, const Guide& guide, const
   values_.dispatch(
       commands, listed,
       {.cells = guide.cells(),
-       .wide = guide.wide(),
+       .guide_coarse = guide.guide_coarse(),
        .statistics = guide.statistics(),
        .tuning = biases_,
        .value = target.value},

@@ -47,7 +47,7 @@ void main() {
   if (block.y > last.y) return;
   const ivec2 d = kDown ? ivec2(0, 1) : ivec2(1, 0);
   ivec2 size1 = (push.size + 1) / 2, size2 = (size1 + 1) / 2;
-  float mean = FETCH(statistics, 0).x;
+  float mean = FETCH(statistics, STATISTICS_MEAN).x;
   float f[EDGE_CUES];
   // Of the surroundings on level 2, which the first three columns (rows) share; the last has its own.
   vec4 far[EDGE_VECTORS], last_far[EDGE_VECTORS];

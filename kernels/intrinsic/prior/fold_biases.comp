@@ -2,6 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
+#include "intrinsic/guide/guide.glsl"
 
 // Folds the frame's statistics into the biases of the fitted functions, once a frame. One invocation.
 PLANE_IN(0, statistics);
@@ -10,5 +11,5 @@ PLANE_OUT(1, biases);
 #include "edge_net.glsl"
 
 void main() {
-  if (gl_GlobalInvocationID.x == 0u) fold_biases(FETCH(statistics, 1));
+  if (gl_GlobalInvocationID.x == 0u) fold_biases(FETCH(statistics, STATISTICS_SIGMAS));
 }

@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "image/pack4.glsl"
+#include "intrinsic/guide/guide.glsl"
 
 // Saves the guide that the edges of listed tiles are evaluated on, and if all tiles are listed the frame's statistics. One cell of
 // guide level 1 an invocation.
@@ -24,7 +25,6 @@ void main() {
   uint to = at.y * push.size.x + at.x;
   STORE(kept, to, FETCH(level1, int(to)));
   if (to == 0u && FETCH1(list, LIST_COUNT) == push.tiles) {
-    STORE(kept_statistics, 0, FETCH(statistics, 0));
-    STORE(kept_statistics, 1, FETCH(statistics, 1));
+    for (int k = 0; k < STATISTICS_SIZE; ++k) STORE(kept_statistics, uint(k), FETCH(statistics, k));
   }
 }

@@ -2,10 +2,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
+#include "temporal.glsl"
 
-// Decides whether a frame continues the one before. One workgroup of 64.
-//   cut_decision[0] = mean mismatch of the frame, 1 if it is anchored or 0 at a cut, the share of the picture's structure that
-//                moved, number of frames anchored since the last cut or reset
+// Decides whether a frame continues the one before (temporal.glsl). One workgroup of 64.
 PLANE_IN(0, sums);
 PLANE_INOUT(1, cut_decision);
 layout(push_constant) uniform Push {
@@ -25,7 +24,11 @@ void main() {
   barrier();
   if (lane > 0u) return;
   for (uint i = 1u; i < 64u; ++i) sum += totals[i];
-  float mean = sum.x / push.cells, anchored = mean < push.cut_fraction ? 1.0 : 0.0;
-  float frames = push.continues > 0.0 ? LOAD(cut_decision, 0).w : 0.0;
-  STORE(cut_decision, 0, vec4(mean, anchored, sum.y / max(sum.z, 1e-20), anchored * min(frames + 1.0, 1e6)));
+  float frames = push.continues > 0.0 ? LOAD(cut_decision, 0)[CUT_FRAMES] : 0.0;
+  vec4 decision;
+  decision[CUT_MISMATCH] = sum.x / push.cells;
+  decision[CUT_ANCHORED] = decision[CUT_MISMATCH] < push.cut_fraction ? 1.0 : 0.0;
+  decision[CUT_MOVED] = sum.y / max(sum.z, 1e-20);
+  decision[CUT_FRAMES] = decision[CUT_ANCHORED] * min(frames + 1.0, 1e6);
+  STORE(cut_decision, 0, decision);
 }

@@ -10,7 +10,7 @@
 // contrast, its chroma (weighted low in dark cells), and the variance of its pixels' change, which an even change of light does not
 // affect. And the share of its structure, the variance of its pixels in both frames, that has moved. One cell an invocation.
 PLANE_IN(0, cells);
-PLANE_IN(1, wide);
+PLANE_IN(1, guide_coarse);
 PLANE_IN(2, level0);
 PLANE_IN(3, before);  // cell_state
 PLANE_IN(4, memory);  // of packs of pixels
@@ -50,7 +50,7 @@ void main() {
     }
   }
   uint at = cell.y * cell_size.x + cell.x;
-  vec4 around = FETCH(wide, int((cell.y / 4u) * PACK4(cell_size.x) + cell.x / 4u)), guide = FETCH(cells, int(CELL_STRIDE * at));
+  vec4 around = FETCH(guide_coarse, int((cell.y / 4u) * PACK4(cell_size.x) + cell.x / 4u)), guide = FETCH(cells, int(CELL_STRIDE * at));
   vec4 step = cell_state(guide, around) - FETCH(before, int(at));
   float light = exp(guide.x), trust = light / (light + kLittleLight), unrest = variance(sum.x, squares.x, share);
   float structure = variance(sum.y, squares.y, share) + variance(sum.z, squares.z, share);

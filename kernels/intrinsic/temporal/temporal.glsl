@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // History of a cell: (d, c0, c1, m'), d = m' - m'_P4 its local log contrast (P4: its cell of guide level 4). A change of light
 // preserves chroma and local contrast; moving content does not.
-vec4 cell_state(vec4 cell, vec4 wide) { return vec4(cell.x - wide.x, cell.yz, cell.x); }
+vec4 cell_state(vec4 cell, vec4 guide_coarse) { return vec4(cell.x - guide_coarse.x, cell.yz, cell.x); }
+
+// Decision on a cut, one vec4.
+#define CUT_MISMATCH 0  // mean of the frame
+#define CUT_ANCHORED 1  // 1, or 0 at a cut
+#define CUT_MOVED 2     // share of the picture's structure that moved
+#define CUT_FRAMES 3    // anchored since the last cut or reset
 
 // History of a pack of pixels, two vec4: m, and the brightness of its reflectance, ln of the mean channel minus s. (m is as noisy
 // as the darkest channel; the mean channel is what is visible.)

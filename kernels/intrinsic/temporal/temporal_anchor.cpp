@@ -36,7 +36,7 @@ void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const P
   cleared_ = true;
   compare_.dispatch(commands, listed,
                     {.cells = guide.cells(),
-                     .wide = guide.wide(),
+                     .guide_coarse = guide.guide_coarse(),
                      .level0 = guide.level0(),
                      .before = kept_,
                      .memory = memory_,

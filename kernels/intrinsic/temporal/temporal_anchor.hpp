@@ -72,8 +72,7 @@ class TemporalAnchor {
   }  ///< vec4 a tile of 4 x 4 cells (static_tiles.comp)
   const gpu::BufferPtr& cut_decision() const {
     return cut_decision_;
-  }  ///< one vec4 (cut_decision.comp): mean mismatch; 1 anchored or 0 cut; share of structure that
-     ///< moved
+  }  ///< one vec4 (temporal.glsl)
 
  private:
   Extent extent_, cells_;

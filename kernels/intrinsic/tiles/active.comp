@@ -27,10 +27,10 @@ void main() {
   for (uint y = 4u * tile.y; y < min(4u * tile.y + 4u, push.cell_packs.y); ++y)
     most = max(most, abs(FETCH(correction, int(y * push.cell_packs.x + tile.x))));
   vec4 known = LOAD(activity, at);
-  bool concerned = near_change(ivec2(tile), ivec2(push.tiles));
-  float frames = concerned ? 1.0 : known.y + 1.0;
+  bool near = near_change(ivec2(tile), ivec2(push.tiles));
+  float frames = near ? 1.0 : known.y + 1.0;
   float coarse = (1.0 - pow(push.hold, known.z)) / known.z * max(max(most.x, most.y), max(most.z, most.w));
-  bool still = !concerned && frames * max(known.x, coarse) <= push.tolerance;  // not for NaN
-  STORE(flags, at, still ? 0u : 1u);
+  bool skipped = !near && frames * max(known.x, coarse) <= push.tolerance;  // not for NaN
+  STORE(flags, at, skipped ? 0u : 1u);
   STORE(activity, at, vec4(known.x, frames, known.z, 0.0));
 }

@@ -25,12 +25,12 @@ ActiveTiles::ActiveTiles(const std::shared_ptr<gpu::Device>& device, Extent exte
 float ActiveTiles::take(std::span<const uint8_t> changed) {
   if (changed.empty()) return 1;
   if (changed.size() != tiles())
-    throw Error(ErrorKind::internal, "told of " + std::to_string(changed.size()) +
-                                         " tiles of a frame that has " + std::to_string(tiles()));
+    throw Error(ErrorKind::internal, "got " + std::to_string(changed.size()) +
+                                         " tiles for a frame of " + std::to_string(tiles()));
   ++frame_;
   std::copy(changed.begin(), changed.end(), changed_[frame_]->map_as<uint32_t>());
-  const auto concerned = dilate_tiles(changed, lists_[0].columns());
-  return static_cast<float>(std::count(concerned.begin(), concerned.end(), 1)) /
+  const auto affected = dilate_tiles(changed, lists_[0].columns());
+  return static_cast<float>(std::count(affected.begin(), affected.end(), 1)) /
          static_cast<float>(tiles());
 }
 

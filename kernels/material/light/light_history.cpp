@@ -29,10 +29,10 @@ void LightHistory::rest(const ObjectTracker::Box& here) {
   at_ = here;
 }
 
-void LightHistory::take(const ObjectLight::View& view, const ObjectTracker::Box& here, bool anew,
+void LightHistory::take(const ObjectLight::View& view, const ObjectTracker::Box& here, bool restart,
                         const std::shared_ptr<const NormalMap>& map, const Material& material,
                         const ObjectLight::Params& params) {
-  if (anew) light_.reset();
+  if (restart) light_.reset();
   if (!at_) at_ = here;
   light_.add(view, map, params);
   if (auto light = light_.light(material, params)) known_ = std::move(light);

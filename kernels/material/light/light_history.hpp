@@ -22,9 +22,9 @@ class LightHistory {
   /// The object rests here. The light may differ from that at another position: all views before
   /// count as one.
   void rest(const ObjectTracker::Box& here);
-  /// Adds a view of the object at this position with this material. `anew`: earlier views belong to
-  /// another light. Other arguments as in ObjectLight::add and light.
-  void take(const ObjectLight::View& view, const ObjectTracker::Box& here, bool anew,
+  /// Adds a view of the object at this position with this material. `restart`: earlier views belong
+  /// to another light. Other arguments as in ObjectLight::add and light.
+  void take(const ObjectLight::View& view, const ObjectTracker::Box& here, bool restart,
             const std::shared_ptr<const NormalMap>& map, const Material& material,
             const ObjectLight::Params& params);
   /// Detects slowly changing lamps: compares the image (as CropChange) with the first one under

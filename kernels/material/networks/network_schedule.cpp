@@ -13,11 +13,12 @@ bool is_relit(const NetworkSchedule::Known& known) {
   const auto beyond = [](const auto& difference, float moved) {
     return difference && difference->mean > NetworkSchedule::kRelit + moved;
   };
-  return known.finds_light && (beyond(known.changed, known.moved) ||
-                               (known.relit && beyond(known.relit, known.relit->moved)));
+  return known.finds_light &&
+         (beyond(known.changed, known.moved) ||
+          (known.light_changed && beyond(known.light_changed, known.light_changed->moved)));
 }
 
-bool rests(const NetworkSchedule::Params& params, const NetworkSchedule::Known& known) {
+bool is_static(const NetworkSchedule::Params& params, const NetworkSchedule::Known& known) {
   if (!params.adaptive || !known.found || !known.placed) return false;
   // The reference image for layers is missing when drawing begins.
   const bool stale =
@@ -30,7 +31,7 @@ bool rests(const NetworkSchedule::Params& params, const NetworkSchedule::Known& 
 NetworkSchedule::Plan NetworkSchedule::next(const Params& params, const Known& known) {
   // A sudden change of lamps is analyzed at once; a continuing one at the regular rate.
   const bool relit = rested_in_place_ && is_relit(known);
-  const bool resting = rests(params, known) && !relit;
+  const bool resting = is_static(params, known) && !relit;
   const bool rest = resting && ++rested_ < std::max(params.recheck, uint32_t{1});
   if (!rest) rested_ = 0;
   if (resting || !known.found)
@@ -40,17 +41,18 @@ NetworkSchedule::Plan NetworkSchedule::next(const Params& params, const Known& k
   rested_in_place_ =
       resting || (rested_in_place_ && !relit && known.found && known.moved < ObjectTracker::kMoved);
   // A square without an object has none in an identical frame, unless a result is still in flight.
-  const bool again = params.adaptive && known.still && !known.found && searched_ == known.square;
+  const bool again =
+      params.adaptive && known.unchanged && !known.found && searched_ == known.square;
 
   Plan plan;
-  plan.rests = resting;
-  plan.segments = !again && (!rest || !known.still);
+  plan.static_object = resting;
+  plan.segments = !again && (!rest || !known.unchanged);
   plan.estimates = !rest && (known.found || !params.adaptive);
   if (plan.segments) searched_ = known.square;
   if (plan.estimates) {
-    plan.light_anew = known.finds_light && follow_ > 0;
-    plan.lights = known.finds_light &&
-                  (plan.light_anew || known.views < kEarlyViews || estimates_ % kViewEvery == 0);
+    plan.light_restarts = known.finds_light && follow_ > 0;
+    plan.lights = known.finds_light && (plan.light_restarts || known.views < kEarlyViews ||
+                                        estimates_ % kViewEvery == 0);
     if (follow_) --follow_;
     ++estimates_;
   }

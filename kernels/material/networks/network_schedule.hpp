@@ -20,7 +20,7 @@ class NetworkSchedule {
   /// State at a new frame, according to the last finished one.
   struct Known {
     Square square;             ///< square to analyze
-    bool still = false;        ///< the pixels in the square are unchanged
+    bool unchanged = false;    ///< the pixels in the square are unchanged
     bool found = false;        ///< an object is present
     bool placed = false;       ///< its layers were computed from that same square
     float moved = 1;           ///< share of its points that changed
@@ -31,17 +31,17 @@ class NetworkSchedule {
     /// Change of its image since its layers were computed; empty: no reference image.
     std::optional<CropChange::Difference> changed;
     /// Change since it came to rest, or since its light began; empty: it moves.
-    std::optional<CropChange::Difference> relit;
+    std::optional<CropChange::Difference> light_changed;
   };
   struct Plan {
-    bool rests = false;        ///< the object rests; it may be analyzed nevertheless
-    bool segments = false;     ///< SegmentationNet runs
-    bool estimates = false;    ///< the other four do
-    bool lights = false;       ///< this view of the object is added to the light
-    bool light_anew = false;   ///< the light begins with this view: earlier ones belong to another
-                               ///< light
-    bool compares = false;     ///< its image is stored or compared
-    const char* skipped = "";  ///< skipped work and the reason
+    bool static_object = false;   ///< the object rests; it may be analyzed nevertheless
+    bool segments = false;        ///< SegmentationNet runs
+    bool estimates = false;       ///< the other four do
+    bool lights = false;          ///< this view of the object is added to the light
+    bool light_restarts = false;  ///< the light begins with this view: earlier ones belong to
+                                  ///< another light
+    bool compares = false;        ///< its image is stored or compared
+    const char* skipped = "";     ///< skipped work and the reason
   };
 
   /// Discards the history.

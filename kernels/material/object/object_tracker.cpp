@@ -104,7 +104,7 @@ Square ObjectTracker::whole() const {
 
 void ObjectTracker::reset() {
   square_ = whole();
-  found_ = misled_ = jumped_ = false;
+  found_ = ambiguous_ = jumped_ = false;
   missing_ = 0;
   closest_ = 0;
   retry_after_ = waited_ = 0;
@@ -159,8 +159,8 @@ void ObjectTracker::update(std::span<const float> probabilities, uint32_t side, 
   const Part part = keep_largest(mask, side);
   const float area = static_cast<float>(part.area) * scale * scale;
   jumped_ = false;
-  misled_ = found_ && square.size < kCloser * before_square_.size && area < kSame * before_area_;
-  if (misled_) {
+  ambiguous_ = found_ && square.size < kCloser * before_square_.size && area < kSame * before_area_;
+  if (ambiguous_) {
     moved_ = 1;
     if (square_ == before_square_) return;  // a search that was in flight
     square_ = before_square_;

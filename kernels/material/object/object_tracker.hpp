@@ -35,7 +35,7 @@ class ObjectTracker {
   const Square& square() const { return square_; }
   bool found() const { return found_; }
   /// The last square was a closer one that lost the object: ignore its result.
-  bool misled() const { return misled_; }
+  bool ambiguous() const { return ambiguous_; }
   /// The last result does not overlap the previous one: another object, as after a cut, or one too
   /// fast to track.
   bool jumped() const { return jumped_; }
@@ -69,7 +69,7 @@ class ObjectTracker {
   Extent frame_;
   Square square_;
   Box box_;
-  bool found_ = false, misled_ = false, jumped_ = false;
+  bool found_ = false, ambiguous_ = false, jumped_ = false;
   uint32_t missing_ = 0;  // frames in a row
   float share_ = 0, moved_ = 1;
   float closest_ = 0;  // size of squares that is no less, pixels

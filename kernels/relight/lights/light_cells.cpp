@@ -56,7 +56,7 @@ double light_spacing(std::span<const Direction> lights) {
 }
 
 LightCells::LightCells(std::vector<Direction> lights)
-    : lights_(std::move(lights)), owner_(size_t{kRows} * kColumns, kNobody) {
+    : lights_(std::move(lights)), owner_(size_t{kRows} * kColumns, kNone) {
   const double reach = std::cos(std::clamp(kReach * light_spacing(lights_), kMinReach, kPi));
   // From the top down, so that each row checks only lights within reach.
   std::vector<uint16_t> order(lights_.size());
@@ -83,7 +83,7 @@ LightCells::LightCells(std::vector<Direction> lights)
           best = near;
           owner = *it;
         }
-      if (owner != kNobody) covered_ += area;
+      if (owner != kNone) covered_ += area;
     }
   }
 }
@@ -123,7 +123,7 @@ std::vector<Rgb> LightCells::weights(const Map& map, double rotation) const {
     const float* flux = &map.flux[size_t{3} * row * kColumns];
     for (uint32_t column = 0; column < kColumns; ++column) {
       const uint16_t owner = owner_[size_t{row} * kColumns + column];
-      if (owner == kNobody) continue;
+      if (owner == kNone) continue;
       // Rotation by a fraction of a patch distributes it over two.
       const uint32_t near = (column + kColumns - whole) % kColumns;
       const uint32_t far = (near + kColumns - 1) % kColumns;

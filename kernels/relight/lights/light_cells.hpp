@@ -51,7 +51,7 @@ class LightCells {
   static constexpr uint32_t kRows = 256;  ///< of the patches that are shared out
 
  private:
-  static constexpr uint16_t kNobody = 0xffff;
+  static constexpr uint16_t kNone = 0xffff;
   std::vector<Direction> lights_;
   std::vector<uint16_t> owner_;  // of each patch
   double covered_ = 0;

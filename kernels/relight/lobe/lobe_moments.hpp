@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "kernels/relight_lobe_lobes.spv.hpp"
 #include "stage/program/light_program.hpp"
 
 namespace inverse {
@@ -19,7 +20,7 @@ namespace inverse {
 class LobeMoments {
  public:
   static constexpr uint32_t kGrid = 21;  ///< points of the table along each axis, M from −1 to 1
-  static constexpr double kLargestExponent = 63;
+  static constexpr double kLargestExponent = shaders::relight_lobe_lobes::kLargestExponent;
 
   explicit LobeMoments(std::span<const Direction> lights);
 

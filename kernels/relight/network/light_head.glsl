@@ -9,7 +9,9 @@
 // Bindings: head_weights, per block of four j the 16 columns of W, then the four of V; finally c. lights, kLightSize
 // vec4 each: direction and 1; weight; six of bias.
 
-const int kBlocks = 16, kHidden = 6, kLightSize = 8;  // of features; of v; vec4 a light
+const int kBlocks = 16, kHiddenBlocks = 6;  // of features; of v
+const int kLightSize = 8;                   // vec4 a light
+const int kAtOnce = 4;                      // lights
 
 #define HEAD_PLANES(U, first)                                                                                   \
   {                                                                                                             \
@@ -44,8 +46,8 @@ void light_head(vec4 f[16], vec3 full, int first, out vec3 pa, out vec3 pb, out 
   HEAD_PLANES(ub, l + kLightSize)
   HEAD_PLANES(uc, l + 2 * kLightSize)
   HEAD_PLANES(ud, l + 3 * kLightSize)
-  vec4 ya = FETCH(head_weights, kHidden * 20), yb = ya, yc = ya, yd = ya;
-  for (int j = 0; j < kHidden; ++j) {
+  vec4 ya = FETCH(head_weights, kHiddenBlocks * 20), yb = ya, yc = ya, yd = ya;
+  for (int j = 0; j < kHiddenBlocks; ++j) {
     int at = 20 * j;
     vec4 va = FETCH(lights, l + 2 + j), vb = FETCH(lights, l + kLightSize + 2 + j),
          vc = FETCH(lights, l + 2 * kLightSize + 2 + j), vd = FETCH(lights, l + 3 * kLightSize + 2 + j);

@@ -7,9 +7,10 @@ namespace inverse {
 namespace {
 
 using Models = RelightModels;
-constexpr uint32_t kLightSize = shaders::relight_network_head_sum::kLightSize;
-constexpr uint32_t kAtOnce = 4;  // light_head.glsl
-constexpr uint32_t kHiddenBlocks = Models::kHidden / 4;
+using Head = shaders::relight_network_head_sum;
+constexpr uint32_t kLightSize = Head::kLightSize, kAtOnce = Head::kAtOnce,
+                   kHiddenBlocks = Head::kHiddenBlocks;
+static_assert(Models::kPlanes == Head::kBlocks && Models::kHidden == 4 * Head::kHiddenBlocks);
 
 Extent padded(Extent extent) {
   const auto up = [](uint32_t v) {

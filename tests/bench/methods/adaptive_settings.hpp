@@ -13,8 +13,8 @@ namespace inverse::bench {
 
 /// Turns all skipping off.
 inline void leave_nothing_out(ScaledIntrinsic::Params& params) {
-  params.tile_tolerance = params.edge_tolerance = params.cycle_tolerance = 0;
-  params.chroma_tolerance = params.gate_tolerance = params.half_tolerance = 0;
+  params.tolerances.tile = params.tolerances.edge = params.tolerances.cycle = 0;
+  params.tolerances.chroma = params.tolerances.gate = params.tolerances.half = 0;
 }
 
 /// A mode by its name: "off" and "on" are in every run, with enough frames for a ratio within a
@@ -28,8 +28,8 @@ inline Setting adaptive_setting(const std::string& name, double order,
           .name = name,
           .order = order,
           .parameters = {{"adaptive", params.adaptive ? "true" : "false"},
-                         {"cycle-tolerance", text_of(double(params.cycle_tolerance))},
-                         {"edge-tolerance", text_of(double(params.edge_tolerance))}},
+                         {"cycle-tolerance", text_of(double(params.tolerances.cycle))},
+                         {"edge-tolerance", text_of(double(params.tolerances.edge))}},
           .make = std::move(make),
           .stills = false,
           .video = true,

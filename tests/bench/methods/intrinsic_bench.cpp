@@ -99,7 +99,7 @@ int main(int argc, char** argv) try {
     else if (option == "--cycles")
       params.cycles = static_cast<uint32_t>(std::atoi(value.c_str()));
     else if (option == "--tolerance")
-      params.edge_tolerance = static_cast<float>(std::atof(value.c_str()));
+      params.tolerances.edge = static_cast<float>(std::atof(value.c_str()));
     else if (option == "--adaptive")
       params.adaptive = value != "0";
     else if (option == "--kernels")

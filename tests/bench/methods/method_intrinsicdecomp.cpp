@@ -154,9 +154,9 @@ class Settings {
   /// Turns off all of adaptivity except one part.
   template <typename Tolerance>
   static void only(Params& params, Tolerance tolerance) {
-    const float kept = params.*tolerance;
+    const float kept = params.tolerances.*tolerance;
     leave_nothing_out(params);
-    params.*tolerance = kept;
+    params.tolerances.*tolerance = kept;
   }
 
   /// Time saved by skipping: all of it, and each part alone. Add a new part here.
@@ -164,12 +164,12 @@ class Settings {
     const std::pair<const char*, void (*)(Params&)> modes[] = {
         {"off", [](Params& p) { p.adaptive = false; }},
         {"on", [](Params&) {}},
-        {"tiles", [](Params& p) { only(p, &Params::tile_tolerance); }},
-        {"edges of tiles", [](Params& p) { only(p, &Params::edge_tolerance); }},
-        {"cycles", [](Params& p) { only(p, &Params::cycle_tolerance); }},
-        {"chroma bins", [](Params& p) { only(p, &Params::chroma_tolerance); }},
-        {"anchor of pixels", [](Params& p) { only(p, &Params::gate_tolerance); }},
-        {"half resolution", [](Params& p) { only(p, &Params::half_tolerance); }}};
+        {"tiles", [](Params& p) { only(p, &Tolerances::tile); }},
+        {"edges of tiles", [](Params& p) { only(p, &Tolerances::edge); }},
+        {"cycles", [](Params& p) { only(p, &Tolerances::cycle); }},
+        {"chroma bins", [](Params& p) { only(p, &Tolerances::chroma); }},
+        {"anchor of pixels", [](Params& p) { only(p, &Tolerances::gate); }},
+        {"half resolution", [](Params& p) { only(p, &Tolerances::half); }}};
     double order = 0;
     for (const auto& [name, set] : modes) {
       Params params;

@@ -47,9 +47,10 @@ void record(DeviceSession& session, const Scene& scene) {
         scene.name.c_str(), before != nullptr, layers, repeated,
         before ? double(count) / double(affected.size()) : 1, found.cycles, double(found.change),
         found.cut, found.tiles, found.tiles_evaluated, double(found.binding), double(found.gate),
-        found.tiles_moving, double(found.drift), int(plan.mode), plan.all_tiles, int(plan.edges),
-        plan.cycles, double(plan.cycle_tolerance), double(plan.tile_tolerance),
-        plan.compares_pixels, plan.bins, plan.measures_bins, plan.measures_gate);
+        found.tiles_moving, double(std::max(found.drift, found.mean_drift / Planner::kMeanDrift)),
+        int(plan.mode), plan.all_tiles, int(plan.edges), plan.cycles, double(plan.cycle_tolerance),
+        double(plan.tile_tolerance), plan.compares_pixels, plan.bins, plan.measures_bins,
+        plan.measures_gate);
     before = &frame;
     layers = !plan.whole();
   }

@@ -28,8 +28,8 @@ std::vector<Setting> quality_level_settings(const QualityLevels<Params>& table, 
                     {"quarter-resolution", params.quarter_resolution ? "true" : "false"},
                     {"cycles", std::to_string(params.cycles)},
                     {"warm-cycles", std::to_string(params.warm_cycles)},
-                    {"edge-tolerance", text_of(double(params.edge_tolerance))},
-                    {"cycle-tolerance", text_of(double(params.cycle_tolerance))}};
+                    {"edge-tolerance", text_of(double(params.tolerances.edge))},
+                    {"cycle-tolerance", text_of(double(params.tolerances.cycle))}};
     s.effort = s.preset.empty() ? others : Setting::Effort::brief;
     const std::string half = params.halvings() == 0   ? ""
                              : params.halvings() == 1 ? "half, "
@@ -46,7 +46,7 @@ std::vector<Setting> quality_level_settings(const QualityLevels<Params>& table, 
     s.curve = "video quality", s.stills = false, s.video = true, s.base = false;
     if (s.preset.empty()) s.effort = Setting::Effort::full, s.sets = {"own"};
     s.name =
-        half + std::to_string(params.warm_cycles) + ", " + text_of(double(params.edge_tolerance));
+        half + std::to_string(params.warm_cycles) + ", " + text_of(double(params.tolerances.edge));
     all.push_back(s);
   }
   return all;

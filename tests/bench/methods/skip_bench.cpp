@@ -142,11 +142,11 @@ void terms(DeviceSession& session, const Scene& scene, size_t frames) {
   const Extent extent{uint32_t(scene.frames[0].input.width),
                       uint32_t(scene.frames[0].input.height)};
   Params all, bins, pixels, chosen;
-  chosen.half_tolerance = 0;
-  all.chroma_tolerance = all.gate_tolerance = all.half_tolerance = 0;
+  chosen.tolerances.half = 0;
+  all.tolerances.chroma = all.tolerances.gate = all.tolerances.half = 0;
   bins = pixels = all;
   bins.prior.chroma_weight = 0;  // as if skipped
-  pixels.gate_tolerance = 1;
+  pixels.tolerances.gate = 1;
   Run runs[] = {{session, extent, all},
                 {session, extent, bins},
                 {session, extent, pixels},
@@ -179,9 +179,9 @@ void half(DeviceSession& session, const Scene& scene, size_t frames) {
   const Extent extent{uint32_t(scene.frames[0].input.width),
                       uint32_t(scene.frames[0].input.height)};
   Params full, small, looking, chosen;
-  full.half_tolerance = 0;
+  full.tolerances.half = 0;
   small.half_resolution = true;
-  looking.half_tolerance = 1e-6F;  // compares without changing the resolution
+  looking.tolerances.half = 1e-6F;  // compares without changing the resolution
   Run runs[] = {{session, extent, full},
                 {session, extent, small},
                 {session, extent, looking},
@@ -215,7 +215,7 @@ void crossing(DeviceSession& session, const Scene& scene, size_t) {
   Run stays{session, extent, {}}, small{session, extent, {}}, carried{session, extent, {}},
       forgets{session, extent, {}};
   small.params.half_resolution = true;
-  for (Run* run : {&stays, &small, &carried, &forgets}) run->params.half_tolerance = 0;
+  for (Run* run : {&stays, &small, &carried, &forgets}) run->params.tolerances.half = 0;
   const auto step_of = [](const Run& run) {  // rms change of ln R's mean channel, scale removed
     double sum = 0, squares = 0, count = 0;
     const auto bright = [](const Image& r, size_t i) {
@@ -288,7 +288,8 @@ void error(DeviceSession& session, const Scene& scene, size_t frames) {
   std::vector<std::unique_ptr<Run>> some;
   for (const float factor : {0.0F, 0.25F, 1.0F, 2.0F}) {
     Params params;
-    params.scale_tolerances(factor);
+    params.adaptive = factor > 0;
+    params.tolerances.scale_to(factor * Tolerances::kSkipError);
     some.push_back(std::make_unique<Run>(session, extent, params));
   }
   std::vector<std::vector<double>> apart(some.size());
@@ -328,9 +329,9 @@ void cheap(DeviceSession& session, const Scene& scene, size_t frames) {
   std::vector<std::unique_ptr<Run>> runs;
   for (const Candidate& c : kCandidates) {
     Params params;
-    params.half_tolerance = 0, params.set_halvings(c.halvings);
+    params.tolerances.half = 0, params.set_halvings(c.halvings);
     params.cycles = c.cycles, params.warm_cycles = c.warm;
-    params.edge_tolerance = c.tolerance, params.cycle_tolerance = c.settled;
+    params.tolerances.edge = c.tolerance, params.tolerances.cycle = c.settled;
     runs.push_back(std::make_unique<Run>(session, extent, params));
   }
   const size_t count = scene.video ? frames : scene.frames.size();

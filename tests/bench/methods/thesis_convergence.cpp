@@ -260,20 +260,21 @@ int main(int argc, char** argv) {
   options.params.levels = 5;
   Extent extent{160, 120};
   std::string dump;
-  const bench::Options known{{"--dump", bench::text(dump)},
-                             {"--size",
-                              {true,
-                               [&extent](const char* value) {
-                                 return sscanf(value, "%ux%u", &extent.width, &extent.height) == 2;
-                               }}},
-                             {"--irls", bench::integer(options.params.irls_iterations)},
-                             {"--pcg", bench::integer(options.params.pcg_iterations)},
-                             {"--levels", bench::integer(options.params.levels)},
-                             {"--settled", bench::number(options.params.settled)},
-                             {"--epsilon", bench::number(options.params.epsilon)},
-                             {"--p", bench::number(options.params.p)},
-                             {"--svg", bench::text(options.svg)},
-                             {"--no-converged", bench::flag([&] { options.converged = false; })}};
+  const bench::Options known{
+      {"--dump", bench::text(dump)},
+      {"--size",
+       {true,
+        [&extent](const char* value) {
+          return sscanf(value, "%ux%u", &extent.width, &extent.height) == 2;
+        }}},
+      {"--irls", bench::integer(options.params.irls_iterations)},
+      {"--pcg", bench::integer(options.params.pcg_iterations)},
+      {"--levels", bench::integer(options.params.levels)},
+      {"--residual-tolerance", bench::number(options.params.residual_tolerance)},
+      {"--epsilon", bench::number(options.params.epsilon)},
+      {"--p", bench::number(options.params.p)},
+      {"--svg", bench::text(options.svg)},
+      {"--no-converged", bench::flag([&] { options.converged = false; })}};
   if (!bench::read(known, argc, argv, "thesis_convergence.cpp")) return 2;
   try {
     const bench::RgbaFrame frame =

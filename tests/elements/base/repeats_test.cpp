@@ -114,7 +114,7 @@ TEST_P(RepeatedFrames, ReuseLayersOnceConverged) {
     const Stats stats(harness, GetParam());
     EXPECT_TRUE(stats.flag("reused"));
     EXPECT_EQ(stats.count("frames-reused"), count + i);
-    EXPECT_EQ(stats.text("skipped"), "method: the picture of the frame before");
+    EXPECT_EQ(stats.text("skipped"), "method: repeated picture, and its layers have converged");
   }
 }
 

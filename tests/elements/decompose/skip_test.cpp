@@ -159,6 +159,19 @@ TEST_P(SkipError, ZeroSkipsNothingThatChangesTheResult) {
   for (const auto& frame : mixed_video()) ASSERT_EQ(none.process(frame), whole.process(frame));
 }
 
+TEST_P(SkipError, ScalesTolerancesThatAreNotSet) {
+  const std::string caps = VideoHarness::caps("RGBA", 32, 24), name = GetParam();
+  VideoHarness harness(name + " quality=high skip-error=0.2 tuning=tile-tolerance=0.03", caps,
+                       caps);
+  ASSERT_FALSE(harness.process(std::vector<uint8_t>(size_t{4} * 32 * 24, 99)).empty());
+  for (const auto& [field, value] : {std::pair{"tile-tolerance", 0.03F},
+                                     {"cycle-tolerance", 0.006F},
+                                     {"edge-tolerance", 0.1F},
+                                     {"half-tolerance", 0.12F},
+                                     {"repeat-tolerance", 0.002F}})
+    EXPECT_FLOAT_EQ(float(stat<double>(harness.find(name), field, G_TYPE_DOUBLE)), value) << field;
+}
+
 TEST_P(SkipError, BoundsTheErrorAndMoreSkipsMore) {
   const std::string caps = VideoHarness::caps("RGBA", kWidth, kHeight), name = GetParam();
   VideoHarness whole(name + " show=shading adaptive=false", caps, caps);

@@ -37,7 +37,7 @@ std::optional<std::string> far_from_reference(const Lab& lab, const Case& one,
   GlobalMethod method(lab, one.solver, {one.width, one.height});
   GlobalIntrinsic::Params params;
   params.adaptive = false;
-  params.cycle_tolerance = 0;
+  params.tolerances.cycle = 0;
   method.set(params);
   const GlobalLayers got = method.decompose(input);
   const auto& found = method.found();

@@ -68,7 +68,7 @@ class GlobalSymmetry : public testing::Test {
   static GlobalIntrinsic::Params converged() {
     GlobalIntrinsic::Params params;
     params.cycles = params.warm_cycles = 32;
-    params.cycle_tolerance = 0;
+    params.tolerances.cycle = 0;
     params.adaptive = false;
     return params;
   }

@@ -60,7 +60,7 @@ std::optional<std::string> far_from_reference(const Lab& lab, const Case& one,
                                               const Pixels& input) {
   Method method(lab, one.solver, {one.width, one.height});
   IntrinsicDecomposition::Params params;
-  params.cycle_tolerance = 0;
+  params.tolerances.cycle = 0;
   method.set(params);
   const Pixels got = method.decompose_unscaled(input);
   const auto rgb = rgb_of(input);

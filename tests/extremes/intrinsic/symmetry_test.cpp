@@ -141,7 +141,7 @@ TEST_F(Symmetry, MirroredFramesHaveMirroredLayers) {
   for (const bool vertically : {false, true}) {
     IntrinsicDecomposition::Params params;
     params.cycles = 32;
-    params.cycle_tolerance = 0;
+    params.tolerances.cycle = 0;
     Method one(lab_, Solver::multigrid, extent), other(lab_, Solver::multigrid, extent);
     one.set(params);
     other.set(params);
@@ -161,7 +161,7 @@ TEST_F(Symmetry, BrighterLightIsBrighterShading) {
   for (size_t i = 0; i < frame.size(); ++i)
     if (i % 4 < 3) frame[i] *= 512;
   IntrinsicDecomposition::Params params;
-  params.cycle_tolerance = 0;
+  params.tolerances.cycle = 0;
   Method method(lab_, Solver::multigrid, extent);
   method.set(params);
   const Pixels base = method.decompose_unscaled(frame);
@@ -192,7 +192,7 @@ TEST_F(Symmetry, NoColorIsSpecialWithoutBins) {
   const Pixels frame = picture(extent, 6);
   IntrinsicDecomposition::Params params;
   params.prior.chroma_weight = 0;  // the grid of bins has axes
-  params.cycle_tolerance = 0;
+  params.tolerances.cycle = 0;
   Method method(lab_, Solver::multigrid, extent);
   method.set(params);
   const Pixels base = method.decompose_unscaled(frame);

@@ -53,7 +53,7 @@ TEST(Weights, MoreCyclesComeCloserAtEveryCorner) {
             IntrinsicDecomposition::Params params;
             params.prior = {a, b, v, g};
             params.cycles = cycles[k];
-            params.cycle_tolerance = 0;
+            params.tolerances.cycle = 0;
             Method method(lab, Solver::multigrid, extent);
             method.set(params);
             results[k] = method.decompose_unscaled(frame);

@@ -190,7 +190,7 @@ GlobalIntrinsic::Params global_params_of(const Case& one) {
     params.neutral = neutral;
   if (one.knobs & 8U) {
     params.base_colors = one_color ? 1 : 16;
-    params.least_share = share;
+    params.min_share = share;
     params.same_color = same;
   }
   if (one.knobs & 16U) {

@@ -130,9 +130,9 @@ TEST_F(GlobalTest, ReusedLightListsEveryChangedTileForTheSolve) {
   ScaledIntrinsic alone(device, extent);  // receives what changed in its input, as it does
   GlobalIntrinsic::Params params;
   // So that frames are solved by tiles, and only by changed ones.
-  params.gate_tolerance = params.chroma_tolerance = 0;
-  params.edge_tolerance = 0.5F;
-  params.tile_tolerance = 0.3F;
+  params.tolerances.gate = params.tolerances.chroma = 0;
+  params.tolerances.edge = 0.5F;
+  params.tolerances.tile = 0.3F;
   Pixels before, plain_before;
   unsigned listed = 0;
   for (unsigned k = 0; k < 60; ++k) {

@@ -110,7 +110,7 @@ TEST_F(IntrinsicTest, EdgesOfStaticTilesAreReused) {
       for (size_t c = 0; c < 3; ++c) moved[4 * (y * extent.width + x) + c] *= 0.5F;
   IntrinsicDecomposition::Params adaptive, whole;
   whole.adaptive = false;
-  adaptive.cycle_tolerance = 0;
+  adaptive.tolerances.cycle = 0;
   IntrinsicDecomposition one(device, extent), other(device, extent);
   const uint32_t tiles = ((extent.width + 15) / 16) * ((extent.height + 15) / 16);
   const uint32_t expected[] = {tiles, 0, 4, 0};  // with 4 pixels around: 2 x 2 tiles
@@ -297,7 +297,7 @@ TEST_F(IntrinsicTest, CyclesEndWhenLittleChanges) {
   EXPECT_EQ(patient.findings().cycles, kMost);
   uint32_t smallest_count = kMost;
   for (const float settled : {0.01F, 0.03F, 0.1F}) {
-    params.cycle_tolerance = settled;
+    params.tolerances.cycle = settled;
     const Pixels got = decompose(settling, still, params);
     const uint32_t cycles = settling.findings().cycles;
     EXPECT_LT(settling.findings().change, settled);
@@ -315,11 +315,11 @@ TEST_F(IntrinsicTest, CyclesEndWhenLittleChanges) {
   }
   EXPECT_LT(smallest_count, skips ? 5 : kMost + 1);
   // A static scene converges: one cycle a frame.
-  params.cycle_tolerance = 0.01F;
+  params.tolerances.cycle = 0.01F;
   for (int k = 0; k < 5; ++k) decompose(settling, still, params, false);
   EXPECT_EQ(settling.findings().cycles, skips ? 1 : kMost);
   // 0 asks for all of them.
-  params.cycle_tolerance = 0;
+  params.tolerances.cycle = 0;
   decompose(settling, still, params, false);
   EXPECT_EQ(settling.findings().cycles, kMost);
 }

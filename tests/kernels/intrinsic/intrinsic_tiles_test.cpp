@@ -116,7 +116,7 @@ TEST_F(IntrinsicTilesTest, KernelsOverAllTilesDoWhatTheyDoOverTheFrame) {
     same(whole.level0(), listed.level0(), "guide, level 0");
     same(whole.level1(), listed.level1(), "guide, level 1");
     same(whole.cells(), listed.cells(), "guide, cells");
-    same(whole.wide(), listed.wide(), "guide, level 4");
+    same(whole.guide_coarse(), listed.guide_coarse(), "guide, level 4");
     // Operators, a cycle and its extrapolation, on a system such as the prior makes.
     Multigrid grids[] = {Multigrid(device, extent), Multigrid(device, extent)};
     const Extent cells = whole.cell_extent();

@@ -50,9 +50,9 @@ class IntrinsicWarmUp : public OnANewDevice<IntrinsicTest> {
       for (int k = 0; k < 5; ++k) show(still, params, k > 0);
     }
     params = {};
-    params.half_tolerance = 1;  // half resolution is good enough
+    params.tolerances.half = 1;  // half resolution is good enough
     for (int k = 0; k < 40; ++k) show(still, params, k > 0);
-    params.half_tolerance = 0;
+    params.tolerances.half = 0;
     for (int k = 0; k < 8; ++k) show(still, params, k > 0);
     params.prior.chroma_weight = 0;
     for (int k = 0; k < 8; ++k) show(still, params, k > 0);

@@ -56,7 +56,7 @@ TEST_F(SkipTest, BinsWithoutWeightAreAlwaysSkipped) {
   for (const bool adaptive : {false, true}) {
     IntrinsicDecomposition::Params none, little;
     none.adaptive = little.adaptive = adaptive;
-    none.chroma_tolerance = little.chroma_tolerance = 0;
+    none.tolerances.chroma = little.tolerances.chroma = 0;
     none.prior.chroma_weight = 0;
     little.prior.chroma_weight = 1e-9F;
     IntrinsicDecomposition without(device, extent), with(device, extent);
@@ -78,8 +78,8 @@ TEST_F(SkipTest, TheEffectOfBinsIsBoundedBeforehand) {
       const PlanePtr in = input(extent, pixels);
       IntrinsicDecomposition::Params with, without;
       with.cycles = without.cycles = 32;
-      with.cycle_tolerance = without.cycle_tolerance = 0;
-      with.chroma_tolerance = 0;
+      with.tolerances.cycle = without.tolerances.cycle = 0;
+      with.tolerances.chroma = 0;
       with.prior.chroma_weight = weight;
       without.prior.chroma_weight = 0;
       IntrinsicDecomposition one(device, extent), other(device, extent);
@@ -126,7 +126,7 @@ TEST_F(SkipTest, APictureWithoutColorsSkipsBins) {
   const PlanePtr colored = input(extent, scene(extent, 2));
   IntrinsicDecomposition method(device, extent), whole(device, extent), all(device, extent);
   IntrinsicDecomposition::Params params, always, off;
-  always.chroma_tolerance = 0;
+  always.tolerances.chroma = 0;
   off.adaptive = false;
   int skipped = 0;
   for (int i = 0; i < 16; ++i) {
@@ -153,7 +153,7 @@ TEST_F(SkipTest, PixelsAreNotComparedIfEverythingMoves) {
   const Extent extent{160, 120};
   IntrinsicDecomposition method(device, extent), whole(device, extent);
   IntrinsicDecomposition::Params params, always;
-  always.gate_tolerance = 0;
+  always.tolerances.gate = 0;
   int skipped = 0;
   for (unsigned i = 0; i < 16; ++i) {  // a cut at every frame
     const PlanePtr in = input(extent, scene(extent, i % 2 ? 4 : 5));
@@ -180,7 +180,7 @@ TEST_F(SkipTest, AnotherResolutionStartsFromTheFirstsResult) {
     const PlanePtr still = input(extent, scene(extent, 6));
     ScaledIntrinsic carried(device, extent), forgets(device, extent);
     ScaledIntrinsic::Params params;
-    params.half_tolerance = 0;
+    params.tolerances.half = 0;
     Pixels before[2];
     double largest = 0, most_anew = 0;
     for (int i = 0; i < 40; ++i) {
@@ -219,7 +219,7 @@ TEST_F(SkipTest, HalfResolutionIsChosenWithinItsBound) {
                  sharp = input(extent, scene(extent, 4));
   ScaledIntrinsic method(device, extent), full(device, extent), all(device, extent);
   ScaledIntrinsic::Params params, never, off;
-  never.half_tolerance = 0;
+  never.tolerances.half = 0;
   off.adaptive = false;
   LayerDistance distance(device, extent);
   const auto step = [&](const PlanePtr& in, uint64_t slot) {
@@ -236,13 +236,13 @@ TEST_F(SkipTest, HalfResolutionIsChosenWithinItsBound) {
     return distance.value(slot);
   };
   for (uint64_t i = 0; i < 40; ++i) {
-    EXPECT_LT(step(soft, i), params.half_tolerance) << "frame " << i;
+    EXPECT_LT(step(soft, i), params.tolerances.half) << "frame " << i;
     EXPECT_EQ(last(method).compared, i == ResolutionPlanner::kFirst) << "frame " << i;
     EXPECT_EQ(last(method).halvings, i < ResolutionPlanner::kFirst + 3 ? 0U : 1U) << "frame " << i;
   }
   const float soft_distance = method.findings(method.recorded() - 1).half_distance;
   EXPECT_GT(soft_distance, 0);
-  EXPECT_LT(soft_distance, params.half_tolerance);
+  EXPECT_LT(soft_distance, params.tolerances.half);
   // A cut: compared as soon as it is detected, and given up.
   for (uint64_t i = 0; i < 8; ++i) step(sharp, i);
   float off_by = 0;
@@ -250,8 +250,8 @@ TEST_F(SkipTest, HalfResolutionIsChosenWithinItsBound) {
     off_by = step(sharp, i);
     EXPECT_EQ(last(method).halvings, 0U) << "frame " << i;
   }
-  EXPECT_LT(off_by, params.half_tolerance);
-  EXPECT_GT(method.findings(method.recorded() - 1).half_distance, params.half_tolerance);
+  EXPECT_LT(off_by, params.tolerances.half);
+  EXPECT_GT(method.findings(method.recorded() - 1).half_distance, params.tolerances.half);
 }
 
 TEST_F(SkipTest, DistanceOfLayersIsThatOfTheirShading) {

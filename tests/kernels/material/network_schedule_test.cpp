@@ -29,12 +29,12 @@ struct Video {
     return sum;
   }
   /// Frames of the next `count` whose view goes into a light that begins with it.
-  unsigned lit_anew(unsigned count) {
+  unsigned restarted(unsigned count) {
     unsigned sum = 0;
     for (unsigned k = 0; k < count; ++k) {
       const auto plan = next();
-      EXPECT_TRUE(plan.lights || !plan.light_anew) << "every such view is taken";
-      sum += plan.light_anew;
+      EXPECT_TRUE(plan.lights || !plan.light_restarts) << "every such view is taken";
+      sum += plan.light_restarts;
     }
     return sum;
   }
@@ -58,7 +58,7 @@ TEST(NetworkSchedule, AnUnchangedObjectIsEstimatedOnceInSoManyFrames) {
 
 TEST(NetworkSchedule, AnUnchangedPictureSkipsEvenTheMask) {
   Video video;
-  video.known.still = true;
+  video.known.unchanged = true;
   for (unsigned k = 1; k <= 32; ++k) {
     const auto plan = video.next();
     EXPECT_EQ(plan.segments, k % 8 == 0) << k;
@@ -89,7 +89,7 @@ TEST(NetworkSchedule, WithoutAnObjectOnlyDetectionRunsOncePerPicture) {
     EXPECT_TRUE(plan.segments && !plan.estimates);
     EXPECT_STRNE(plan.skipped, "");
   }
-  video.known.still = true;
+  video.known.unchanged = true;
   for (int k = 0; k < 20; ++k) EXPECT_FALSE(video.next().segments);
   video.known.square.x += 1;
   EXPECT_TRUE(video.next().segments) << "another part of the picture";
@@ -141,45 +141,47 @@ TEST(NetworkSchedule, ChangedLampsOverAnUnchangedObjectBeginAnotherLight) {
   video.known.finds_light = true;
   video.known.views = 100;
   video.known.changed = same;
-  EXPECT_EQ(video.lit_anew(16), 0U);
+  EXPECT_EQ(video.restarted(16), 0U);
   video.known.changed = lamps;
-  EXPECT_EQ(video.lit_anew(100), NetworkSchedule::kFollow) << "they never rest: that is no light";
+  EXPECT_EQ(video.restarted(100), NetworkSchedule::kFollow) << "they never rest: that is no light";
   // Once it is unchanged again, the next change counts.
   video.known.changed = same;
-  EXPECT_EQ(video.lit_anew(16), 0U);
+  EXPECT_EQ(video.restarted(16), 0U);
   video.known.changed = lamps;
-  EXPECT_EQ(video.lit_anew(5), 5U);
+  EXPECT_EQ(video.restarted(5), 5U);
   video.known.changed = same;
-  EXPECT_EQ(video.lit_anew(16), 0U) << "its lamps rest: views are averaged";
+  EXPECT_EQ(video.restarted(16), 0U) << "its lamps rest: views are averaged";
   // The same if they fade: little from one estimate to the next, more since the last change.
-  video.known.relit = {.largest = 0.02F, .mean = 1.01F * NetworkSchedule::kRelit, .moved = 0};
-  EXPECT_EQ(video.lit_anew(1), 1U);
-  video.known.relit = same;  // since that light
-  EXPECT_EQ(video.lit_anew(16), 0U);
-  video.known.relit = {.largest = 0.02F, .mean = 1.01F * NetworkSchedule::kRelit, .moved = 0.01F};
-  EXPECT_EQ(video.lit_anew(16), 0U) << "it drifts";
+  video.known.light_changed = {
+      .largest = 0.02F, .mean = 1.01F * NetworkSchedule::kRelit, .moved = 0};
+  EXPECT_EQ(video.restarted(1), 1U);
+  video.known.light_changed = same;  // since that light
+  EXPECT_EQ(video.restarted(16), 0U);
+  video.known.light_changed = {
+      .largest = 0.02F, .mean = 1.01F * NetworkSchedule::kRelit, .moved = 0.01F};
+  EXPECT_EQ(video.restarted(16), 0U) << "it drifts";
   // Where one side of it fades, its picture is another one sooner than its mean is.
   const CropChange::Difference side{.largest = 0.03F, .mean = 0.005F};
-  video.known.changed = video.known.relit = side;
-  EXPECT_EQ(video.lit_anew(2), 0U);
+  video.known.changed = video.known.light_changed = side;
+  EXPECT_EQ(video.restarted(2), 0U);
   EXPECT_EQ(video.estimated(2), 2U);
-  video.known.relit->mean = 0.011F;
-  EXPECT_EQ(video.lit_anew(1), 1U);
-  video.known.changed = video.known.relit = same;
-  EXPECT_EQ(video.lit_anew(16), 0U);
+  video.known.light_changed->mean = 0.011F;
+  EXPECT_EQ(video.restarted(1), 1U);
+  video.known.changed = video.known.light_changed = same;
+  EXPECT_EQ(video.restarted(16), 0U);
   // What has gone has no light, and the next object's is a mean again.
   video.known.changed = lamps;
-  EXPECT_EQ(video.lit_anew(5), 5U);
+  EXPECT_EQ(video.restarted(5), 5U);
   video.known.found = false;
-  EXPECT_EQ(video.lit_anew(1), 0U);
+  EXPECT_EQ(video.restarted(1), 0U);
   video.known.found = true;
-  EXPECT_EQ(video.lit_anew(16), 0U);
+  EXPECT_EQ(video.restarted(16), 0U);
   video.known.changed = same;
-  EXPECT_EQ(video.lit_anew(16), 0U);
+  EXPECT_EQ(video.restarted(16), 0U);
   // A picture that changes as the object moves is not of other lamps.
   video.known.changed = {.largest = 0.3F, .mean = 0.05F};
   video.known.moved = 0.05F;
-  EXPECT_EQ(video.lit_anew(16), 0U);
+  EXPECT_EQ(video.restarted(16), 0U);
 }
 
 }  // namespace inverse::testing

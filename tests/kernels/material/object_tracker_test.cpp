@@ -86,16 +86,16 @@ TEST(ObjectTracker, ARefinementThatLosesTheObjectIsRejected) {
   // A poster: from afar it is one thing, from near the dots on it are.
   for (const float dot : {30.0F, 0.0F}) {
     ObjectTracker tracker({640, 480});
-    int misled = 0;
+    int ambiguous = 0;
     for (int i = 0; i < 30; ++i) {
       const Square square = tracker.square();
       tracker.update(look(square, 64, 250, 200, square.size > 500 ? 150 : dot), 64, 1, square);
       ASSERT_TRUE(tracker.found()) << i;
-      misled += tracker.misled();
+      ambiguous += tracker.ambiguous();
       EXPECT_NEAR(tracker.box().right - tracker.box().left, 300, 24) << i;
     }
     EXPECT_GT(tracker.square().size, 500) << "it rests where all of it is seen";
-    EXPECT_EQ(misled, 1);
+    EXPECT_EQ(ambiguous, 1);
     // A thing that is gone is gone.
     for (int i = 0; i < 5; ++i)
       tracker.update(look(tracker.square(), 64, 0, 0, 0), 64, 1, Square(tracker.square()));
@@ -153,7 +153,7 @@ TEST(ObjectTracker, AFailedRefinementIsTriedAgainLater) {
       looks.pop_front();
       tracker.update(look(square, 64, 250, 200, square.size > 500 ? 150 : 0), 64, 1, square);
       ASSERT_TRUE(tracker.found()) << i;
-      if (tracker.misled() && (tries.empty() || i > tries.back() + 10)) tries.push_back(i);
+      if (tracker.ambiguous() && (tries.empty() || i > tries.back() + 10)) tries.push_back(i);
     }
     ASSERT_EQ(tries.size(), 5u) << "ever more seldom";
     for (size_t k = 1; k < tries.size(); ++k)

@@ -23,13 +23,7 @@ using Mode = Plan::Mode;
 /// A policy and the video that it plans.
 struct Video {
   Planner policy;
-  Planner::Params params{.cycle_tolerance = 0.01F,
-                         .edge_tolerance = 0.05F,
-                         .chroma_tolerance = 0.02F,
-                         .gate_tolerance = 0.06F,
-                         .tile_tolerance = 0.02F,
-                         .repeat_tolerance = 0.001F,
-                         .cut_fraction = 0.3F};
+  Planner::Params params{.cut_fraction = 0.3F};
   Planner::Frame frame{.history = true, .layers_reusable = true, .changed = 0};
   Planner::Found found;
   unsigned frames = 0;
@@ -87,12 +81,14 @@ TEST(Plan, AChangeOfMostTilesIsSolvedWhole) {
             }),
             Mode::whole);
   EXPECT_EQ(mode([](Video& v) { v.params.adaptive = false; }), Mode::whole);
-  EXPECT_EQ(mode([](Video& v) { v.params.tile_tolerance = 0; }), Mode::whole);
+  EXPECT_EQ(mode([](Video& v) { v.params.tolerances.tile = 0; }), Mode::whole);
   EXPECT_EQ(mode([](Video& v) { v.frame.history = false; }), Mode::whole);
   EXPECT_EQ(mode([](Video& v) { v.frame.warm_start = true; }), Mode::whole);
   EXPECT_EQ(mode([](Video& v) { v.found.tiles_moving = 50; }), Mode::tiles);
   EXPECT_EQ(mode([](Video& v) { v.found.tiles_moving = 51; }), Mode::watched);
   EXPECT_EQ(mode([](Video& v) { v.found.drift = 0.06F; }), Mode::watched);
+  EXPECT_EQ(mode([](Video& v) { v.found.mean_drift = 0.19F; }), Mode::tiles);
+  EXPECT_EQ(mode([](Video& v) { v.found.mean_drift = 0.21F; }), Mode::watched);
   EXPECT_EQ(mode([](Video& v) { v.found.drift = std::numeric_limits<float>::quiet_NaN(); }),
             Mode::watched);
   EXPECT_EQ(mode([](Video& v) { v.frame.layers_reusable = false; }), Mode::watched);
@@ -172,7 +168,7 @@ TEST(Plan, CyclesEndEarlyWhereTheyDidOrWouldHave) {
   EXPECT_FALSE(video.next().stops());
   video.found.cycles = 1;
   EXPECT_TRUE(video.next().stops());
-  video.params.cycle_tolerance = 0;
+  video.params.tolerances.cycle = 0;
   EXPECT_FALSE(video.next().stops());
 }
 
@@ -221,13 +217,7 @@ TEST(Plan, RecordedFactsOfTheAdaptivityScenesLeadToTheRecordedPlans) {
     for (size_t k = 0; k < frames.size(); ++k) {
       std::optional<Planner::Found> found;
       if (k >= gpu::kFramesInFlight) found = frames[k - gpu::kFramesInFlight].found;
-      Plan plan = planner.next({.cycle_tolerance = defaults.cycle_tolerance,
-                                .edge_tolerance = defaults.edge_tolerance,
-                                .chroma_tolerance = defaults.chroma_tolerance,
-                                .gate_tolerance = defaults.gate_tolerance,
-                                .tile_tolerance = defaults.tile_tolerance,
-                                .repeat_tolerance = defaults.repeat_tolerance,
-                                .cut_fraction = defaults.anchor.cut_fraction,
+      Plan plan = planner.next({.cut_fraction = defaults.anchor.cut_fraction,
                                 .cycles = defaults.cycles,
                                 .warm_cycles = defaults.warm_cycles},
                                frames[k].frame, found);

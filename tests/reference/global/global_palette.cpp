@@ -162,7 +162,7 @@ BaseColors find_modes(const ChromaHistogram& histogram, const BaseColors& before
   }
   std::vector<Mode> modes;
   for (Mode m : basin)
-    if (m.mass >= params.least_share * histogram.total() && m.mass > 0) {
+    if (m.mass >= params.min_share * histogram.total() && m.mass > 0) {
       m.center = (1 / m.mass) * m.center;
       modes.push_back(m);
     }
@@ -187,7 +187,7 @@ BaseColors find_modes(const ChromaHistogram& histogram, const BaseColors& before
     const Chroma usual = memory->usual;
     const double left = mass_around(histogram, usual, params.around);
     if (memory->absent > params.keep || modes.size() == std::size_t(params.most) ||
-        left < 0.5 * params.least_share * histogram.total())
+        left < 0.5 * params.min_share * histogram.total())
       continue;
     modes.push_back({usual, left, peak[histogram.nearest(usual)]});
     slot.push_back(s);

@@ -34,14 +34,14 @@ class ChromaHistogram {
 struct PaletteParams {
   int bins = 64;
   double bin_width = 0.08;
-  double smoothing = 1.2;      ///< Standard deviation, bins.
-  double least_share = 0.004;  ///< Of all mass, for a mode.
-  int most = 16;               ///< Base colors at most, 1 ... 16.
-  double same = 0.3;           ///< Log chroma up to which a mode continues a base color.
-  double follow = 0.1;         ///< Weight of the newest frame in a base color's mean position.
-  int keep = 50;   ///< Frames for which a base color without a mode remains, if half of least_share
-                   ///< is left
-  int around = 2;  ///< in this many bins around its mean position.
+  double smoothing = 1.2;    ///< Standard deviation, bins.
+  double min_share = 0.004;  ///< Of all mass, for a mode.
+  int most = 16;             ///< Base colors at most, 1 ... 16.
+  double same = 0.3;         ///< Log chroma up to which a mode continues a base color.
+  double follow = 0.1;       ///< Weight of the newest frame in a base color's mean position.
+  int keep = 50;     ///< Frames for which a base color without a mode remains, if half of min_share
+                     ///< is left
+  int around = 2;    ///< in this many bins around its mean position.
   int forget = 250;  ///< Frames after which its slot is free.
 };
 

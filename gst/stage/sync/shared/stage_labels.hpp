@@ -25,7 +25,6 @@ class StageLabels {
   ~StageLabels();
 
   const LightProgram& program() const { return program_; }
-  uint64_t program_id() const { return id_; }
   /// Duration of a step, ns.
   GstClockTime period() const;
   /// Writes a label on a writable buffer.

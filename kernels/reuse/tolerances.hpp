@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+namespace inverse {
+
+/// Thresholds up to which work is skipped; 0 never skips. Initializers are shares of kSkipError.
+/// Independent errors of half resolution, tiles (up to twice their tolerance), chroma bins and
+/// cycles add up to .8 of it; those of edges and gate are changes of what an error depends on.
+struct Tolerances {
+  /// The error that all skipping may add by default, rms log shading.
+  static constexpr float kSkipError = 0.1F;
+
+  /// Distance between half and full resolution, rms log shading (LayerDistance), 0…1, below which
+  /// half is chosen.
+  float half = 0.06F;
+  /// Estimated error of a skipped tile, rms log shading, 0…1, above which it is computed again.
+  /// Only tiles whose input is unchanged are skipped.
+  float tile = 0.02F;
+  /// Effect of the chroma bins, rms log shading of cell means, weighted by the value prior, 0…1,
+  /// below which they are skipped.
+  float chroma = 0.02F;
+  /// Change by a multigrid cycle, rms log shading, 0…1, below which no other follows.
+  float cycle = 0.01F;
+  /// Change by the last cycle, rms log shading, 0…0.1, below which a repeated picture has
+  /// converged.
+  float repeat = 1e-3F;
+  /// Change of log intensity or chroma of a 2 x 2 mean, 0…1, from which on the edges of a tile are
+  /// evaluated again.
+  float edge = 0.05F;
+  /// Gate of the temporal anchor, rms over cells, 0…1, below which pixels are not compared with the
+  /// frame before.
+  float gate = 0.06F;
+
+  /// Makes them the same shares of another error.
+  void scale_to(float skip_error) {
+    const float factor = skip_error / kSkipError;
+    for (float* tolerance : {&half, &tile, &chroma, &cycle, &repeat, &edge, &gate})
+      *tolerance *= factor;
+  }
+  bool operator==(const Tolerances&) const = default;
+};
+
+/// Share of tiles, with those beside them, that may change if the others are to be skipped: with
+/// more, a list of tiles saves too little.
+inline constexpr float kMaxChangedTiles = 0.25F;
+
+}  // namespace inverse
