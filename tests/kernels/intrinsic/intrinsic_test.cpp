@@ -133,7 +133,7 @@ TEST_F(IntrinsicTest, EdgesOfStaticTilesAreReused) {
   EXPECT_EQ(one.findings().tiles_evaluated, tiles) << "new parameters concern every tile";
 }
 
-TEST_F(IntrinsicTest, ResetForgetsAndEveryRunGivesTheSameBits) {
+TEST_F(IntrinsicTest, AResetDiscardsHistoryAndRunsGiveTheSameBits) {
   const Extent extent{349, 287};
   IntrinsicDecomposition method(device, extent);
   const PlanePtr first = input(extent, scene(extent, 8)), second = input(extent, scene(extent, 9));
@@ -149,7 +149,7 @@ TEST_F(IntrinsicTest, ResetForgetsAndEveryRunGivesTheSameBits) {
 
 TEST_F(IntrinsicTest, MirroredFramesHaveMirroredLayers) {
   // Aggregates start at the left, so that even the reference is quite symmetric only at the end of
-  // its cycles (tests/extremes/intrinsic/symmetry_test.cpp).
+  // its cycles (tests/extremes/methods/symmetry_test.cpp).
   const Extent extent{160, 120};
   const Pixels pixels = scene(extent, 10);
   Pixels mirrored(pixels.size());
