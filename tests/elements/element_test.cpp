@@ -25,7 +25,7 @@ std::vector<uint8_t> bytes_of(GstBuffer* buffer) {
   return bytes;
 }
 
-std::string complaint(GstMessage* message) {
+std::string text_of(GstMessage* message) {
   GError* error = nullptr;
   if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR)
     gst_message_parse_error(message, &error, nullptr);
@@ -88,16 +88,16 @@ void play(GstElement* pipeline, const std::string& line, unsigned seconds, LineR
     if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS)
       result.eos = true;
     else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR)
-      result.errors.push_back(complaint(message));
+      result.errors.push_back(text_of(message));
     else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ELEMENT)
       result.messages.push_back(gst_structure_get_name(gst_message_get_structure(message)));
     else
-      result.warnings.push_back(complaint(message));
+      result.warnings.push_back(text_of(message));
     gst_message_unref(message);
   }
   gst_element_set_state(pipeline, GST_STATE_NULL);
   while (GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR)) {
-    result.errors.push_back(complaint(message));
+    result.errors.push_back(text_of(message));
     gst_message_unref(message);
   }
   gst_object_unref(bus);
@@ -191,7 +191,7 @@ void VideoHarness::flush() {
 std::vector<std::string> VideoHarness::texts(GstMessageType type) {
   std::vector<std::string> texts;
   while (GstMessage* message = gst_bus_pop_filtered(bus_, type)) {
-    texts.push_back(complaint(message));
+    texts.push_back(text_of(message));
     gst_message_unref(message);
   }
   return texts;
@@ -275,6 +275,17 @@ class DeviceHolder : public ::testing::Environment {
 NewDevice::NewDevice() { DeviceHolder::get().hold(false); }
 
 NewDevice::~NewDevice() { DeviceHolder::get().hold(true); }
+
+std::vector<Structure> element_messages(GstBus* bus, const std::string& name) {
+  std::vector<Structure> found;
+  while (GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ELEMENT)) {
+    const GstStructure* text = gst_message_get_structure(message);
+    if (gst_structure_has_name(text, name.c_str()))
+      found.emplace_back(gst_structure_copy(text), &gst_structure_free);
+    gst_message_unref(message);
+  }
+  return found;
+}
 
 }  // namespace inverse::testing
 

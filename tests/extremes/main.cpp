@@ -11,8 +11,7 @@
 #include <cstring>
 
 #include "common/error.hpp"
-#include "tests/extremes/global/global_methods.hpp"
-#include "tests/extremes/intrinsic/check.hpp"
+#include "tests/extremes/methods/check.hpp"
 #include "tests/extremes/support/problem.hpp"
 
 namespace inverse::extremes {
@@ -47,17 +46,11 @@ int report(const char* path) {
   return fclose(file) == 0 ? 0 : 1;
 }
 
-Check check_for(Solver solver, const Lab& lab) {
-  const bool global = solver == Solver::global || solver == Solver::global_thesis;
-  return global ? check_global_with(lab) : check_with(lab);
-}
-
 int search(const std::string& solver, const char* first, const char* count) {
   const Lab lab;
   const Solver kind = parse_case(solver + " 1x1 frames=1 seed=1 faults=0x0 knobs=0x0").solver;
-  const auto failure =
-      first_failure(kind, static_cast<uint32_t>(std::stoul(first)),
-                    static_cast<uint32_t>(std::stoul(count)), 48, check_for(kind, lab));
+  const auto failure = first_failure(kind, static_cast<uint32_t>(std::stoul(first)),
+                                     static_cast<uint32_t>(std::stoul(count)), 48, check_with(lab));
   printf("%s\n", failure ? failure->c_str() : "nothing is wrong");
   return failure ? 1 : 0;
 }
@@ -65,7 +58,7 @@ int search(const std::string& solver, const char* first, const char* count) {
 int run_case(const char* text) {
   const Lab lab;
   const Case one = parse_case(text);
-  const auto wrong = check_for(one.solver, lab)(one);
+  const auto wrong = check_with(lab)(one);
   printf("%s\n", wrong ? wrong->c_str() : "nothing is wrong");
   return wrong ? 1 : 0;
 }

@@ -64,7 +64,7 @@ TEST_F(Camera, MissingLibcamera) {
       << output_;
 }
 
-TEST_F(Camera, NoDisplayIsSaid) {
+TEST_F(Camera, AMissingDisplayIsReported) {
   EXPECT_EQ(run("webcam", {}, {{"SOURCE", camera(raw("YUY2"))}}), 1);
   EXPECT_NE(output_.find("no display"), std::string::npos) << output_;
 }

@@ -21,7 +21,7 @@ TEST_F(Capture, EveryLightIsWritten) {
     EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
 }
 
-TEST_F(Capture, SaysWhatIsMissing) {
+TEST_F(Capture, MissingInputIsAnError) {
   EXPECT_EQ(run("static-capture", {"/no/such/program.json", file("set")}), 1);
   EXPECT_NE(output_.find("there is no light program"), std::string::npos) << output_;
   EXPECT_EQ(run("static-capture", {"static:4", "/proc/nowhere"}), 1);

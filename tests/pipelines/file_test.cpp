@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "pipeline_test.hpp"
+#include "tests/expect_error.hpp"
 #include "tests/has_networks.hpp"
 
 namespace inverse::testing {
@@ -95,12 +96,12 @@ TEST_F(Files, NamesWithSpacesAndSigns) {
   ASSERT_NO_FATAL_FAILURE(expect_video(read_media(file("its reflectance.mkv")), 160, 120, 12));
 }
 
-TEST_F(Files, MissingAndBrokenOnesFail) {
+TEST_F(Files, MissingAndDamagedFilesFail) {
   EXPECT_EQ(run("file-to-file", {file("none.mkv"), file("out.mkv")}), 1);
-  EXPECT_NE(output_.find("there is no file"), std::string::npos) << output_;
+  expect_contains(output_, "there is no file");
   std::ofstream(file("broken.mkv")) << "this is no video";
   EXPECT_NE(run("file-to-file", {file("broken.mkv"), file("out.mkv")}), 0);
-  EXPECT_NE(output_.find("ERROR"), std::string::npos) << output_;
+  expect_contains(output_, "ERROR");
 }
 
 TEST_F(Files, Playbin) {
@@ -146,13 +147,13 @@ TEST_F(Files, CloneDrawsAnObjectOfTheMaterialThatIsSeen) {
   EXPECT_NEAR(after.mean(2, .2, .3, .6, .7), before.mean(2, .2, .3, .6, .7), 2) << "as the first";
 }
 
-TEST_F(Files, CloneSaysWhatIsMissing) {
+TEST_F(Files, CloneReportsWhatIsMissing) {
   if (!has("materialclone")) GTEST_SKIP() << "built without Assimp or OpenEXR";
   EXPECT_EQ(run("clone", {"/dev/video97"}, {{"SINK", "fakesink"}}), 1);
-  EXPECT_NE(output_.find("there is no camera /dev/video97"), std::string::npos) << output_;
+  expect_contains(output_, "there is no camera /dev/video97");
   make_silent_clip(file("in.mkv"));
   EXPECT_EQ(run("clone", {file("in.mkv"), file("none.obj")}, {{"SINK", "fakesink"}}), 1);
-  EXPECT_NE(output_.find("there is no mesh"), std::string::npos) << output_;
+  expect_contains(output_, "there is no mesh");
 }
 
 TEST_F(Files, TestPatternTurnsRedBarsGreen) {
@@ -185,8 +186,8 @@ TEST_F(Files, BatchResumesAndReportsFailures) {
   const std::vector<std::string> words{"--jobs", "2", "--out", file("results"), file("day one")};
 
   EXPECT_EQ(run("batch", words), 1) << output_;
-  EXPECT_NE(output_.find("3 done, 0 already there, 1 failed"), std::string::npos) << output_;
-  EXPECT_NE(output_.find("broken.mp4: ERROR"), std::string::npos) << output_;
+  expect_contains(output_, "3 done, 0 already there, 1 failed");
+  expect_contains(output_, "broken.mp4: ERROR");
   const std::string results = file("results/day one");
   ASSERT_NO_FATAL_FAILURE(expect_video(read_media(results + "/a.mkv.mkv"), 160, 120, 12));
   EXPECT_EQ(read_media(results + "/a.mkv.mkv").sounds.size(), 1u);
@@ -197,7 +198,7 @@ TEST_F(Files, BatchResumesAndReportsFailures) {
   std::filesystem::remove(results + "/d.webm.mkv");
   const auto before = std::filesystem::last_write_time(results + "/a.mkv.mkv");
   EXPECT_EQ(run("batch", words), 0) << output_;
-  EXPECT_NE(output_.find("1 done, 2 already there, 0 failed"), std::string::npos) << output_;
+  expect_contains(output_, "1 done, 2 already there, 0 failed");
   EXPECT_EQ(std::filesystem::last_write_time(results + "/a.mkv.mkv"), before);
   EXPECT_TRUE(std::filesystem::exists(results + "/d.webm.mkv"));
 }
@@ -205,7 +206,7 @@ TEST_F(Files, BatchResumesAndReportsFailures) {
 TEST_F(Files, BatchWithoutVideosFails) {
   std::filesystem::create_directories(file("empty"));
   EXPECT_EQ(run("batch", {file("empty")}), 1);
-  EXPECT_NE(output_.find("no videos"), std::string::npos) << output_;
+  expect_contains(output_, "no videos");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "pipeline_test.hpp"
+#include "tests/expect_error.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -17,14 +18,14 @@ class Run : public PipelineTest {
   }
   void expect_complaint(const std::string& input, const std::string& text) {
     EXPECT_EQ(run_it({input}), 1) << input;
-    EXPECT_NE(output_.find(text), std::string::npos) << output_;
+    expect_contains(output_, text);
     EXPECT_FALSE(std::filesystem::exists(file("out/decomposition.mkv"))) << input;
   }
 };
 
 TEST_F(Run, BundledClipWithoutDisplay) {
   ASSERT_EQ(run_it({"--seconds", "0.6"}), 0) << output_;
-  EXPECT_NE(output_.find("frames/s"), std::string::npos) << output_;
+  expect_contains(output_, "frames/s");
 
   const Media movie = read_media(file("out/decomposition.mkv"));
   ASSERT_NO_FATAL_FAILURE(expect_video(movie, 1280, 960, 15));
@@ -64,7 +65,7 @@ TEST_F(Run, RepaintsAColorThatStandsOut) {
       "video/x-raw,format=AYUV,width=120,height=120,framerate=10/1 ! videobox right=-40 fill=red ! "
       "videoconvert ! vp8enc deadline=1 end-usage=cq cq-level=4 ! matroskamux");
   ASSERT_EQ(run_it({file("in.mkv")}), 0) << output_;
-  EXPECT_NE(output_.find("painting what is red (2"), std::string::npos) << output_;
+  expect_contains(output_, "painting what is red (2");
   const Media movie = read_media(file("out/decomposition.mkv"));
   ASSERT_EQ(movie.frames.size(), 8u);
   for (const Image& frame : movie.frames) {  // from the first one on
@@ -80,7 +81,7 @@ TEST_F(Run, PaintsEverySurfaceWhereNoColorStandsOut) {
              "videotestsrc num-buffers=8 pattern=gradient ! "
              "video/x-raw,width=160,height=120,framerate=10/1 ! vp8enc deadline=1 ! matroskamux");
   ASSERT_EQ(run_it({file("in.mkv")}), 0) << output_;
-  EXPECT_NE(output_.find("no color stands out"), std::string::npos) << output_;
+  expect_contains(output_, "no color stands out");
   const Media movie = read_media(file("out/decomposition.mkv"));
   ASSERT_EQ(movie.frames.size(), 8u);
   const Image& frame = movie.frames.back();
@@ -117,7 +118,7 @@ TEST_F(Run, InterruptEndsTheFilesProperly) {
   EXPECT_TRUE(std::filesystem::exists(file("out/contact-sheet.png")));
 }
 
-TEST_F(Run, SaysWhatIsWrong) {
+TEST_F(Run, UnreadableInputsAreErrors) {
   expect_complaint(file("none.mp4"), "there is no file");
   expect_complaint("/dev/video97", "there is no camera /dev/video97");
   expect_complaint("nosuch://place", "nothing installed here opens \"nosuch://\"");
@@ -131,16 +132,16 @@ TEST_F(Run, SaysWhatIsWrong) {
   expect_complaint(file("sound.mkv"), "no video in");
 }
 
-TEST_F(Run, ElementsThatDoNotFitAreSaid) {
+TEST_F(Run, ElementsThatDoNotFitAreErrors) {
   make_media(file("in.mkv"),
              "videotestsrc num-buffers=5 ! video/x-raw,width=160,height=120 ! vp8enc deadline=1 ! "
              "matroskamux");
   EXPECT_EQ(run_it({file("in.mkv"), "--", "nosuchelement"}), 1);
-  EXPECT_NE(output_.find("no element \"nosuchelement\""), std::string::npos) << output_;
+  expect_contains(output_, "no element \"nosuchelement\"");
   EXPECT_EQ(run_it({file("in.mkv"), "--", "intrinsicdecomp ! fakesink"}), 1);
-  EXPECT_NE(output_.find("must take video at its beginning"), std::string::npos) << output_;
+  expect_contains(output_, "must take video at its beginning");
   EXPECT_EQ(run_it({file("in.mkv"), "--", "intrinsicrecolor ! intrinsiccompose"}), 1);
-  EXPECT_NE(output_.find("insert intrinsicdecomp"), std::string::npos) << output_;
+  expect_contains(output_, "insert intrinsicdecomp");
 }
 
 TEST_F(Run, WindowWhereThereIsADisplay) {
@@ -161,8 +162,8 @@ TEST_F(Run, WindowWhereThereIsADisplay) {
              "videotestsrc num-buffers=10 ! video/x-raw,width=160,height=120,framerate=10/1 ! "
              "vp8enc deadline=1 ! matroskamux");
   EXPECT_EQ(run_it({"--window", file("in.mkv")}, {{"DISPLAY", ":" + number}}), 0) << output_;
-  EXPECT_NE(output_.find("showing"), std::string::npos) << output_;
-  EXPECT_NE(output_.find(" frames"), std::string::npos) << output_;
+  expect_contains(output_, "showing");
+  expect_contains(output_, " frames");
   EXPECT_FALSE(std::filesystem::exists(file("out"))) << "files beside a window";
 }
 
@@ -171,7 +172,7 @@ TEST_F(Run, NoWindowWhereNoDisplayAnswers) {
              "videotestsrc num-buffers=5 ! video/x-raw,width=160,height=120 ! vp8enc deadline=1 ! "
              "matroskamux");
   EXPECT_EQ(run_it({"--window", file("in.mkv")}, {{"DISPLAY", ":97"}}), 1);
-  EXPECT_NE(output_.find("no window can be shown"), std::string::npos) << output_;
+  expect_contains(output_, "no window can be shown");
   EXPECT_EQ(run_it({file("in.mkv")}, {{"DISPLAY", ":97"}}), 0) << output_;
   EXPECT_TRUE(std::filesystem::exists(file("out/decomposition.mkv")));
 }

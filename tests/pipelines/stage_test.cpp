@@ -44,7 +44,7 @@ TEST_F(Stage, APerformanceIsRelit) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(movie.frames[5].mean(c), relit[c], 1) << c;
 }
 
-TEST_F(Stage, SaysWhatIsMissing) {
+TEST_F(Stage, MissingInputIsAnError) {
   EXPECT_EQ(run("relight", {"/no/such/map.hdr"}), 1);
   EXPECT_NE(output_.find("there is no environment map"), std::string::npos) << output_;
   EXPECT_EQ(run("virtual-stage", {"/no/such/program.json", file("out.mkv")}), 1);

@@ -32,17 +32,17 @@ TEST(Growth, NoiseIsFine) {
 TEST(Growth, WarmUpIsFine) {
   EXPECT_TRUE(judged_good([](Holding& h, int i) { h.resident_mib -= i < 12 ? 50 : 0; }));
 }
-TEST(Growth, ResidentMemoryIsSeen) {
+TEST(Growth, ResidentMemoryIsDetected) {
   EXPECT_FALSE(judged_good([](Holding& h, int i) { h.resident_mib += i / 2.0; }));
 }
-TEST(Growth, DeviceMemoryIsSeen) {
+TEST(Growth, DeviceMemoryIsDetected) {
   EXPECT_FALSE(judged_good([](Holding& h, int i) { h.device_mib += i / 100.0; }));
 }
-TEST(Growth, FilesAndThreadsAreSeen) {
+TEST(Growth, FilesAndThreadsAreDetected) {
   EXPECT_FALSE(judged_good([](Holding& h, int i) { h.descriptors += i / 20; }));
   EXPECT_FALSE(judged_good([](Holding& h, int i) { h.threads += i / 20; }));
 }
-TEST(Growth, AThreadThatIsEndingIsFineAndALastingOneIsSeen) {
+TEST(Growth, OnlyALastingThreadIsDetected) {
   const auto grown = [](std::chrono::milliseconds timeout, std::chrono::milliseconds life) {
     Growth growth("test", Slack{});
     for (int i = 0; i < 4; ++i) growth.sample_now(0);
@@ -58,7 +58,7 @@ TEST(Growth, AThreadThatIsEndingIsFineAndALastingOneIsSeen) {
   EXPECT_EQ(grown(60s, 50ms), 0);
   EXPECT_EQ(grown(50ms, 60s), 1);
 }
-TEST(Growth, TooFewSamplesAreNoVerdict) {
+TEST(Growth, TooFewSamplesAreNoGrowth) {
   Growth growth("test", Slack{});
   growth.sample({});
   EXPECT_FALSE(growth.judge());

@@ -71,7 +71,7 @@ class Line {
         bus_, 60 * GST_SECOND, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
     if (!message) throw std::runtime_error("no end of stream within a minute");
     const bool failed = GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR;
-    const std::string reason = failed ? complaint(message) : "";
+    const std::string reason = failed ? text_of(message) : "";
     gst_message_unref(message);
     if (failed) throw std::runtime_error(reason);
   }
@@ -85,15 +85,15 @@ class Line {
     GstStructure* stats = nullptr;
     g_object_get(decomposer_, "stats", &stats, nullptr);
     guint64 bytes = 0;
-    const bool told = stats && gst_structure_get_uint64(stats, "device-bytes", &bytes);
+    const bool found = stats && gst_structure_get_uint64(stats, "device-bytes", &bytes);
     if (stats) gst_structure_free(stats);
-    if (!told || bytes == 0) throw std::runtime_error("stats tell no device-bytes");
+    if (!found || bytes == 0) throw std::runtime_error("stats lack device-bytes");
     return bytes;
   }
   /// Throws the pipeline's error, if any.
   void check() {
     if (GstMessage* message = gst_bus_pop_filtered(bus_, GST_MESSAGE_ERROR)) {
-      const std::string reason = complaint(message);
+      const std::string reason = text_of(message);
       gst_message_unref(message);
       throw std::runtime_error(reason);
     }
@@ -104,7 +104,7 @@ class Line {
   }
 
  private:
-  static std::string complaint(GstMessage* message) {
+  static std::string text_of(GstMessage* message) {
     GError* error = nullptr;
     gst_message_parse_error(message, &error, nullptr);
     std::string text =

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "common/error.hpp"
+#include "tests/expect_error.hpp"
 #include "two_lights.hpp"
 
 namespace inverse::testing {
@@ -42,7 +43,7 @@ TEST(DmxLevels, GrayAndWhiteLights) {
   EXPECT_EQ(std::vector(with.begin(), with.begin() + 8), expected);
 }
 
-TEST(DmxLevels, ThereAndBack) {
+TEST(DmxLevels, LevelsRoundTrip) {
   for (const std::vector<uint32_t>& shape : {std::vector<uint32_t>{1}, {1, 2, 3}, {1, 2, 3, 4}}) {
     LightProgram program = two_lights();
     program.lights[0].channels = program.lights[1].channels = shape;
@@ -60,7 +61,7 @@ TEST(DmxLevels, ThereAndBack) {
   EXPECT_EQ(DmxPatch(two_lights(), 1).colors({}), (std::vector<LightColor>(2)));
 }
 
-TEST(DmxLevels, WhatIsNoLightIsBlack) {
+TEST(DmxLevels, InvalidLightIsBlack) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInf = std::numeric_limits<float>::infinity();
   const DmxPatch patch(two_lights(), 1);
@@ -72,19 +73,14 @@ TEST(DmxLevels, WhatIsNoLightIsBlack) {
   EXPECT_EQ(levels.at(2)[1], 255);
 }
 
-TEST(DmxLevels, SaysWhatIsMissing) {
+TEST(DmxLevels, ProgramsWithoutChannelsAreErrors) {
   LightProgram program = two_lights();
   program.lights[1].channels.clear();
-  try {
+  expect_error(ErrorKind::unsupported, "light 1 of \"two lights\" has no channels", [&] {
     DmxPatch{program, 1};
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::unsupported);
-    EXPECT_NE(std::string(error.what()).find("light 1 of \"two lights\" has no channels"),
-              std::string::npos)
-        << error.what();
-  }
-  EXPECT_THROW(DmxPatch(two_lights(), 63999), Error);  // the second would be 64000
+  });
+  expect_error(ErrorKind::unsupported, "would be in universe 64000, the last one is 63999",
+               [] { DmxPatch(two_lights(), 63999); });
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ TEST_F(MarkerInEveryPass, AfterDarknessTheCountGoesOn) {
   play(230, 400);
   for (uint64_t token = 20; token < tokens_; ++token)
     if (fate(token) == Fate::labeled) {
-      EXPECT_EQ(told_[token].trigger, token - 20);
+      EXPECT_EQ(labels_[token].trigger, token - 20);
     }
   EXPECT_EQ(fate(20 + 257), Fate::before_marker);
   for (uint64_t n = 258; n < 400; ++n) EXPECT_EQ(fate(20 + n), Fate::labeled) << n;
@@ -39,48 +39,48 @@ TEST_F(MarkerInEveryPass, AfterDarknessTheCountGoesOn) {
 TEST_F(MarkerInEveryPass, AProgramThatIsStartedAgainElsewhereCountsFromItsStart) {
   play(-20, 120);
   for (int64_t n = -20; n < 60; ++n) push(static_cast<double>(n + 140), picture(n));
-  EXPECT_EQ(told_.back().fate, Fate::labeled);
-  EXPECT_EQ(told_.back().trigger, 59U);
+  EXPECT_EQ(labels_.back().fate, Fate::labeled);
+  EXPECT_EQ(labels_.back().trigger, 59U);
 }
 
 TEST_F(MarkerInEveryPass, ACameraThatComesLateCountsAsOthersDo) {
   // Another camera's frames are stamped a quarter of a pass earlier.
   running_ = FrameLabeler::Running{at(500 - 10.7), 500, 7, false};
   play(500, 640);
-  ASSERT_EQ(told_.back().fate, Fate::labeled);
-  EXPECT_EQ(told_.back().trigger, 639U);
-  EXPECT_EQ(told_.back().position.pass, 14U);
-  EXPECT_EQ(told_.back().start.run, 7U);
-  EXPECT_FALSE(told_.back().start.apart);
+  ASSERT_EQ(labels_.back().fate, Fate::labeled);
+  EXPECT_EQ(labels_.back().trigger, 639U);
+  EXPECT_EQ(labels_.back().position.pass, 14U);
+  EXPECT_EQ(labels_.back().start.run, 7U);
+  EXPECT_FALSE(labels_.back().start.apart);
 }
 
 TEST_F(MarkerInEveryPass, ACameraThatComesLateAndHasOtherTimesCountsAlone) {
   running_ = FrameLabeler::Running{at(500 - 21), 500, 7, false};
   play(500, 640);
-  ASSERT_EQ(told_.back().fate, Fate::labeled);
-  EXPECT_EQ(told_.back().trigger, 639U - 43 * 12);
-  EXPECT_FALSE(told_.back().start.run);
-  EXPECT_TRUE(told_.back().start.apart);
+  ASSERT_EQ(labels_.back().fate, Fate::labeled);
+  EXPECT_EQ(labels_.back().trigger, 639U - 43 * 12);
+  EXPECT_FALSE(labels_.back().start.run);
+  EXPECT_TRUE(labels_.back().start.apart);
 }
 
 TEST_F(MarkerInEveryPass, ACameraThatSeesANewStartFirstDropsTheOldOne) {
   play(-20, 120);
-  EXPECT_EQ(told_[tokens_ - 1].start.number, 1U);
+  EXPECT_EQ(labels_[tokens_ - 1].start.number, 1U);
   running_ = FrameLabeler::Running{at(120), 120, 7, true};
   // Near to where a pass would have begun.
   for (int64_t n = -9; n < 60; ++n) push(static_cast<double>(n + 132), picture(n));
-  EXPECT_EQ(told_.back().fate, Fate::labeled);
-  EXPECT_EQ(told_.back().trigger, 59U);
-  EXPECT_EQ(told_.back().start.number, 2U);
-  EXPECT_FALSE(told_.back().start.run);
+  EXPECT_EQ(labels_.back().fate, Fate::labeled);
+  EXPECT_EQ(labels_.back().trigger, 59U);
+  EXPECT_EQ(labels_.back().start.number, 2U);
+  EXPECT_FALSE(labels_.back().start.run);
 }
 
 TEST_F(MarkerInEveryPass, ACameraThatSeesANewStartLateCountsAsOthersDo) {
   play(-20, 120);
   running_ = FrameLabeler::Running{at(160), 20, 8, false};
   for (int64_t n = -20; n < 60; ++n) push(static_cast<double>(n + 140), picture(n));
-  EXPECT_EQ(told_.back().trigger, 59U);
-  EXPECT_EQ(told_.back().start.run, 8U);
+  EXPECT_EQ(labels_.back().trigger, 59U);
+  EXPECT_EQ(labels_.back().start.run, 8U);
 }
 
 class Unmarked : public ByHand {
@@ -100,20 +100,20 @@ TEST_F(Unmarked, AClockThatJumpsEndsTheLabels) {
   for (int64_t n = 30; n < 80; ++n) push(static_cast<double>(n) + 500.5, picture(n));
   for (uint64_t token = first; token < tokens_; ++token)
     if (fate(token) == Fate::labeled) {
-      EXPECT_EQ(told_[token].trigger, 530 + token - first);
+      EXPECT_EQ(labels_[token].trigger, 530 + token - first);
     }
   for (int64_t n = 80; n < 160; ++n) push(static_cast<double>(n) - 2000.5, picture(n));
   EXPECT_FALSE(labeler_.anchored());
-  EXPECT_EQ(told_.back().fate, Fate::before_marker);
+  EXPECT_EQ(labels_.back().fate, Fate::before_marker);
   EXPECT_EQ(labeler_.counts().resynchronizations, 1U);
   EXPECT_FALSE(labeler_.take_overdue());
   // Another stream starts with the first frame again.
-  hear(labeler_.drain());
+  collect(labeler_.drain());
   labeler_.reset();
   const uint64_t anew = tokens_;
   play(0, 30);
-  EXPECT_EQ(told_[anew + 5].fate, Fate::labeled);
-  EXPECT_EQ(told_[anew + 5].trigger, 5U);
+  EXPECT_EQ(labels_[anew + 5].fate, Fate::labeled);
+  EXPECT_EQ(labels_[anew + 5].trigger, 5U);
 }
 
 TEST_F(Unmarked, WhatComesAfterTheEndIsNotTheStart) {
@@ -139,11 +139,11 @@ TEST(Labeling, EveryFrameIsReportedExactlyOnce) {
     program.marker = std::array{Marker::start, Marker::pass, Marker::none}[seed / 3 % 3];
     const uint32_t bits = std::array{0U, 0U, 16U, 64U}[seed / 9 % 4];
     HandCamera camera(program, bits);
-    std::vector<int> told;
-    const auto hear = [&](const HandCamera::Labels& labels) {
+    std::vector<int> reports;
+    const auto collect = [&](const HandCamera::Labels& labels) {
       for (const auto& one : labels) {
-        ASSERT_LT(one.token, told.size());
-        ++told[one.token];
+        ASSERT_LT(one.token, reports.size());
+        ++reports[one.token];
         ++fates[one.fate];
       }
     };
@@ -158,29 +158,29 @@ TEST(Labeling, EveryFrameIsReportedExactlyOnce) {
       dark -= dark ? 1 : 0;
       const double off = chance(0.02) ? 0.7 : std::uniform_real_distribution(-0.3, 0.3)(random);
       for (int copies = chance(0.02) ? 3 : 1; copies; --copies) {
-        FrameLabeler::Frame frame{told.size(), std::nullopt, std::nullopt, image};
+        FrameLabeler::Frame frame{reports.size(), std::nullopt, std::nullopt, image};
         if (!chance(0.005))
           frame.time = static_cast<int64_t>((static_cast<double>(time) + off + 5000) * 1e9 / 60);
         if (bits) frame.id = static_cast<uint64_t>(time + 60000) & (bits == 16 ? 0xffff : ~0ULL);
-        told.push_back(0);
-        hear(camera.labeler_.push(frame));
+        reports.push_back(0);
+        collect(camera.labeler_.push(frame));
       }
       if (!chance(0.004)) continue;
-      hear(camera.labeler_.drain());             // the stream ends here
+      collect(camera.labeler_.drain());          // the stream ends here
       if (chance(0.7)) camera.labeler_.reset();  // and another one begins
-      for (size_t token = 0; token < told.size(); ++token)
-        ASSERT_EQ(told[token], 1) << "seed " << seed << " frame " << token;
+      for (size_t token = 0; token < reports.size(); ++token)
+        ASSERT_EQ(reports[token], 1) << "seed " << seed << " frame " << token;
     }
-    hear(camera.labeler_.drain());
+    collect(camera.labeler_.drain());
     uint64_t sum = 0;
     const auto& c = camera.labeler_.counts();
     for (const uint64_t count : {c.labeled, c.duplicates, c.late, c.ambiguous, c.contradicted,
                                  c.before_marker, c.ended, c.untimed})
       sum += count;
-    EXPECT_EQ(sum, told.size()) << seed;
-    EXPECT_EQ(c.frames, told.size()) << seed;
-    for (size_t token = 0; token < told.size(); ++token)
-      ASSERT_EQ(told[token], 1) << "seed " << seed << " frame " << token;
+    EXPECT_EQ(sum, reports.size()) << seed;
+    EXPECT_EQ(c.frames, reports.size()) << seed;
+    for (size_t token = 0; token < reports.size(); ++token)
+      ASSERT_EQ(reports[token], 1) << "seed " << seed << " frame " << token;
   }
   EXPECT_EQ(fates.size(), 8U);  // all of them happen
 }

@@ -103,7 +103,7 @@ TEST_F(ByHand, TheMarkerItselfIsLabeledAndWhatWasBeforeIsNot) {
   for (uint64_t token = 0; token < 20; ++token) EXPECT_EQ(fate(token), Fate::before_marker);
   for (uint64_t n = 0; n < 10; ++n) {
     EXPECT_EQ(fate(20 + n), Fate::labeled) << n;
-    EXPECT_EQ(told_[20 + n].trigger, n);
+    EXPECT_EQ(labels_[20 + n].trigger, n);
   }
 }
 
@@ -123,7 +123,7 @@ TEST_F(ByHand, AFrameThatIsStampedAPeriodLateIsNotTakenForTheNext) {
   play(102, 120);
   EXPECT_NE(fate(late), Fate::labeled);
   EXPECT_EQ(labeler_.counts().missing, 1U);
-  EXPECT_EQ(told_[late + 18].trigger, 119U);
+  EXPECT_EQ(labels_[late + 18].trigger, 119U);
 }
 
 TEST_F(ByHand, ADoubleThatIsStampedAPeriodLateIsADouble) {
@@ -144,7 +144,7 @@ TEST_F(ByHand, OffBeatAndOutOfOrderFramesAreDroppedAndCounted) {
   const uint64_t old = push(101, picture(101));
   play(103, 110);
   // Half a period off: only the image shows it.
-  EXPECT_TRUE(fate(between) != Fate::labeled || told_[between].trigger == 100);
+  EXPECT_TRUE(fate(between) != Fate::labeled || labels_[between].trigger == 100);
   EXPECT_EQ(fate(old), Fate::late);
   EXPECT_EQ(labeler_.counts().late, 1U);
   EXPECT_EQ(labeler_.counts().missing, 0U);
@@ -154,7 +154,7 @@ TEST_F(ByHand, AGapIsCountedAndBridged) {
   play(-20, 100);
   play(700, 720);
   EXPECT_EQ(labeler_.counts().missing, 600U);
-  EXPECT_EQ(told_.back().trigger, 719U);
+  EXPECT_EQ(labels_.back().trigger, 719U);
 }
 
 TEST_F(ByHand, AProgramThatIsStartedAgainIsFollowed) {
@@ -162,8 +162,8 @@ TEST_F(ByHand, AProgramThatIsStartedAgainIsFollowed) {
   const auto shift = [&](int64_t n) { push(static_cast<double>(n + 130), picture(n)); };
   for (int64_t n = -20; n < 40; ++n) shift(n);
   EXPECT_TRUE(labeler_.anchored());
-  EXPECT_EQ(told_.back().fate, Fate::labeled);
-  EXPECT_EQ(told_.back().trigger, 39U);
+  EXPECT_EQ(labels_.back().fate, Fate::labeled);
+  EXPECT_EQ(labels_.back().trigger, 39U);
   EXPECT_EQ(labeler_.counts().markers, 2U);
   EXPECT_EQ(labeler_.counts().resynchronizations, 1U);
 }
@@ -191,8 +191,8 @@ TEST_F(ByHand, PicturesInAnotherFrameGoOnWithTheCount) {
   play(-20, 100);
   for (const double scale : {0.3, 4.0, 1.0}) {
     const uint64_t first = tokens_;
-    const auto from = static_cast<int64_t>(told_.back().trigger) + 1;
-    hear(labeler_.new_framing());
+    const auto from = static_cast<int64_t>(labels_.back().trigger) + 1;
+    collect(labeler_.new_framing());
     for (int64_t n = from; n < from + 50; ++n) push(static_cast<double>(n), scaled(n, scale));
     for (uint64_t token = first; token < tokens_; ++token)
       EXPECT_EQ(fate(token), Fate::labeled) << scale << ": " << token - first;
@@ -202,7 +202,7 @@ TEST_F(ByHand, PicturesInAnotherFrameGoOnWithTheCount) {
 
 TEST_F(ByHand, LightsThatSlipWhileTheFrameChangesAreNotFollowed) {
   play(-20, 100);
-  hear(labeler_.new_framing());
+  collect(labeler_.new_framing());
   const uint64_t first = tokens_;
   for (int64_t n = 100; n < 160; ++n) push(static_cast<double>(n), scaled(n + 1, 3));
   for (uint64_t token = first + 2; token < tokens_; ++token)
@@ -212,17 +212,17 @@ TEST_F(ByHand, LightsThatSlipWhileTheFrameChangesAreNotFollowed) {
 
 TEST_F(ByHand, LightsThatStopWhileTheFrameChangesAreNotFollowed) {
   play(-20, 100);
-  hear(labeler_.new_framing());
+  collect(labeler_.new_framing());
   for (int64_t n = 100; n < 160; ++n) push(static_cast<double>(n), scaled(n, 0.02));
   EXPECT_FALSE(labeler_.anchored());
 }
 
 TEST_F(ByHand, AMarkerIsFoundAfterFramesOfAnotherSize) {
   for (int64_t n = -20; n < 2; ++n) push(static_cast<double>(n), scaled(n, 0.1));
-  hear(labeler_.new_framing());
+  collect(labeler_.new_framing());
   for (int64_t n = -18; n < 40; ++n) push(static_cast<double>(n + 20), scaled(n, 1));
   EXPECT_TRUE(labeler_.anchored());
-  EXPECT_EQ(told_.back().trigger, 39U);
+  EXPECT_EQ(labels_.back().trigger, 39U);
   EXPECT_EQ(labeler_.counts().labeled, 40U);
 }
 
@@ -230,24 +230,24 @@ TEST_F(ByHand, FlushKeepsTheStartOfTheProgram) {
   play(-20, 100);
   labeler_.flush();
   play(1000, 1010);
-  EXPECT_EQ(told_.back().trigger, 1009U);
+  EXPECT_EQ(labels_.back().trigger, 1009U);
   labeler_.flush();
   play(50, 60);  // back
-  EXPECT_EQ(told_.back().trigger, 59U);
+  EXPECT_EQ(labels_.back().trigger, 59U);
   EXPECT_EQ(labeler_.counts().late, 0U);
 }
 
-TEST_F(ByHand, TimesThatAreNotThereOrNonsense) {
+TEST_F(ByHand, MissingAndInvalidTimestamps) {
   play(-20, 100);
-  hear(labeler_.push({tokens_++, std::nullopt, std::nullopt, picture(100)}));
-  EXPECT_EQ(told_.back().fate, Fate::untimed);
+  collect(labeler_.push({tokens_++, std::nullopt, std::nullopt, picture(100)}));
+  EXPECT_EQ(labels_.back().fate, Fate::untimed);
   push(-1e9, picture(100));
   push(1e9, picture(100));
   ImageEvidence broken = picture(101);
   broken.level.fill(std::nan(""));
   push(101, broken);
   play(102, 110);
-  EXPECT_EQ(told_.back().trigger, 109U);
+  EXPECT_EQ(labels_.back().trigger, 109U);
 }
 
 class SingleLights : public ByHand {
@@ -263,9 +263,9 @@ TEST_F(SingleLights, TwoFramesThatClaimOneTriggerAreBothDropped) {
   play(62, 100);
   EXPECT_EQ(fate(late), Fate::ambiguous);
   EXPECT_EQ(fate(rightful), Fate::ambiguous);
-  for (uint64_t token = 20; token + 1 < told_.size(); ++token)
+  for (uint64_t token = 20; token + 1 < labels_.size(); ++token)
     if (fate(token) == Fate::labeled) {
-      EXPECT_EQ(told_[token].trigger, token - 20) << token;
+      EXPECT_EQ(labels_[token].trigger, token - 20) << token;
     }
   EXPECT_EQ(labeler_.counts().missing, 0U);
   EXPECT_EQ(labeler_.counts().labeled, 98U);
@@ -273,31 +273,31 @@ TEST_F(SingleLights, TwoFramesThatClaimOneTriggerAreBothDropped) {
 
 TEST_F(SingleLights, InAnotherFrameAreConfirmedByTheNextTrackingFrame) {
   play(-20, 30);
-  hear(labeler_.new_framing());
-  EXPECT_EQ(told_.size(), 20U + 30) << "what waited is told";
+  collect(labeler_.new_framing());
+  EXPECT_EQ(labels_.size(), 20U + 30) << "what waited is reported";
   for (int64_t n = 30; n < 100; ++n) push(static_cast<double>(n), scaled(n, 0.4));
-  for (uint64_t token = 50; token < told_.size(); ++token) {
+  for (uint64_t token = 50; token < labels_.size(); ++token) {
     EXPECT_EQ(fate(token), Fate::labeled) << token;
-    EXPECT_EQ(told_[token].trigger, token - 20);
+    EXPECT_EQ(labels_[token].trigger, token - 20);
   }
   EXPECT_EQ(labeler_.counts().contradicted, 0U);
 }
 
 TEST_F(SingleLights, ThatSlipWhileTheFrameChangesAreNotFollowed) {
   play(-20, 30);
-  hear(labeler_.new_framing());
+  collect(labeler_.new_framing());
   const uint64_t first = tokens_;
   for (int64_t n = 30; n < 120; ++n) push(static_cast<double>(n), scaled(n + 1, 0.4));
-  for (uint64_t token = first; token < told_.size(); ++token)
+  for (uint64_t token = first; token < labels_.size(); ++token)
     EXPECT_NE(fate(token), Fate::labeled) << token - first;
   EXPECT_FALSE(labeler_.anchored());
 }
 
 TEST_F(SingleLights, LeaveWithTheTrackingFrameThatConfirmsThem) {
   play(-20, 36);
-  EXPECT_EQ(told_.size(), 20U + 27);  // 26 is the second tracking frame
+  EXPECT_EQ(labels_.size(), 20U + 27);  // 26 is the second tracking frame
   play(36, 39);
-  EXPECT_EQ(told_.size(), 20U + 39);
+  EXPECT_EQ(labels_.size(), 20U + 39);
   EXPECT_EQ(FrameLabeler::longest_wait(program_, params(0)), 23U);
   EXPECT_EQ(FrameLabeler::longest_wait(performance(some_lights()), params(0)), 0U);
 }
@@ -312,7 +312,7 @@ TEST_F(SingleLights, AProgramThatIsStartedAgainAnywhereHasNoWrongLabel) {
       for (int64_t n = 0; n < pause; ++n)
         again.push(static_cast<double>(stop + n), again.picture(-1));
       for (int64_t n = 0; n < 60; ++n) again.push(begin + static_cast<double>(n), again.picture(n));
-      again.hear(again.labeler_.drain());
+      again.collect(again.labeler_.drain());
       const auto first = static_cast<uint64_t>(20 + stop);
       const auto marker = first + static_cast<uint64_t>(pause);
       // If the marker's full frame coincides with the next tracking frame, nothing distinguishes
@@ -324,7 +324,7 @@ TEST_F(SingleLights, AProgramThatIsStartedAgainAnywhereHasNoWrongLabel) {
         if (unlucky && token >= first && token < marker + 2) continue;
         ASSERT_TRUE(token < first || token >= marker)
             << stop << " " << pause << " " << token - first;
-        ASSERT_EQ(again.told_[token].trigger, token < first ? token - 20 : token - marker)
+        ASSERT_EQ(again.labels_[token].trigger, token < first ? token - 20 : token - marker)
             << stop << " " << pause << " " << token;
       }
       EXPECT_TRUE(again.labeler_.anchored()) << stop << " " << pause;
@@ -336,16 +336,16 @@ TEST_F(SingleLights, LightsThatStopAreNoSingleLights) {
   play(-20, 100);
   const uint64_t first = tokens_;
   for (int64_t n = 100; n < 200; ++n) push(static_cast<double>(n), picture(-1));
-  hear(labeler_.drain());
+  collect(labeler_.drain());
   for (uint64_t token = first; token < tokens_; ++token)
     EXPECT_NE(fate(token), Fate::labeled) << token - first;
   EXPECT_FALSE(labeler_.anchored());
 }
 
-TEST_F(SingleLights, WhatNothingConfirmsIsNotLabeledAtTheEnd) {
+TEST_F(SingleLights, UnconfirmedFramesAreNotLabeledAtTheEnd) {
   play(-20, 60);
   for (int64_t n = 60; n < 68; ++n) push(static_cast<double>(n), picture(-1));
-  hear(labeler_.drain());
+  collect(labeler_.drain());
   EXPECT_EQ(fate(20 + 50), Fate::labeled);  // a tracking frame
   for (uint64_t token = 20 + 51; token < tokens_; ++token)
     EXPECT_EQ(fate(token), token == 20 + 62 ? Fate::contradicted : Fate::ambiguous) << token;
@@ -353,11 +353,11 @@ TEST_F(SingleLights, WhatNothingConfirmsIsNotLabeledAtTheEnd) {
   EXPECT_EQ(labeler_.counts().ambiguous, 16U);
   // Nothing is left of it that the next stream could stumble over.
   const uint64_t next = push(67, picture(70));
-  hear(labeler_.drain());
+  collect(labeler_.drain());
   EXPECT_NE(fate(next), Fate::labeled);
 }
 
-TEST_F(SingleLights, FlashesNowAndThenAreForgiven) {
+TEST_F(SingleLights, RareFlashesAreIgnored) {
   const auto triggers = static_cast<int64_t>(*program_.triggers());
   for (int64_t n = -20; n < triggers; ++n)
     push(static_cast<double>(n), picture(n > 20 && n % 12 == 7 ? 1 : n));
@@ -366,11 +366,11 @@ TEST_F(SingleLights, FlashesNowAndThenAreForgiven) {
 }
 
 TEST_F(SingleLights, EachFrameIsReportedOnceEvenIfSentThrice) {
-  std::vector<int> told;
+  std::vector<int> reports;
   const auto count = [&](const Labels& labels) {
     for (const auto& one : labels) {
-      if (told.size() <= one.token) told.resize(one.token + 1);
-      ++told[one.token];
+      if (reports.size() <= one.token) reports.resize(one.token + 1);
+      ++reports[one.token];
     }
   };
   for (int64_t n = -20; n < 200; ++n) {
@@ -379,8 +379,8 @@ TEST_F(SingleLights, EachFrameIsReportedOnceEvenIfSentThrice) {
       count(labeler_.push({tokens_++, (n + 100) * 1000000000 / 60, std::nullopt, image}));
   }
   count(labeler_.drain());
-  ASSERT_EQ(told.size(), tokens_);
-  for (const int times : told) EXPECT_EQ(times, 1);
+  ASSERT_EQ(reports.size(), tokens_);
+  for (const int times : reports) EXPECT_EQ(times, 1);
 }
 
 TEST_F(SingleLights, FramesThatAreStampedLateDoNotSpoilACapture) {
@@ -398,11 +398,11 @@ TEST_F(SingleLights, FramesThatAreStampedLateDoNotSpoilACapture) {
       truth.push_back(late ? -1 : n);
       camera.push(static_cast<double>(n) + off, camera.picture(n));
     }
-    camera.hear(camera.labeler_.drain());
+    camera.collect(camera.labeler_.drain());
     for (uint64_t token = 0; token < truth.size(); ++token) {
       if (camera.fate(token) != Fate::labeled || truth[token] < 0) continue;
       ++labeled;
-      wrong += camera.told_[token].trigger != static_cast<uint64_t>(truth[token]) ? 1 : 0;
+      wrong += camera.labels_[token].trigger != static_cast<uint64_t>(truth[token]) ? 1 : 0;
     }
     all += static_cast<uint64_t>(triggers);
   }
@@ -420,7 +420,7 @@ TEST_F(SingleLights, AFlashIsOneFrame) {
   EXPECT_EQ(fate(lit), Fate::contradicted);
   EXPECT_EQ(labeler_.counts().contradicted, 1U);
   EXPECT_EQ(labeler_.counts().resynchronizations, 0U);
-  EXPECT_EQ(told_.back().fate, Fate::labeled);
+  EXPECT_EQ(labels_.back().fate, Fate::labeled);
   EXPECT_EQ(labeler_.counts().missing, 0U);
 }
 
@@ -432,8 +432,8 @@ TEST_F(SingleLights, ATrackingFrameThatIsStampedLateIsOneFrame) {
   EXPECT_EQ(fate(late), Fate::contradicted);
   EXPECT_EQ(labeler_.counts().resynchronizations, 0U);
   EXPECT_EQ(labeler_.counts().missing, 1U);
-  for (uint64_t token = late + 1; token < told_.size(); ++token)
-    EXPECT_EQ(told_[token].trigger, token - late + 63);
+  for (uint64_t token = late + 1; token < labels_.size(); ++token)
+    EXPECT_EQ(labels_[token].trigger, token - late + 63);
 }
 
 class ShortProgram : public ByHand {
@@ -456,7 +456,7 @@ TEST_F(ShortProgram, EndsAndMayComeAgain) {
   EXPECT_FALSE(labeler_.take_overdue());
   for (int64_t n = 0; n < 23; ++n) push(static_cast<double>(600 + n), picture(n));
   EXPECT_EQ(labeler_.counts().labeled, 46U);
-  EXPECT_EQ(told_.back().trigger, 22U);
+  EXPECT_EQ(labels_.back().trigger, 22U);
 }
 
 class WithIds : public ByHand {
@@ -471,8 +471,8 @@ class WithIds : public ByHand {
 TEST_F(WithIds, ACameraThatIsStartedAgainCountsFromWhereItsTimesAre) {
   play_ids(-20, 100, 500);
   play_ids(200, 240, 1);
-  EXPECT_EQ(told_.back().fate, Fate::labeled);
-  EXPECT_EQ(told_.back().trigger, 239U);
+  EXPECT_EQ(labels_.back().fate, Fate::labeled);
+  EXPECT_EQ(labels_.back().trigger, 239U);
 }
 
 TEST_F(WithIds, ACameraThatMissesATriggerWithoutCountingItIsCaught) {
@@ -480,9 +480,9 @@ TEST_F(WithIds, ACameraThatMissesATriggerWithoutCountingItIsCaught) {
   play_ids(101, 140, 620);
   for (uint64_t token = 0; token < tokens_; ++token)
     if (fate(token) == Fate::labeled && token >= 120) {
-      EXPECT_EQ(told_[token].trigger, token - 119 + 100);
+      EXPECT_EQ(labels_[token].trigger, token - 119 + 100);
     }
-  EXPECT_EQ(told_.back().trigger, 139U);
+  EXPECT_EQ(labels_.back().trigger, 139U);
 }
 
 }  // namespace

@@ -53,10 +53,10 @@ struct HandCamera {
     for (double& level : image.level) level *= by;
     return image;
   }
-  void hear(const Labels& told) {
-    for (const auto& one : told) {
-      if (told_.size() <= one.token) told_.resize(one.token + 1);
-      told_[one.token] = one;
+  void collect(const Labels& labels) {
+    for (const auto& one : labels) {
+      if (labels_.size() <= one.token) labels_.resize(one.token + 1);
+      labels_[one.token] = one;
     }
   }
   static int64_t at(double time) {
@@ -65,18 +65,18 @@ struct HandCamera {
   /// Returns the frame's token.
   uint64_t push(double time, const ImageEvidence& image, std::optional<uint64_t> id = {}) {
     const uint64_t token = tokens_++;
-    hear(labeler_.push({token, at(time), id, image}, running_));
+    collect(labeler_.push({token, at(time), id, image}, running_));
     return token;
   }
   /// Triggers of the program, on time.
   void play(int64_t from, int64_t to) {
     for (int64_t n = from; n < to; ++n) push(static_cast<double>(n), picture(n));
   }
-  Fate fate(uint64_t token) { return token < told_.size() ? told_[token].fate : Fate::untimed; }
+  Fate fate(uint64_t token) { return token < labels_.size() ? labels_[token].fate : Fate::untimed; }
 
   LightProgram program_;
   FrameLabeler labeler_;
-  std::vector<FrameLabeler::Labeled> told_;
+  std::vector<FrameLabeler::Labeled> labels_;
   std::optional<FrameLabeler::Running> running_;  // of another camera
   uint64_t content_ = 0, tokens_ = 0;
 };

@@ -95,8 +95,8 @@ inline SimulationResult simulate(const LightProgram& program, const CameraSimula
   FrameLabeler labeler(program, params);
   std::vector<bool> late_tokens;
   uint64_t none = 0;
-  const auto hear = [&](const std::vector<FrameLabeler::Labeled>& told) {
-    for (const auto& one : told) {
+  const auto collect = [&](const std::vector<FrameLabeler::Labeled>& labels) {
+    for (const auto& one : labels) {
       const int64_t truth = result.trigger_of_token[one.token];
       result.held = std::max(result.held,
                              static_cast<double>(result.trigger_of_token.size() - 1 - one.token));
@@ -113,7 +113,7 @@ inline SimulationResult simulate(const LightProgram& program, const CameraSimula
     result.label_of_token.push_back(-1);
     FrameLabeler::Frame frame{result.trigger_of_token.size() - 1, time, std::nullopt, image};
     if (camera.id_bits) frame.id = id;
-    hear(labeler.push(frame));
+    collect(labeler.push(frame));
   };
   uint64_t lost_since = 0;
   for (uint64_t n = 0; n < camera.idle + camera.frames; ++n) {
@@ -152,7 +152,7 @@ inline SimulationResult simulate(const LightProgram& program, const CameraSimula
       send(truth, unit(random) < 0.5 ? time : std::max(time, stamp(n)), image, late);
     }
   }
-  hear(labeler.drain());
+  collect(labeler.drain());
   result.counts = labeler.counts();
   result.ambiguous = result.sent - std::min(result.sent, result.labeled);
   return result;

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "common/error.hpp"
+#include "tests/expect_error.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace inverse {
@@ -18,19 +19,8 @@ namespace {
 
 using Part = LightProgram::Position::Part;
 
-template <typename Act>
-std::string error(Act act) {
-  try {
-    act();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::file);
-    return error.what();
-  }
-  return "";
-}
-
-std::string error_of(const std::string& json) {
-  return error([&] { LightProgram::parse(json, "program"); });
+std::string parse_error(const std::string& json) {
+  return testing::error_of([&] { LightProgram::parse(json, "program"); }, ErrorKind::file);
 }
 
 /// A program of two lights with these fields after its own.
@@ -101,7 +91,7 @@ TEST(LightProgram, GradientsAddUpToFullOn) {
     }
 }
 
-TEST(LightProgram, WhereItIsAtEachTrigger) {
+TEST(LightProgram, PositionAtEachTrigger) {
   LightProgram p = performance(stage_lights(geodesic_directions(4)));
   p.repeat = 2;
   for (const auto marker :
@@ -127,7 +117,7 @@ TEST(LightProgram, WhereItIsAtEachTrigger) {
   }
 }
 
-TEST(LightProgram, JsonComesBack) {
+TEST(LightProgram, JsonRoundTrips) {
   LightProgram p = static_capture(stage_lights(geodesic_directions(20)));
   p.rate_numerator = 60000;
   p.rate_denominator = 1001;
@@ -145,8 +135,8 @@ TEST(LightProgram, JsonComesBack) {
   EXPECT_NE(back.id(), p.id());
 }
 
-TEST(LightProgram, WhatIsWrongIsSaid) {
-  EXPECT_EQ(error_of(with(kTwo, kBlack)), "");
+TEST(LightProgram, InvalidProgramsAreErrorsWithTheirCause) {
+  EXPECT_EQ(parse_error(with(kTwo, kBlack)), "");
   const struct {
     std::string json, text;
   } cases[] = {
@@ -183,20 +173,23 @@ TEST(LightProgram, WhatIsWrongIsSaid) {
       {R"({"format": "gst-inverse light program", "version": 1, "rate": 0, "lights": [], "steps": []})",
        "\"rate\""},
   };
-  for (const auto& [json, text] : cases)
-    EXPECT_NE(error_of(json).find(text), std::string::npos) << json.substr(0, 200) << "\n"
-                                                            << error_of(json);
+  for (const auto& [json, text] : cases) testing::expect_contains(parse_error(json), text);
   LightProgram p = performance(stage_lights(geodesic_directions(4)));
   p.lights[2].direction[1] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(p.check(), Error);
+  testing::expect_error(ErrorKind::file, "light 2", [&] { p.check(); });
 }
 
 TEST(LightProgram, ByName) {
   EXPECT_EQ(light_program("performance:12", 30).lights.size(), 12U);
   EXPECT_EQ(light_program("static").lights.size(), 331U);
-  for (const char* name :
-       {"performance:", "performance:0", "static:4097", "static:12x", "/no/such.json", "/"})
-    EXPECT_THROW(light_program(name), Error) << name;
+  for (const char* name : {"performance:", "performance:0", "static:4097", "static:12x"})
+    testing::expect_error(ErrorKind::file,
+                          '"' + std::string(name) + "\": the number of lights is from 1 to 4096",
+                          [&] { light_program(name); });
+  for (const auto& [name, text] :
+       {std::pair{"/no/such.json", "the light program /no/such.json cannot be read"},
+        {"/", "/ is not JSON"}})
+    testing::expect_error(ErrorKind::file, text, [&] { light_program(name); });
 }
 
 TEST(LightProgram, IsTheSameWhenReadAgain) {
@@ -214,14 +207,12 @@ TEST(LightProgram, IsTheSameWhenReadAgain) {
 }
 
 TEST(LightProgram, UnknownFieldsAreNamed) {
-  EXPECT_NE(error_of(with(kTwo, kBlack, R"("repeats": 4, )")).find("\"repeats\""),
-            std::string::npos);
-  EXPECT_NE(error_of(with(kTwo, R"({"kind": "black", "gard": 1})"))
-                .find("step 0 has an unknown field \"gard\""),
-            std::string::npos);
-  EXPECT_NE(error_of(with(R"({"direction": [0, 0, 1], "channel": [1]})", kBlack)).find("light 0"),
-            std::string::npos);
-  EXPECT_EQ(error_of(with(kTwo, kBlack, R"("comment": "of the old rig", )")), "");
+  testing::expect_contains(parse_error(with(kTwo, kBlack, R"("repeats": 4, )")), "\"repeats\"");
+  testing::expect_contains(parse_error(with(kTwo, R"({"kind": "black", "gard": 1})")),
+                           "step 0 has an unknown field \"gard\"");
+  testing::expect_contains(parse_error(with(R"({"direction": [0, 0, 1], "channel": [1]})", kBlack)),
+                           "light 0");
+  EXPECT_EQ(parse_error(with(kTwo, kBlack, R"("comment": "of the old rig", )")), "");
 }
 
 TEST(LightProgram, LightsMayBeThoseOfAFolder) {
@@ -233,11 +224,11 @@ TEST(LightProgram, LightsMayBeThoseOfAFolder) {
   EXPECT_EQ(program.steps.size(), 2U);
   EXPECT_EQ(light_program("static:" + folder.path()).steps.size(), 2U + 1 + 2);
   std::filesystem::remove(folder / "lights.json");
-  EXPECT_NE(error([&] { light_program("static:" + folder.path()); }).find("lights.json"),
-            std::string::npos);
+  testing::expect_error(ErrorKind::file, "lights.json",
+                        [&] { light_program("static:" + folder.path()); });
   const std::string missing = folder / "lights";
-  EXPECT_NE(error([&] { light_program("static:" + missing); }).find("no folder is called"),
-            std::string::npos);
+  testing::expect_error(ErrorKind::file, "no folder is called",
+                        [&] { light_program("static:" + missing); });
 }
 
 }  // namespace

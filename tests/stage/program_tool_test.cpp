@@ -35,7 +35,7 @@ TEST(ProgramTool, WritesProgramsAtAnyRate) {
   std::filesystem::remove(file);
 }
 
-TEST(ProgramTool, SaysWhatItDoesNotUnderstand) {
+TEST(ProgramTool, UnknownArgumentsAreErrors) {
   EXPECT_EQ(tool("").second, 2);
   EXPECT_EQ(tool("static --rates 5").second, 2);
   EXPECT_EQ(tool("static --rate fast").second, 1);

@@ -145,7 +145,7 @@ TEST(SacnDriver, LeavesTheStreamOpenOnRequest) {
   EXPECT_TRUE(port.next().empty());
 }
 
-TEST(SacnDriver, SaysWhatIsWrong) {
+TEST(SacnDriver, InvalidSettingsAreErrors) {
   const auto upload = [](const std::string& destination) {
     return error_of([&] { make_light_driver(settings_for(destination))->upload(two_lights()); });
   };
@@ -166,18 +166,18 @@ TEST(SacnDriver, SaysWhatIsWrong) {
   EXPECT_NE(multicast().find("is no IPv4 address"), std::string::npos);
   settings = settings_for("");
   settings.dmx.universe = 64000;
-  EXPECT_NE(error_of([&] { make_light_driver(settings); }).find("1 to 63999"), std::string::npos);
+  expect_contains(error_of([&] { make_light_driver(settings); }), "1 to 63999");
   settings.dmx.universe = 0;
-  EXPECT_NE(error_of([&] { make_light_driver(settings); }).find("1 to 63999"), std::string::npos);
+  expect_contains(error_of([&] { make_light_driver(settings); }), "1 to 63999");
   settings = settings_for("");
   settings.dmx.priority = 201;
-  EXPECT_NE(error_of([&] { make_light_driver(settings); }).find("0 to 200"), std::string::npos);
+  expect_contains(error_of([&] { make_light_driver(settings); }), "0 to 200");
   LightProgram deaf = two_lights();
   for (auto& light : deaf.lights) light.channels.clear();
   Port port;
   const auto driver = make_light_driver(settings_for(port.address()));
-  EXPECT_NE(error_of([&] { driver->upload(deaf); }).find("has no channels"), std::string::npos);
-  EXPECT_NE(error_of([&] { driver->show(0); }).find("before a program"), std::string::npos);
+  expect_contains(error_of([&] { driver->upload(deaf); }), "has no channels");
+  expect_contains(error_of([&] { driver->show(0); }), "before a program");
 }
 
 /// Several packets in sequence, as from several senders.
@@ -291,7 +291,7 @@ TEST_F(Heard, FloodsOfSendersAndUniversesAreBounded) {
   EXPECT_GT(universes.stats().other, 70000U);
 }
 
-TEST(SacnReceiver, HearsTheDriver) {
+TEST(SacnReceiver, ReceivesFromTheDriver) {
   const LightProgram program = two_lights();
   const std::array<uint32_t, 2> universes{40, 41};
   sacn::Receiver receiver("127.0.0.1:0", universes);
@@ -310,7 +310,7 @@ TEST(SacnReceiver, HearsTheDriver) {
   EXPECT_EQ(receiver.stats().malformed + receiver.stats().late + receiver.stats().other, 0U);
 }
 
-TEST(SacnReceiver, HearsMulticast) {
+TEST(SacnReceiver, ReceivesMulticast) {
   const std::array<uint32_t, 2> universes{40, 41};
   // The groups' port is the standard's; where something else has it there is nothing to test.
   std::unique_ptr<sacn::Receiver> receiver;
@@ -334,16 +334,13 @@ TEST(SacnReceiver, HearsMulticast) {
   EXPECT_EQ(receiver->levels().at(41)[2], 255);
 }
 
-TEST(SacnReceiver, PortsInUseAndStrangeAddressesAreSaid) {
+TEST(SacnReceiver, PortsInUseAndInvalidAddressesAreErrors) {
   const std::vector<uint32_t> none;
   sacn::Receiver first("127.0.0.1:0", none);
   const std::string taken = "127.0.0.1:" + std::to_string(first.port());
-  EXPECT_NE(error_of([&] { sacn::Receiver(taken, none); }).find("another program listens"),
-            std::string::npos);
-  EXPECT_NE(error_of([&] { sacn::Receiver("203.0.113.200:0", none); }).find("of this machine"),
-            std::string::npos);
-  EXPECT_NE(error_of([&] { sacn::Receiver("localhost:x", none); }).find("the port is a number"),
-            std::string::npos);
+  expect_contains(error_of([&] { sacn::Receiver(taken, none); }), "another program listens");
+  expect_contains(error_of([&] { sacn::Receiver("203.0.113.200:0", none); }), "of this machine");
+  expect_contains(error_of([&] { sacn::Receiver("localhost:x", none); }), "the port is a number");
 }
 
 }  // namespace

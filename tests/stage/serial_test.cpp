@@ -120,7 +120,7 @@ TEST_F(SerialDriver, UploadsOnceAndSteps) {
   }
 }
 
-TEST_F(SerialDriver, ControllersThatWereSwitchedOffMeanwhileAreGivenTheProgramAgain) {
+TEST_F(SerialDriver, RestartedControllersReceiveTheProgramAgain) {
   Rig rig;
   bool forgotten = false;
   Controller controller([&](const std::string& line) -> std::string {
@@ -162,7 +162,7 @@ TEST_F(SerialDriver, DoesNotStepForTheRig) {
   EXPECT_EQ(lines[lines.size() - 2], "go trigger");
 }
 
-TEST_F(SerialDriver, WaitsForControllersThatWakeUp) {
+TEST_F(SerialDriver, WaitsForControllersThatStart) {
   Rig rig;
   std::atomic<int> greetings = 0;
   Controller controller([&](const std::string& line) -> std::string {
@@ -176,39 +176,38 @@ TEST_F(SerialDriver, WaitsForControllersThatWakeUp) {
   EXPECT_EQ(greetings, 3);
 }
 
-TEST_F(SerialDriver, SaysThatNobodyAnswers) {
+TEST_F(SerialDriver, AnUnresponsiveControllerIsAnError) {
   Controller unresponsive([](const std::string&) { return ""; });
-  EXPECT_NE(upload_error(unresponsive).find("does not answer; check its cable"), std::string::npos);
+  expect_contains(upload_error(unresponsive), "does not answer; check its cable");
   Rig rig;
   Controller half(
       [&](const std::string& line) { return line.starts_with("set 3") ? "" : rig(line); });
-  EXPECT_NE(upload_error(half).find("does not answer \"set\""), std::string::npos);
+  expect_contains(upload_error(half), "does not answer \"set\"");
 }
 
-TEST_F(SerialDriver, SaysThatItIsRubbish) {
+TEST_F(SerialDriver, MalformedRepliesAreErrors) {
   Controller rubbish([](const std::string&) { return "\x80\xffU*U*\x01\n"; });
-  EXPECT_NE(upload_error(rubbish).find("is not of this protocol; check the baud rate"),
-            std::string::npos);
+  expect_contains(upload_error(rubbish), "is not of this protocol; check the baud rate");
   Rig rig;
   Controller later(
       [&](const std::string& line) { return line.starts_with("set") ? "what?\n" : rig(line); });
-  EXPECT_NE(upload_error(later).find("sends \"what?\", which is no reply"), std::string::npos);
+  expect_contains(upload_error(later), "sends \"what?\", which is no reply");
   Controller flood([](const std::string&) { return std::string(3000, 'x'); });
-  EXPECT_NE(upload_error(flood).find("does not answer"), std::string::npos);
+  expect_contains(upload_error(flood), "does not answer");
   Controller newer([](const std::string& line) { return line + " 2 a rig of tomorrow\n"; });
-  EXPECT_NE(upload_error(newer).find("has version 2"), std::string::npos);
+  expect_contains(upload_error(newer), "has version 2");
 }
 
-TEST_F(SerialDriver, SaysWhatTheControllerSays) {
+TEST_F(SerialDriver, ErrorsOfTheControllerAreReported) {
   Rig rig;
   Controller small([&](const std::string& line) {
     return line.starts_with("begin") ? "error no memory for 2 lights\n" : rig(line);
   });
-  EXPECT_NE(upload_error(small).find("reports: no memory for 2 lights"), std::string::npos);
+  expect_contains(upload_error(small), "reports: no memory for 2 lights");
   Controller wrong([&](const std::string& line) {
     return line.starts_with("end") ? "ok 00000000\n" : rig(line);
   });
-  EXPECT_NE(upload_error(wrong).find("checksum \"00000000\""), std::string::npos);
+  expect_contains(upload_error(wrong), "checksum \"00000000\"");
   Controller dying([&](const std::string& line) { return rig(line); });
   const auto driver = make_light_driver(settings_for(dying.path()));
   driver->upload(two_lights());
@@ -219,18 +218,18 @@ TEST_F(SerialDriver, SaysWhatTheControllerSays) {
     error = error_of([&] { driver->show(t); });
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
-  EXPECT_NE(error.find("reports: lamp 1 is dead"), std::string::npos) << error;
+  expect_contains(error, "reports: lamp 1 is dead");
 }
 
-TEST_F(SerialDriver, SaysThatItHungUp) {
+TEST_F(SerialDriver, ADisconnectedControllerIsAnError) {
   Rig rig;
   Controller controller([&](const std::string& line) { return rig(line); });
   const auto driver = make_light_driver(settings_for(controller.path()));
   driver->upload(two_lights());
   driver->show(0);
   controller.hang_up();
-  EXPECT_NE(error_of([&] { driver->show(1); }).find("has disconnected"), std::string::npos);
-  EXPECT_NE(error_of([&] { driver->black(); }).find("has disconnected"), std::string::npos);
+  expect_contains(error_of([&] { driver->show(1); }), "has disconnected");
+  expect_contains(error_of([&] { driver->black(); }), "has disconnected");
 }
 
 TEST_F(SerialDriver, ControllersThatStopTakingPulses) {
@@ -248,7 +247,7 @@ TEST_F(SerialDriver, ControllersThatStopTakingPulses) {
   for (uint64_t t = 0; t < 10'000'000 && error.empty(); ++t)
     error = error_of([&] { driver->show(t); });
   EXPECT_LT(Clock::now() - start, std::chrono::seconds(20));
-  EXPECT_NE(error.find("accepts no more data"), std::string::npos) << error;
+  expect_contains(error, "accepts no more data");
   stuck = false;
   driver.reset();
 }
@@ -263,28 +262,26 @@ TEST_F(SerialDriver, CanBeCancelled) {
     driver->cancel();
   });
   const auto start = Clock::now();
-  EXPECT_NE(error_of([&] { driver->upload(two_lights()); }).find("given up"), std::string::npos);
+  expect_contains(error_of([&] { driver->upload(two_lights()); }), "given up");
   EXPECT_LT(Clock::now() - start, std::chrono::seconds(5));
   other.join();
 }
 
-TEST_F(SerialDriver, PortsThatAreNone) {
+TEST_F(SerialDriver, InvalidPortsAreErrors) {
   const auto upload = [](LightDriverSettings settings) {
     return error_of([&] { make_light_driver(settings)->upload(two_lights()); });
   };
-  EXPECT_NE(upload(settings_for("/dev/no-such-tty")).find("cannot open the serial port"),
-            std::string::npos);
-  EXPECT_NE(upload(settings_for("/dev/null")).find("is no serial port"), std::string::npos);
-  EXPECT_NE(upload(settings_for("")).find("needs the name of its port"), std::string::npos);
+  expect_contains(upload(settings_for("/dev/no-such-tty")), "cannot open the serial port");
+  expect_contains(upload(settings_for("/dev/null")), "is no serial port");
+  expect_contains(upload(settings_for("")), "needs the name of its port");
   auto settings = settings_for("/dev/null");
   settings.serial.baud = 12345;
-  EXPECT_NE(upload(settings).find("12345 baud"), std::string::npos);
+  expect_contains(upload(settings), "12345 baud");
   Rig rig;
   Controller controller([&](const std::string& line) { return rig(line); });
   const auto driver = make_light_driver(settings_for(controller.path()));
   driver->upload(two_lights());
-  EXPECT_NE(upload(settings_for(controller.path())).find("in use by another program"),
-            std::string::npos);
+  expect_contains(upload(settings_for(controller.path())), "in use by another program");
 }
 
 }  // namespace

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include <functional>
-#include <string>
-
-#include "common/error.hpp"
 #include "stage/program/light_program.hpp"
+#include "tests/expect_error.hpp"
 
 namespace inverse::testing {
 
@@ -22,16 +19,6 @@ inline LightProgram two_lights() {
   program.repeat = 2;
   program.check();
   return program;
-}
-
-/// The error message; empty without an error.
-inline std::string error_of(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 }  // namespace inverse::testing

@@ -48,7 +48,7 @@ class RelightTruth : public GpuTest {
     return download(lit(colors)->buffer);
   }
   /// Sum of absolute differences over the sum of truth, of all pictures that were added.
-  struct Apart {
+  struct Distance {
     double off = 0, all = 0;
     void add(const Pixels& got, const Pixels& truth) {
       for (size_t i = 0; i < truth.size(); ++i) {
@@ -71,7 +71,7 @@ class RelightTruth : public GpuTest {
     params.model = model;
     params.adaptive = false;
     const Plane target = plane(kExtent);
-    Apart light, environment;
+    Distance light, environment;
     constexpr size_t kEvery = 5;
     for (size_t i = 0; i < kLights; i += kEvery) {
       run([&](gpu::Commands& commands) {

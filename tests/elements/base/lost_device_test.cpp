@@ -36,7 +36,7 @@ using Names = std::set<std::string>;
 
 }  // namespace
 
-TEST(LostDevice, EveryElementThatMeetsTheLossSaysSoAndNothingHangs) {
+TEST(LostDevice, EveryElementReportsTheLossAndNothingHangs) {
   EXPECT_EQ(lose(kSource + "intrinsicdecomp ! fakesink"), Names{"intrinsicdecomp"});
   EXPECT_EQ(lose(kSource + "intrinsicdecompthesis ! fakesink"), Names{"intrinsicdecompthesis"});
   EXPECT_EQ(lose(kSource + "intrinsicdecomp ! intrinsicrecolor ! intrinsiccompose ! fakesink"),
@@ -96,7 +96,7 @@ TEST(LostDevice, IsReplacedWhenThePipelineStartsAgain) {
   }
 }
 
-TEST(LostDevice, WithoutAVulkanDriverTheErrorSaysWhatToInstall) {
+TEST(LostDevice, WithoutAVulkanDriverTheErrorNamesWhatToInstall) {
   const auto [status, text] =
       run_self({{"VK_ICD_FILENAMES", "/nowhere"}},
                {kLaunchOption, "videotestsrc num-buffers=1 ! intrinsicdecomp ! fakesink"});

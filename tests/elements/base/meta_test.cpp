@@ -103,7 +103,7 @@ TEST_F(MetaTest, OfSeveralLimematerialsTheLastOneCounts) {
   EXPECT_NE(material()->averaged, 7u);
 }
 
-TEST_F(MetaTest, WhoCropsOrTurnsFramesDropsTheMaterial) {
+TEST_F(MetaTest, CroppingOrTurningFramesDropsTheMaterial) {
   for (const auto& [elements, width, height] : {std::tuple{"videoflip video-direction=180", 64, 48},
                                                 {"videoflip video-direction=90r", 48, 64},
                                                 {"videoflip video-direction=horiz", 64, 48},
@@ -113,7 +113,7 @@ TEST_F(MetaTest, WhoCropsOrTurnsFramesDropsTheMaterial) {
   }
 }
 
-TEST_F(MetaTest, WhatLitTheSubjectStaysWithTheFrameWhateverBecomesOfIt) {
+TEST_F(MetaTest, LightStageMetaSurvivesEveryConversion) {
   if (!gst_meta_get_info("GstLightStageMeta")) GTEST_SKIP() << "built without inversestage";
   for (const auto& [elements, format, width, height] :
        {std::tuple{"videoconvert", "I420", 64, 48},

@@ -10,40 +10,6 @@ constexpr const char* kDecomposers[] = {"intrinsicdecomp", "intrinsicdecompthesi
 constexpr const char* kLayers =
     "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS "), layers=(string)intrinsic";
 
-/// What `stats` says of the last completed frame.
-class Stats {
- public:
-  Stats(VideoHarness& harness, const char* factory) {
-    g_object_get(harness.find(factory), "stats", &stats_, nullptr);
-  }
-  Stats(const Stats&) = delete;
-  Stats& operator=(const Stats&) = delete;
-  ~Stats() { gst_structure_free(stats_); }
-
-  bool has(const char* field) const { return gst_structure_has_field(stats_, field); }
-  bool flag(const char* field) const {
-    gboolean value = FALSE;
-    EXPECT_TRUE(gst_structure_get_boolean(stats_, field, &value)) << field;
-    return value;
-  }
-  uint64_t count(const char* field) const {
-    guint64 value = 0;
-    guint small = 0;
-    gint whole = 0;
-    if (gst_structure_get_uint(stats_, field, &small)) return small;
-    if (gst_structure_get_int(stats_, field, &whole)) return static_cast<uint64_t>(whole);
-    EXPECT_TRUE(gst_structure_get_uint64(stats_, field, &value)) << field;
-    return value;
-  }
-  std::string text(const char* field) const {
-    const char* value = gst_structure_get_string(stats_, field);
-    return value ? value : "";
-  }
-
- private:
-  GstStructure* stats_ = nullptr;
-};
-
 std::string caps_of(int width = 64, int height = 48) {
   return VideoHarness::caps("RGBA", width, height);
 }
@@ -67,15 +33,15 @@ std::vector<uint8_t> tiles(int width, int height, unsigned shift = 0) {
 class RepeatedFrames : public ::testing::TestWithParam<const char*> {
  protected:
   /// Sends a picture again and again until its layers are reused; returns the last output.
-  std::vector<uint8_t> until_kept(VideoHarness& harness, const std::vector<uint8_t>& picture) {
+  std::vector<uint8_t> until_reused(VideoHarness& harness, const std::vector<uint8_t>& picture) {
     for (int i = 0; i < 200; ++i) {
       const auto shown = harness.process(picture);
-      if (Stats(harness, GetParam()).flag("reused")) return shown;
+      if (stat<bool>(harness.find(GetParam()), "reused")) return shown;
     }
     ADD_FAILURE() << "never reused";
     return {};
   }
-  bool kept(VideoHarness& harness) { return Stats(harness, GetParam()).flag("reused"); }
+  bool reused(VideoHarness& harness) { return stat<bool>(harness.find(GetParam()), "reused"); }
 };
 
 TEST_P(RepeatedFrames, OfFilmOnAFasterScreenAreSolvedOnce) {
@@ -83,19 +49,20 @@ TEST_P(RepeatedFrames, OfFilmOnAFasterScreenAreSolvedOnce) {
   for (const std::vector<int>& cadence : {std::vector{2, 2}, {3, 2}}) {
     VideoHarness harness(GetParam(), caps_of(), caps_of());
     int frames = 0, pictures = 0;
-    uint64_t kept_before = 0;
+    uint64_t reused_before = 0;
     for (unsigned picture = 0; picture < 12; ++picture)
       for (int k = 0; k < cadence[picture % 2]; ++k) {
         harness.process(tiles(64, 48, picture));
-        if (picture < 3) kept_before = Stats(harness, GetParam()).count("frames-reused");
+        if (picture < 3) reused_before = stat<guint64>(harness.find(GetParam()), "frames-reused");
         if (picture < 3) continue;
         ++frames;
         if (k == 0) ++pictures;
       }
-    const uint64_t kept = Stats(harness, GetParam()).count("frames-reused") - kept_before;
+    const uint64_t reused =
+        stat<guint64>(harness.find(GetParam()), "frames-reused") - reused_before;
     // Of three frames the third may be solved for, as the picture before came only twice.
-    EXPECT_GE(kept, uint64_t(frames - pictures - (cadence[0] > 2 ? pictures / 2 + 1 : 1)));
-    EXPECT_LE(kept, uint64_t(frames - pictures));
+    EXPECT_GE(reused, uint64_t(frames - pictures - (cadence[0] > 2 ? pictures / 2 + 1 : 1)));
+    EXPECT_LE(reused, uint64_t(frames - pictures));
   }
 }
 
@@ -103,18 +70,19 @@ TEST_P(RepeatedFrames, ReuseLayersOnceConverged) {
   VideoHarness harness(GetParam(), caps_of(), caps_of());
   const auto picture = tiles(64, 48);
   harness.process(picture);
-  EXPECT_FALSE(kept(harness)) << "the first";
+  EXPECT_FALSE(reused(harness)) << "the first";
   const auto before = harness.process(picture);
-  EXPECT_FALSE(kept(harness)) << "the first repeat pays";
-  const auto settled = until_kept(harness, picture);
-  EXPECT_LE(largest_difference(settled, before), 3);
-  const uint64_t count = Stats(harness, GetParam()).count("frames-reused");
+  EXPECT_FALSE(reused(harness)) << "the first repeat pays";
+  const auto converged = until_reused(harness, picture);
+  EXPECT_LE(largest_difference(converged, before), 3);
+  const uint64_t count = stat<guint64>(harness.find(GetParam()), "frames-reused");
   for (uint64_t i = 1; i < 10; ++i) {
-    EXPECT_EQ(harness.process(picture), settled);
-    const Stats stats(harness, GetParam());
-    EXPECT_TRUE(stats.flag("reused"));
-    EXPECT_EQ(stats.count("frames-reused"), count + i);
-    EXPECT_EQ(stats.text("skipped"), "method: repeated picture, and its layers have converged");
+    EXPECT_EQ(harness.process(picture), converged);
+    GstElement* element = harness.find(GetParam());
+    EXPECT_TRUE(stat<bool>(element, "reused"));
+    EXPECT_EQ(stat<guint64>(element, "frames-reused"), count + i);
+    EXPECT_EQ(stat<std::string>(element, "skipped"),
+              "method: repeated picture, and its layers have converged");
   }
 }
 
@@ -123,32 +91,32 @@ TEST_P(RepeatedFrames, AreComputedIfNothingMayBeSkipped) {
   const auto picture = tiles(64, 48);
   for (int i = 0; i < 40; ++i) {
     harness.process(picture);
-    const Stats stats(harness, GetParam());
-    EXPECT_FALSE(stats.flag("reused"));
-    EXPECT_EQ(stats.count("frames-reused"), 0u);
+    GstElement* element = harness.find(GetParam());
+    EXPECT_FALSE(stat<bool>(element, "reused"));
+    EXPECT_EQ(stat<guint64>(element, "frames-reused"), 0u);
   }
 }
 
 TEST_P(RepeatedFrames, AChangedPictureIsComputedAtOnce) {
   VideoHarness harness(std::string(GetParam()) + " show=input", caps_of(), caps_of());
   const auto a = tiles(64, 48), b = tiles(64, 48, 5);
-  until_kept(harness, a);
+  until_reused(harness, a);
   auto c = a;
   c.back() ^= 0x80;  // a single bit, of the last pixel's alpha
   using Picture = const std::vector<uint8_t>*;
   for (Picture picture : std::initializer_list<Picture>{&a, &b, &b, &b, &b, &a, &b, &a, &a, &c, &a,
                                                         &a, &a, &a, &a, &c})
     EXPECT_LE(largest_difference(harness.process(*picture), *picture), 1);
-  EXPECT_FALSE(kept(harness));
+  EXPECT_FALSE(reused(harness));
 }
 
 TEST_P(RepeatedFrames, ChangedPropertiesTakeEffect) {
   VideoHarness harness(GetParam(), caps_of(), caps_of());
   const auto picture = tiles(64, 48);
-  const auto reflectance = until_kept(harness, picture);
+  const auto reflectance = until_reused(harness, picture);
   g_object_set(harness.find(GetParam()), "show", 2 /* input */, nullptr);
   EXPECT_LE(largest_difference(harness.process(picture), picture), 1);
-  EXPECT_TRUE(kept(harness)) << "drawn anew from the same layers";
+  EXPECT_TRUE(reused(harness)) << "drawn anew from the same layers";
   g_object_set(harness.find(GetParam()), "show", 0 /* reflectance */, nullptr);
   EXPECT_EQ(harness.process(picture), reflectance);
   const bool thesis = std::string(GetParam()) == "intrinsicdecompthesis";
@@ -157,11 +125,11 @@ TEST_P(RepeatedFrames, ChangedPropertiesTakeEffect) {
   else
     g_object_set(harness.find(GetParam()), "shading-weight", 300.0, nullptr);
   EXPECT_GT(largest_difference(harness.process(picture), reflectance), 1);
-  EXPECT_FALSE(kept(harness));
-  until_kept(harness, picture);
+  EXPECT_FALSE(reused(harness));
+  until_reused(harness, picture);
   g_object_set(harness.find(GetParam()), "adaptive", FALSE, nullptr);
   harness.process(picture);
-  EXPECT_FALSE(kept(harness));
+  EXPECT_FALSE(reused(harness));
 }
 
 TEST_P(RepeatedFrames, AreDrawnWhereThePictureFollowsEarlierOnes) {
@@ -173,36 +141,36 @@ TEST_P(RepeatedFrames, AreDrawnWhereThePictureFollowsEarlierOnes) {
   for (const auto& [show, drawn] : cases) {
     VideoHarness harness(std::string(GetParam()) + " show=" + show, caps_of(), caps_of());
     const auto picture = tiles(64, 48);
-    until_kept(harness, picture);
+    until_reused(harness, picture);
     harness.process(picture);
-    const Stats stats(harness, GetParam());
-    EXPECT_TRUE(stats.flag("reused"));
-    EXPECT_EQ(stats.has("pack-ms"), drawn) << show;
+    GstElement* element = harness.find(GetParam());
+    EXPECT_TRUE(stat<bool>(element, "reused"));
+    EXPECT_EQ(find_stat<double>(element, "pack-ms").has_value(), drawn) << show;
   }
 }
 
 TEST_P(RepeatedFrames, DoNotOutliveFlushesAndCaps) {
   VideoHarness harness(std::string(GetParam()) + " show=input", caps_of(), {});
   const auto picture = tiles(64, 48);
-  until_kept(harness, picture);
+  until_reused(harness, picture);
   harness.flush();
   harness.process(picture);
-  EXPECT_FALSE(kept(harness)) << "after a flush";
-  until_kept(harness, picture);
+  EXPECT_FALSE(reused(harness)) << "after a flush";
+  until_reused(harness, picture);
   // The same bytes, and another picture: its rows are of another length.
   harness.set_src_caps(caps_of(48, 64));
   EXPECT_LE(largest_difference(harness.process(picture), picture), 1);
-  EXPECT_FALSE(kept(harness));
-  until_kept(harness, picture);
+  EXPECT_FALSE(reused(harness));
+  until_reused(harness, picture);
   harness.set_src_caps(VideoHarness::caps("BGRA", 48, 64));
   EXPECT_LE(largest_difference(harness.process(picture), picture), 1);
-  EXPECT_FALSE(kept(harness));
+  EXPECT_FALSE(reused(harness));
 }
 
 TEST_P(RepeatedFrames, SurviveAFrameThatFails) {
   VideoHarness harness(std::string(GetParam()) + " show=input", caps_of(), caps_of());
   const auto a = tiles(64, 48), b = tiles(64, 48, 5);
-  until_kept(harness, a);
+  until_reused(harness, a);
   EXPECT_EQ(harness.push(std::vector<uint8_t>(100)), GST_FLOW_ERROR);
   using Picture = const std::vector<uint8_t>*;
   for (Picture picture : std::initializer_list<Picture>{&a, &a, &b, &b, &b})
@@ -213,14 +181,14 @@ TEST_P(RepeatedFrames, ThePaddingOfRowsIsNotPartOfThePicture) {
   const std::string caps = VideoHarness::caps("RGB", 30, 20);
   VideoHarness harness(std::string(GetParam()) + " show=input", caps, caps);
   auto picture = random_frame(caps, 1);
-  until_kept(harness, picture);
+  until_reused(harness, picture);
   const size_t stride = 92, row = 90;
   for (size_t y = 0; y < 20; ++y) picture[y * stride + row] ^= 0xff;
   harness.process(picture);
-  EXPECT_TRUE(kept(harness));
+  EXPECT_TRUE(reused(harness));
   picture[19 * stride + row - 1] ^= 1;
   harness.process(picture);
-  EXPECT_FALSE(kept(harness));
+  EXPECT_FALSE(reused(harness));
 }
 
 TEST_P(RepeatedFrames, ReuseLayersIfLayersAreOutputs) {
@@ -238,9 +206,9 @@ TEST_P(RepeatedFrames, ReuseLayersIfLayersAreOutputs) {
     gst_buffer_unref(buffer);
     return copy;
   };
-  for (int i = 0; i < 200 && !(i > 3 && kept(harness)); ++i)
+  for (int i = 0; i < 200 && !(i > 3 && reused(harness)); ++i)
     layers(picture, GST_INVERSE_ROLE_INTRINSIC);
-  ASSERT_TRUE(kept(harness));
+  ASSERT_TRUE(reused(harness));
   const auto intrinsic = layers(picture, GST_INVERSE_ROLE_INTRINSIC);
   const auto input = layers(picture, GST_INVERSE_ROLE_INPUT);
   EXPECT_EQ(layers(picture, GST_INVERSE_ROLE_INTRINSIC), intrinsic);
@@ -263,7 +231,7 @@ TEST_P(RepeatedFrames, AnEditOnOneBranchOfATeeLeavesTheOtherAlone) {
     const auto picture = i < 5 || i > 50 ? tiles(64, 48, i) : still;
     EXPECT_EQ(beside.process(picture), alone.process(picture)) << i;
     if (i == 50) {
-      EXPECT_TRUE(kept(beside));
+      EXPECT_TRUE(reused(beside));
     }
   }
 }
@@ -273,13 +241,14 @@ TEST_P(RepeatedFrames, ComeOutOfAnEditingChainAsTheFirstOfThem) {
                            " ! intrinsicrecolor tolerance=3 target=0xff2040c0 ! intrinsiccompose",
                        caps_of(), caps_of());
   const auto picture = tiles(64, 48);
-  std::vector<uint8_t> settled;
+  std::vector<uint8_t> converged;
   for (int i = 0; i < 200; ++i) {
-    settled = harness.process(picture);
-    if (i > 3 && kept(harness)) break;
+    converged = harness.process(picture);
+    if (i > 3 && reused(harness)) break;
   }
-  ASSERT_GT(largest_difference(settled, picture), 8) << "the edit does something";
-  for (int i = 0; i < 20; ++i) EXPECT_LE(largest_difference(harness.process(picture), settled), 1);
+  ASSERT_GT(largest_difference(converged, picture), 8) << "the edit does something";
+  for (int i = 0; i < 20; ++i)
+    EXPECT_LE(largest_difference(harness.process(picture), converged), 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RepeatedFrames, ::testing::ValuesIn(kDecomposers),

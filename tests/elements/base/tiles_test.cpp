@@ -26,12 +26,7 @@ std::vector<uint8_t> frame(int way, int brightness = 256) {
 
 uint64_t count(VideoHarness& harness, const char* field,
                const std::string& element = "intrinsicdecomp") {
-  GstStructure* stats = nullptr;
-  g_object_get(harness.find(element), "stats", &stats, nullptr);
-  guint value = 0;
-  EXPECT_TRUE(gst_structure_get_uint(stats, field, &value)) << field;
-  gst_structure_free(stats);
-  return value;
+  return stat<guint>(harness.find(element), field);
 }
 
 std::string caps(const char* format = "RGBA") {
@@ -45,7 +40,7 @@ INSTANTIATE_TEST_SUITE_P(All, TilesOfADecomposer,
                          ::testing::Values("intrinsicdecomp", "globalintrinsic"),
                          [](const auto& info) { return info.param; });
 
-TEST_P(TilesOfADecomposer, OnlyThoseThatNeedWorkAreWorkedOnAndThePictureIsTheSame) {
+TEST_P(TilesOfADecomposer, OnlyChangedTilesAreWorkedOnAndThePictureIsTheSame) {
   const std::string& element = GetParam();
   // Light is reused after some frames.
   const int frames = element == "globalintrinsic" ? 40 : 24;
@@ -147,14 +142,7 @@ TEST_P(TilesOfADecomposer, NoKernelIsBuiltOnceFramesCome) {
   const NewDevice none_built;
   for (const char* format : {"RGBA", "NV12"}) {
     VideoHarness harness(element, caps(format), caps(format));
-    const auto kernels = [&] {
-      GstStructure* stats = nullptr;
-      g_object_get(harness.find(element), "stats", &stats, nullptr);
-      guint64 built = 0;
-      EXPECT_TRUE(gst_structure_get_uint64(stats, "kernels", &built));
-      gst_structure_free(stats);
-      return built;
-    };
+    const auto kernels = [&] { return stat<guint64>(harness.find(element), "kernels"); };
     const auto still = random_frame(caps(format), 1);
     auto moving = still;
     harness.process(still);

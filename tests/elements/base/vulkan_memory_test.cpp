@@ -147,7 +147,7 @@ TEST_F(VulkanMemory, AlphaAndTransferCurveCarryOver) {
     }
 }
 
-TEST_F(VulkanMemory, MaterialsAndWhatWearsThemAreTheSame) {
+TEST_F(VulkanMemory, MaterialsAndClonesAreTheSame) {
   if (!has_element("materialclone")) GTEST_SKIP() << "built without Assimp or OpenEXR";
   const HandMadeLime networks;
   const std::string red = source(VideoHarness::caps("RGBA", 64, 48), "red", 16),
@@ -180,7 +180,7 @@ TEST_F(VulkanMemory, InputAndOutputAreIndependent) {
               source(i420) + element + "vulkandownload ! " + rgba + " ! appsink name=out");
 }
 
-TEST_F(VulkanMemory, SystemMemoryIsChosenUnlessImagesAreAskedFor) {
+TEST_F(VulkanMemory, SystemMemoryIsChosenUnlessImagesAreRequested) {
   const std::string caps = VideoHarness::caps("RGBA", 32, 32);
   Pipeline pipeline(source(caps) + "vulkanupload ! intrinsicdecomp ! appsink name=out");
   ASSERT_TRUE(pipeline.reaches(GST_STATE_PLAYING));
@@ -284,21 +284,16 @@ TEST_F(VulkanMemory, AnImageThatIsNotWhatItsCapsSayIsRefused) {
 TEST_F(VulkanMemory, RepeatedPicturesAreOutputAsImagesButNotDetectedInThem) {
   const std::string caps = VideoHarness::caps("RGBA", 64, 48);
   const auto picture = random_frame(caps, 1), other = random_frame(caps, 2);
-  const auto kept = [](VideoHarness& harness) {
-    GstStructure* stats = nullptr;
-    guint64 frames = 0;
-    g_object_get(harness.find("intrinsicdecompthesis"), "stats", &stats, nullptr);
-    EXPECT_TRUE(gst_structure_get_uint64(stats, "frames-reused", &frames));
-    gst_structure_free(stats);
-    return frames;
+  const auto reused = [](VideoHarness& harness) {
+    return stat<guint64>(harness.find("intrinsicdecompthesis"), "frames-reused");
   };
   VideoHarness out("intrinsicdecompthesis show=input ! vulkandownload", caps, caps);
   for (int i = 0; i < 8; ++i) EXPECT_LE(largest_difference(out.process(picture), picture), 1) << i;
-  EXPECT_GT(kept(out), 0u);
+  EXPECT_GT(reused(out), 0u);
   for (int i = 0; i < 3; ++i) EXPECT_LE(largest_difference(out.process(other), other), 1) << i;
   VideoHarness in("vulkanupload ! intrinsicdecompthesis show=input", caps, caps);
   for (int i = 0; i < 8; ++i) EXPECT_LE(largest_difference(in.process(picture), picture), 1) << i;
-  EXPECT_EQ(kept(in), 0u);
+  EXPECT_EQ(reused(in), 0u);
 }
 
 TEST_F(VulkanMemory, StatesCycleAndNothingLeaks) {
@@ -339,7 +334,7 @@ TEST_F(VulkanMemory, StatesCycleAndNothingLeaks) {
   EXPECT_EQ(alive, 0) << "devices that outlive their pipeline";
 }
 
-TEST_F(VulkanMemory, ADeviceThatTheApplicationDemandsIsNotGivenUp) {
+TEST_F(VulkanMemory, ADeviceOfTheApplicationIsKept) {
   // The application takes the device of one pipeline …
   GstContext* demanded = nullptr;
   Pipeline other("videotestsrc ! intrinsicdecomp ! fakesink");

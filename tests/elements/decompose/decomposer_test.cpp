@@ -7,6 +7,7 @@
 
 #include "gst/base/meta/inverse_layers_meta.h"
 #include "tests/elements/element_test.hpp"
+#include "tests/expect_error.hpp"
 #include "tests/srgb.hpp"
 
 namespace inverse::testing {
@@ -208,15 +209,14 @@ TEST_P(Decomposer, AShortBufferIsOneClearError) {
   EXPECT_EQ(harness.push(std::vector<uint8_t>(1000)), GST_FLOW_ERROR);
   const auto errors = harness.errors();
   ASSERT_EQ(errors.size(), 1u);
-  EXPECT_NE(errors[0].find("1000 bytes"), std::string::npos) << errors[0];
+  expect_contains(errors[0], "1000 bytes");
 }
 
 TEST_P(Decomposer, InterlacedVideoIsRefusedWithAdvice) {
   const auto result = run_line(
       "videotestsrc num-buffers=2 ! video/x-raw,width=64,height=48,interlace-mode=interleaved ! " +
       std::string(GetParam()) + " ! fakesink");
-  EXPECT_NE(result.first_error().find("insert deinterlace"), std::string::npos)
-      << result.first_error();
+  expect_contains(result.first_error(), "insert deinterlace");
 }
 
 TEST_P(Decomposer, UnsupportedTransferCurvesAreRefusedByName) {
@@ -224,16 +224,15 @@ TEST_P(Decomposer, UnsupportedTransferCurvesAreRefusedByName) {
       "videotestsrc num-buffers=2 ! "
       "video/x-raw,format=P010_10LE,width=64,height=48,colorimetry=bt2100-pq ! " +
       std::string(GetParam()) + " ! fakesink");
-  EXPECT_NE(result.first_error().find(GetParam()), std::string::npos) << result.first_error();
-  EXPECT_NE(result.first_error().find("PQ"), std::string::npos) << result.first_error();
+  expect_contains(result.first_error(), GetParam());
+  expect_contains(result.first_error(), "PQ");
 }
 
 TEST_P(Decomposer, AFrameTooLargeForTheDeviceNamesTheLimit) {
   const auto result =
       run_line("videotestsrc num-buffers=1 ! video/x-raw,format=GRAY8,width=32000,height=32000 ! " +
                std::string(GetParam()) + " ! fakesink");
-  EXPECT_NE(result.first_error().find("maxStorageBufferRange"), std::string::npos)
-      << result.first_error();
+  expect_contains(result.first_error(), "maxStorageBufferRange");
 }
 
 TEST_P(Decomposer, CapsChangesFlushesAndSeeksAreSurvived) {
@@ -263,7 +262,7 @@ TEST_P(Decomposer, AnotherRateChangesNothing) {
       else
         first.push_back(shown);
     }
-    EXPECT_EQ(stat<guint64>(harness.find(GetParam()), "frames", G_TYPE_UINT64), 6u);
+    EXPECT_EQ(stat<guint64>(harness.find(GetParam()), "frames"), 6u);
     EXPECT_TRUE(harness.errors().empty());
   }
 }
@@ -287,16 +286,10 @@ TEST_P(Decomposer, StatsReportTheTimeOfAFrame) {
   const std::string caps = VideoHarness::caps("RGBA", 40, 30);
   VideoHarness harness(GetParam(), caps, caps);
   for (int i = 0; i < 3; ++i) harness.process(random_frame(caps, i));
-  GstStructure* stats = nullptr;
-  g_object_get(harness.find(GetParam()), "stats", &stats, nullptr);
-  guint64 frames = 0, bytes = 0;
-  gdouble wall = 0;
-  EXPECT_TRUE(gst_structure_get(stats, "frames", G_TYPE_UINT64, &frames, "wall-ms", G_TYPE_DOUBLE,
-                                &wall, "device-bytes", G_TYPE_UINT64, &bytes, nullptr));
-  EXPECT_EQ(frames, 3u);
-  EXPECT_GT(wall, 0);
-  EXPECT_GT(bytes, 40u * 30 * 16);
-  gst_structure_free(stats);
+  GstElement* element = harness.find(GetParam());
+  EXPECT_EQ(stat<guint64>(element, "frames"), 3u);
+  EXPECT_GT(stat<double>(element, "wall-ms"), 0);
+  EXPECT_GT(stat<guint64>(element, "device-bytes"), 40u * 30 * 16);
 }
 
 TEST_P(Decomposer, AddsOneFrameOfLatencyToLivePipelines) {
@@ -392,24 +385,14 @@ TEST(Properties, ControllersReachLiveProperties) {
   gst_object_unref(source);
 }
 
-/// A whole number in stats.
-gint count_in_stats(GstElement* element, const char* name) {
-  GstStructure* stats = nullptr;
-  g_object_get(element, "stats", &stats, nullptr);
-  gint value = 0;
-  EXPECT_TRUE(gst_structure_get_int(stats, name, &value)) << name;
-  gst_structure_free(stats);
-  return value;
-}
-
 TEST(Properties, QualityIsAPresetThatExplicitValuesOverrule) {
   const std::string caps = VideoHarness::caps("RGBA", 16, 12);
   VideoHarness harness("intrinsicdecompthesis adaptive=false tuning=irls-iterations=5 quality=best",
                        caps, caps);
   harness.process(random_frame(caps, 1));
   GstElement* element = harness.find("intrinsicdecompthesis");
-  EXPECT_EQ(count_in_stats(element, "irls-iterations"), 5);
-  EXPECT_EQ(count_in_stats(element, "pcg-iterations"), 16);
+  EXPECT_EQ(stat<int>(element, "irls-iterations"), 5);
+  EXPECT_EQ(stat<int>(element, "pcg-iterations"), 16);
 }
 
 TEST(Properties, TuningTakesAllEntriesOrNone) {
@@ -418,7 +401,7 @@ TEST(Properties, TuningTakesAllEntriesOrNone) {
   GstElement* element = harness.find("intrinsicdecompthesis");
   const auto irls = [&] {
     harness.process(random_frame(caps, 1));
-    return count_in_stats(element, "irls-iterations");
+    return stat<int>(element, "irls-iterations");
   };
   const auto tuning = [&] {
     gchar* text = nullptr;
@@ -438,8 +421,8 @@ TEST(Properties, TuningTakesAllEntriesOrNone) {
     g_object_set(element, "tuning", wrong, nullptr);
     const auto warnings = harness.warnings();
     ASSERT_EQ(warnings.size(), 1u) << wrong;
-    EXPECT_NE(warnings[0].find(wrong), std::string::npos) << warnings[0];
-    EXPECT_NE(warnings[0].find("keyframe-spacing"), std::string::npos) << warnings[0];
+    expect_contains(warnings[0], wrong);
+    expect_contains(warnings[0], "keyframe-spacing");
     EXPECT_EQ(irls(), 3) << wrong;
     EXPECT_EQ(tuning(), "irls-iterations = 3, irls=printed");
   }
@@ -451,8 +434,8 @@ TEST(Properties, ElementsDoNotStartWithATuningThatCannotBeRead) {
   const LineResult line =
       run_line("videotestsrc num-buffers=1 ! intrinsicdecomp tuning=cycle=2 ! fakesink");
   ASSERT_EQ(line.errors.size(), 1u);
-  EXPECT_NE(line.first_error().find("there is no \"cycle\""), std::string::npos);
-  EXPECT_NE(line.first_error().find("warm-cycles"), std::string::npos) << line.first_error();
+  expect_contains(line.first_error(), "there is no \"cycle\"");
+  expect_contains(line.first_error(), "warm-cycles");
 }
 
 }  // namespace inverse::testing

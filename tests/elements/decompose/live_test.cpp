@@ -19,16 +19,16 @@ struct Live {
 };
 
 Live live_of(VideoHarness& harness) {
-  GstStructure* stats = nullptr;
-  g_object_get(harness.find("intrinsicdecomp"), "stats", &stats, nullptr);
+  GstElement* element = harness.find("intrinsicdecomp");
   Live live;
-  gst_structure_get_uint(stats, "cycles", &live.cycles);
-  live.on =
-      gst_structure_get(stats, "live-level", G_TYPE_UINT, &live.level, "live-moves", G_TYPE_UINT64,
-                        &live.moves, "live-budget-ms", G_TYPE_DOUBLE, &live.budget,
-                        "live-predicted-ms", G_TYPE_DOUBLE, &live.predicted, nullptr);
-  if (live.on) live.reason = gst_structure_get_string(stats, "live-reason");
-  gst_structure_free(stats);
+  live.cycles = find_stat<guint>(element, "cycles").value_or(0);
+  live.on = find_stat<guint>(element, "live-level").has_value();
+  if (!live.on) return live;
+  live.level = stat<guint>(element, "live-level");
+  live.moves = stat<guint64>(element, "live-moves");
+  live.budget = stat<double>(element, "live-budget-ms");
+  live.predicted = stat<double>(element, "live-predicted-ms");
+  live.reason = stat<std::string>(element, "live-reason");
   return live;
 }
 
@@ -116,7 +116,7 @@ TEST(Live, WhatIsSetExplicitlyStays) {
 }
 
 // The artificial load is the frame: two hundred times as many pixels.
-TEST(Live, LoadIsEvadedAndForgottenWhenItGoes) {
+TEST(Live, QualityFallsUnderLoadAndReturnsAfterIt) {
   VideoHarness harness("intrinsicdecomp quality=low latency-budget=100000", caps_of(48, 32));
   Source light(caps_of(48, 32)), heavy(caps_of(640, 480));
   double usual = 0;
@@ -136,7 +136,7 @@ TEST(Live, LoadIsEvadedAndForgottenWhenItGoes) {
   EXPECT_EQ(live.reason.rfind("up: ", 0), 0u);
 }
 
-TEST(Live, LatenessDownstreamIsHeard) {
+TEST(Live, LatenessDownstreamLowersQuality) {
   const std::string caps = caps_of(64, 48);
   VideoHarness harness("intrinsicdecomp quality=low target-fps=0.001", caps, caps);
   Source source(caps);
@@ -158,7 +158,7 @@ TEST(Live, LatenessDownstreamIsHeard) {
   EXPECT_EQ(live.reason.rfind("up: ", 0), 0u);
 }
 
-TEST(Live, WhereNothingHelpsFramesAreDroppedAsEverywhere) {
+TEST(Live, FramesAreDroppedAtTheLowestQuality) {
   const std::string caps = caps_of(64, 48);
   VideoHarness harness("intrinsicdecomp quality=low target-fps=1000", caps, caps);
   Source source(caps);

@@ -88,7 +88,7 @@ TEST(RateController, WhatFitsStaysAtTheTop) {
   EXPECT_EQ(controller.report().moves, 0u);
 }
 
-TEST(RateController, GoesDownAtOnceAndAsFarAsNeeded) {
+TEST(RateController, QualityFallsAtOnceAndAsFarAsNeeded) {
   RateController controller = trade_for(30);
   Machine machine{[](double time) { return time < 10 ? 8. : 30.; }};
   run(controller, machine, 0, 10);
@@ -117,7 +117,7 @@ TEST(RateController, ReturnsWhenTheLoadGoesOneLevelAtATime) {
   EXPECT_EQ(controller.level(), kTop);
 }
 
-TEST(RateController, NoiseDoesNotMakeItSwing) {
+TEST(RateController, NoiseCausesNoOscillation) {
   // Every load from what fits by far to what nothing fits; times vary by a third up and down.
   for (double ms = 5; ms < 90; ms *= 1.09) {
     RateController controller = trade_for(30);
@@ -202,7 +202,7 @@ TEST(RateController, LatenessDownstreamCountsWhateverFramesTakeHere) {
   EXPECT_EQ(controller.level(), kTop);
 }
 
-TEST(RateController, LatenessOfFramesFromBeforeAChangeIsAnOldStory) {
+TEST(RateController, LatenessOfFramesBeforeAChangeIsIgnored) {
   RateController controller = trade_for(30);
   for (int i = 0; i < 12; ++i) controller.late(0.03 * i, 40);
   EXPECT_EQ(controller.report().moves, 1u);
@@ -210,7 +210,7 @@ TEST(RateController, LatenessOfFramesFromBeforeAChangeIsAnOldStory) {
   EXPECT_EQ(controller.report().moves, 2u);
 }
 
-TEST(RateController, OneLateFrameIsForgiven) {
+TEST(RateController, OneLateFrameIsIgnored) {
   RateController controller = trade_for(30);
   for (int i = 0; i < 300; ++i) {
     controller.frame(i / 30., 8, controller.level());
@@ -234,7 +234,7 @@ TEST(RateController, QualityIsTheUpperEndAlsoWhileItIsChanged) {
   EXPECT_EQ(controller.level(), 4u);
 }
 
-TEST(RateController, SaysWhatItExpects) {
+TEST(RateController, ReportsItsExpectedTime) {
   RateController controller = trade_for(30);
   Machine machine{[](double) { return 30.; }};
   run(controller, machine, 0, 10);

@@ -8,7 +8,7 @@
 namespace inverse::testing {
 namespace {
 
-struct Told {
+struct Message {
   std::string name, reason;
   int region = 0;
   int color = -1;
@@ -44,39 +44,18 @@ class Regions : public ::testing::Test {
   void mark(int x, int y) { g_signal_emit_by_name(element_, "mark", x, y); }
   void unmark(int region) { g_signal_emit_by_name(element_, "unmark", region); }
   void propose(const char* mode) { gst_util_set_object_arg(G_OBJECT(element_), "propose", mode); }
-  guint stat(const char* name) {
-    GstStructure* stats = nullptr;
-    g_object_get(element_, "stats", &stats, nullptr);
-    guint count = 0;
-    EXPECT_TRUE(gst_structure_get_uint(stats, name, &count)) << name;
-    gst_structure_free(stats);
-    return count;
-  }
-  bool kept() {
-    GstStructure* stats = nullptr;
-    g_object_get(element_, "stats", &stats, nullptr);
-    gboolean kept = FALSE;
-    gst_structure_get_boolean(stats, "reused", &kept);
-    gst_structure_free(stats);
-    return kept;
-  }
+  guint count(const char* name) { return stat<guint>(element_, name); }
+  bool reused() { return stat<bool>(element_, "reused"); }
   void play(const std::vector<uint8_t>& frame, int count) {
     for (int k = 0; k < count; ++k) ASSERT_EQ(harness_.process(frame).size(), frame.size());
   }
   /// These messages, since the last call.
-  std::vector<Told> told(const std::string& name) {
-    std::vector<Told> result;
-    while (GstMessage* message = gst_bus_pop_filtered(bus_, GST_MESSAGE_ELEMENT)) {
-      const GstStructure* text = gst_message_get_structure(message);
-      if (gst_structure_has_name(text, name.c_str())) {
-        Told t{name, "", 0, -1};
-        gst_structure_get_int(text, "region", &t.region);
-        gst_structure_get_int(text, "color", &t.color);
-        if (const char* reason = gst_structure_get_string(text, "reason")) t.reason = reason;
-        result.push_back(t);
-      }
-      gst_message_unref(message);
-    }
+  std::vector<Message> messages(const std::string& name) {
+    std::vector<Message> result;
+    for (const Structure& message : element_messages(bus_, name))
+      result.push_back({name, field<std::string>(message.get(), "reason").value_or(""),
+                        field<int>(message.get(), "region").value_or(0),
+                        field<int>(message.get(), "color").value_or(-1)});
     return result;
   }
 
@@ -90,25 +69,25 @@ class Regions : public ::testing::Test {
 
 TEST_F(Regions, AreProposedOnceAndOnlyReported) {
   play(frame_, 5);
-  EXPECT_TRUE(told("inverse-region-proposed").empty());
+  EXPECT_TRUE(messages("inverse-region-proposed").empty());
   propose("report");
   play(frame_, 40);
-  const auto proposed = told("inverse-region-proposed");
+  const auto proposed = messages("inverse-region-proposed");
   ASSERT_EQ(proposed.size(), 1U);
   EXPECT_EQ(proposed[0].region, 0);
-  EXPECT_EQ(stat("regions-proposed"), 1U);
-  EXPECT_EQ(stat("regions"), 0U);
-  EXPECT_TRUE(kept()) << "nothing is left to be found in this picture";
+  EXPECT_EQ(count("regions-proposed"), 1U);
+  EXPECT_EQ(count("regions"), 0U);
+  EXPECT_TRUE(reused()) << "nothing is left to be found in this picture";
 }
 
 TEST_F(Regions, AreProposedAndCorrected) {
   propose("correct");
   play(frame_, 40);
-  const auto proposed = told("inverse-region-proposed");
+  const auto proposed = messages("inverse-region-proposed");
   ASSERT_EQ(proposed.size(), 1U);
   EXPECT_EQ(proposed[0].region, 1);
-  EXPECT_EQ(stat("regions"), 1U);
-  EXPECT_EQ(stat("regions-decided"), 1U);
+  EXPECT_EQ(count("regions"), 1U);
+  EXPECT_EQ(count("regions-decided"), 1U);
   // Its reflectance is the floor's, but for 22 code values: light differs by 94 to 126.
   const std::vector<uint8_t> shown = harness_.process(frame_);
   const auto at = [&](size_t x, size_t y) { return &shown[4 * (y * 96 + x)]; };
@@ -116,27 +95,27 @@ TEST_F(Regions, AreProposedAndCorrected) {
   // The proposal is rejected.
   unmark(1);
   play(frame_, 40);
-  const auto lost = told("inverse-region-lost");
+  const auto lost = messages("inverse-region-lost");
   ASSERT_EQ(lost.size(), 1U);
   EXPECT_EQ(lost[0].reason, "unmarked");
-  EXPECT_EQ(stat("regions"), 0U);
+  EXPECT_EQ(count("regions"), 0U);
   harness_.flush();
   play(frame_, 40);
-  EXPECT_EQ(stat("regions"), 1U) << "a seek forgets the refusal";
+  EXPECT_EQ(count("regions"), 1U) << "a seek forgets the refusal";
 }
 
 TEST_F(Regions, ThatWereProposedGoWithTheMode) {
   for (const char* mode : {"off", "report"}) {
     propose("correct");
     play(frame_, 40);
-    ASSERT_EQ(stat("regions"), 1U);
-    told("inverse-region-lost");
+    ASSERT_EQ(count("regions"), 1U);
+    messages("inverse-region-lost");
     propose(mode);  // while the picture stays
     play(frame_, 8);
-    const auto lost = told("inverse-region-lost");
+    const auto lost = messages("inverse-region-lost");
     ASSERT_EQ(lost.size(), 1U) << mode;
     EXPECT_EQ(lost[0].reason, "withdrawn") << mode;
-    EXPECT_EQ(stat("regions"), 0U) << mode;
+    EXPECT_EQ(count("regions"), 0U) << mode;
   }
 }
 
@@ -154,11 +133,11 @@ TEST_F(Regions, HundredsOfClicksAtOnceFromOtherThreads) {
   play(frame_, 10);
   for (std::thread& thread : threads) thread.join();
   play(frame_, 20);
-  EXPECT_LE(stat("regions"), 15U);
-  EXPECT_FALSE(told("inverse-region-marked").empty());
+  EXPECT_LE(count("regions"), 15U);
+  EXPECT_FALSE(messages("inverse-region-marked").empty());
   for (int k = 1; k <= 15; ++k) unmark(k);
   play(frame_, 5);
-  EXPECT_EQ(stat("regions"), 0U);
+  EXPECT_EQ(count("regions"), 0U);
 }
 
 TEST_F(Regions, UnmarkWhileTheCorrectionRuns) {
@@ -168,15 +147,15 @@ TEST_F(Regions, UnmarkWhileTheCorrectionRuns) {
     play(frame_, 1 + waited);
     unmark(1);
     play(frame_, 6);
-    EXPECT_EQ(stat("regions"), 0U) << "unmarked after " << waited << " frames";
+    EXPECT_EQ(count("regions"), 0U) << "unmarked after " << waited << " frames";
   }
   // The next one is decided all the same.
-  told("inverse-region-corrected");
+  messages("inverse-region-corrected");
   mark(42, 35);
   size_t corrected = 0;
   for (int k = 0; k < 40 && corrected == 0; ++k) {
     play(frame_, 1);
-    corrected = told("inverse-region-corrected").size();
+    corrected = messages("inverse-region-corrected").size();
   }
   EXPECT_EQ(corrected, 1U);
 }
@@ -184,10 +163,10 @@ TEST_F(Regions, UnmarkWhileTheCorrectionRuns) {
 TEST_F(Regions, AreMarkedByAProperty) {
   g_object_set(element_, "marks", " 42,35  20,5 ", nullptr);
   play(frame_, 3);
-  EXPECT_EQ(told("inverse-region-marked").size(), 2U) << "in the first frame, once";
+  EXPECT_EQ(messages("inverse-region-marked").size(), 2U) << "in the first frame, once";
   g_object_set(element_, "marks", "39,29", nullptr);
   play(frame_, 3);
-  EXPECT_EQ(told("inverse-region-marked").size(), 1U);
+  EXPECT_EQ(messages("inverse-region-marked").size(), 1U);
   // Invalid marks are ignored and reported.
   for (const char* text : {"1", "1,2,3", "1,2 x", "a,b", "1 ,2", "10,10;20,20"}) {
     g_object_set(element_, "marks", text, nullptr);
@@ -199,7 +178,7 @@ TEST_F(Regions, AreMarkedByAProperty) {
     EXPECT_NE(std::string(warning->message).find("x,y"), std::string::npos) << warning->message;
     g_error_free(warning);
     gst_message_unref(message);
-    EXPECT_TRUE(told("inverse-region-marked").empty()) << text;
+    EXPECT_TRUE(messages("inverse-region-marked").empty()) << text;
   }
   g_object_set(element_, "marks", "", nullptr);
   play(frame_, 1);
@@ -223,9 +202,9 @@ TEST_F(Regions, CapsChangeAndFlushWhileTheCorrectionRuns) {
   }
   EXPECT_TRUE(harness_.errors().empty());
   play(frame_, 30);
-  EXPECT_EQ(stat("regions-proposed"), 1U);
+  EXPECT_EQ(count("regions-proposed"), 1U);
   int reset = 0;
-  for (const Told& lost : told("inverse-region-lost")) reset += lost.reason == "reset";
+  for (const Message& lost : messages("inverse-region-lost")) reset += lost.reason == "reset";
   EXPECT_GE(reset, 3);
 }
 
@@ -233,11 +212,11 @@ TEST_F(Regions, AVanishedRegionIsReported) {
   play(frame_, 3);
   mark(42, 35);
   play(frame_, 30);
-  ASSERT_EQ(stat("regions"), 1U);
-  told("inverse-region-lost");
+  ASSERT_EQ(count("regions"), 1U);
+  messages("inverse-region-lost");
   play(shaded_floor(false), 5);
-  EXPECT_EQ(stat("regions"), 0U);
-  const auto lost = told("inverse-region-lost");
+  EXPECT_EQ(count("regions"), 0U);
+  const auto lost = messages("inverse-region-lost");
   ASSERT_EQ(lost.size(), 1U);
   EXPECT_EQ(lost[0].reason, "lost");
 }

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "tests/elements/element_test.hpp"
+#include "tests/srgb.hpp"
 #include "tests/update_max.hpp"
 
 namespace inverse::testing {
@@ -29,34 +30,30 @@ std::vector<uint8_t> picture(bool soft, int time) {
   return frame;
 }
 
-struct Told {
-  std::string skipped;
-  gboolean half = FALSE;
+struct Skipped {
+  std::string text;
+  bool half = false;
   guint halvings = 0;
   double distance = 0;
 };
 
-Told told(VideoHarness& harness, const char* factory) {
-  GstStructure* stats = nullptr;
-  g_object_get(harness.find(factory), "stats", &stats, nullptr);
-  Told told;
-  if (const char* text = gst_structure_get_string(stats, "skipped")) told.skipped = text;
-  gst_structure_get_boolean(stats, "half-resolution", &told.half);
-  gst_structure_get_uint(stats, "halvings", &told.halvings);
-  gst_structure_get_double(stats, "half-distance", &told.distance);
-  gst_structure_free(stats);
-  return told;
+Skipped skipped_of(VideoHarness& harness, const char* factory) {
+  GstElement* element = harness.find(factory);
+  return {find_stat<std::string>(element, "skipped").value_or(""),
+          find_stat<bool>(element, "half-resolution").value_or(false),
+          find_stat<guint>(element, "halvings").value_or(0),
+          find_stat<double>(element, "half-distance").value_or(0)};
 }
 
-Told after(const char* line, const char* factory, bool soft, int frames) {
+Skipped after(const char* line, const char* factory, bool soft, int frames) {
   const std::string caps = VideoHarness::caps("RGBA", kWidth, kHeight);
   VideoHarness harness(line, caps, caps);
   for (int i = 0; i < frames; ++i) EXPECT_FALSE(harness.process(picture(soft, i)).empty());
-  return told(harness, factory);
+  return skipped_of(harness, factory);
 }
 
-bool has(const Told& told, const char* what) {
-  return told.skipped.find(what) != std::string::npos;
+bool has(const Skipped& skipped, const char* what) {
+  return skipped.text.find(what) != std::string::npos;
 }
 
 }  // namespace
@@ -65,26 +62,26 @@ TEST(ReusePolicy, TermsWithoutWeightAreNamed) {
   EXPECT_FALSE(has(after("intrinsicdecomp", "intrinsicdecomp", true, 3), "chroma bins"));
   EXPECT_TRUE(has(after("intrinsicdecomp tuning=chroma-weight=0", "intrinsicdecomp", true, 3),
                   "chroma bins: their weight is 0"));
-  const Told thesis = after(
+  const Skipped thesis = after(
       "intrinsicdecompthesis "
       "tuning=irls-iterations=1:pcg-iterations=1:w-non-local=0:w-clustering=0",
       "intrinsicdecompthesis", true, 2);
-  EXPECT_TRUE(has(thesis, "samples: none, or their weight is 0")) << thesis.skipped;
-  EXPECT_TRUE(has(thesis, "clusters: their weight is 0")) << thesis.skipped;
+  EXPECT_TRUE(has(thesis, "samples: none, or their weight is 0")) << thesis.text;
+  EXPECT_TRUE(has(thesis, "clusters: their weight is 0")) << thesis.text;
 }
 
 TEST(ReusePolicy, HalfResolutionFollowsItsBound) {
-  const Told soft = after("intrinsicdecomp", "intrinsicdecomp", true, 32);
+  const Skipped soft = after("intrinsicdecomp", "intrinsicdecomp", true, 32);
   EXPECT_TRUE(soft.half);
   EXPECT_EQ(soft.halvings, 1u);
   EXPECT_GT(soft.distance, 0);
   EXPECT_LT(soft.distance, 0.06);
-  const Told sharp = after("intrinsicdecomp", "intrinsicdecomp", false, 32);
+  const Skipped sharp = after("intrinsicdecomp", "intrinsicdecomp", false, 32);
   EXPECT_FALSE(sharp.half);
   EXPECT_GT(sharp.distance, 0.06);
   for (const char* line :
        {"intrinsicdecomp tuning=half-tolerance=0", "intrinsicdecomp adaptive=false"}) {
-    const Told never = after(line, "intrinsicdecomp", true, 32);
+    const Skipped never = after(line, "intrinsicdecomp", true, 32);
     EXPECT_FALSE(never.half) << line;
     EXPECT_EQ(never.distance, 0) << line;
   }
@@ -113,12 +110,12 @@ TEST(ReusePolicy, BouncedLightOfVideoInBlackAndWhite) {
   const char* reason = "no color to find it by";
   for (int k = 0; k < 16; ++k) {
     EXPECT_EQ(bounced(all.process(in(k, false))), 0) << k;
-    EXPECT_EQ(has(told(all, "globalintrinsic"), reason), k >= 10) << k;
+    EXPECT_EQ(has(skipped_of(all, "globalintrinsic"), reason), k >= 10) << k;
   }
   int seen = 0;
   for (int k = 0; k < 8; ++k) {
     seen = bounced(all.process(in(k, true)));
-    EXPECT_EQ(has(told(all, "globalintrinsic"), reason), k < 3) << k;
+    EXPECT_EQ(has(skipped_of(all, "globalintrinsic"), reason), k < 3) << k;
   }
   EXPECT_GT(seen, 0) << "color came back";
   EXPECT_TRUE(all.errors().empty());
@@ -142,7 +139,7 @@ std::vector<std::vector<uint8_t>> mixed_video() {
 double log_difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
   const auto light = [](uint8_t code) {
     const double v = code / 255.0;
-    return std::log((v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4)) + 0.02);
+    return std::log(srgb_light(v) + 0.02);
   };
   double sum = 0;
   for (size_t i = 0; i < a.size(); ++i) sum += std::pow(light(a[i]) - light(b[i]), 2);
@@ -186,9 +183,9 @@ TEST_P(SkipError, BoundsTheErrorAndMoreSkipsMore) {
     for (const auto& frame : mixed_video()) {
       update_max(worst, log_difference(harness.process(frame), wanted[k++]));
       GstElement* element = harness.find(name);
-      const bool kept = stat<gboolean>(element, "reused", G_TYPE_BOOLEAN);
-      const guint tiles = stat<guint>(element, "tiles", G_TYPE_UINT);
-      skipped += kept ? tiles : tiles - stat<guint>(element, "tiles-active", G_TYPE_UINT);
+      const bool kept = stat<bool>(element, "reused");
+      const guint tiles = stat<guint>(element, "tiles");
+      skipped += kept ? tiles : tiles - stat<guint>(element, "tiles-active");
     }
     std::printf("%s skip-error=%s: at most %.4f rms log shading, %" G_GUINT64_FORMAT
                 " tiles skipped\n",

@@ -232,43 +232,26 @@ TEST(GlobalIntrinsic, ReportsTheAmountAndAcceptsAGivenOne) {
   const std::string caps = VideoHarness::caps("RGBA", 160, 120);
   VideoHarness harness("globalintrinsic amount=0.33", caps, caps);
   harness.process(colored_corner(160, 120));
-  GstStructure* stats = nullptr;
-  g_object_get(harness.find("globalintrinsic"), "stats", &stats, nullptr);
-  double amount = 0, confidence = 0;
-  guint colors = 0;
-  ASSERT_TRUE(gst_structure_get(stats, "amount", G_TYPE_DOUBLE, &amount, "confidence",
-                                G_TYPE_DOUBLE, &confidence, "colors", G_TYPE_UINT, &colors,
-                                nullptr));
-  EXPECT_FLOAT_EQ(amount, 0.33F);
-  EXPECT_EQ(confidence, 1);
-  EXPECT_EQ(colors, 3u);
-  gst_structure_free(stats);
+  GstElement* element = harness.find("globalintrinsic");
+  EXPECT_FLOAT_EQ(stat<double>(element, "amount"), 0.33F);
+  EXPECT_EQ(stat<double>(element, "confidence"), 1);
+  EXPECT_EQ(stat<guint>(element, "colors"), 3u);
 }
 
-/// Element messages of this name posted since the last call: their field, in order.
-std::vector<int> told(GstBus* bus, const char* name, const char* field) {
+/// A field of element messages of this name posted since the last call.
+std::vector<int> fields(GstBus* bus, const char* name, const char* key) {
   std::vector<int> values;
-  while (GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ELEMENT)) {
-    const GstStructure* text = gst_message_get_structure(message);
-    int value = 0;
-    if (gst_structure_has_name(text, name) && gst_structure_get_int(text, field, &value))
-      values.push_back(value);
-    gst_message_unref(message);
-  }
+  for (const Structure& message : element_messages(bus, name))
+    values.push_back(field<int>(message.get(), key).value_or(-1));
   return values;
 }
 
 /// Of inverse-region-lost since the last call: region and reason.
 std::vector<std::pair<int, std::string>> lost_regions(GstBus* bus) {
   std::vector<std::pair<int, std::string>> lost;
-  while (GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ELEMENT)) {
-    const GstStructure* text = gst_message_get_structure(message);
-    int region = 0;
-    if (gst_structure_has_name(text, "inverse-region-lost") &&
-        gst_structure_get_int(text, "region", &region))
-      lost.emplace_back(region, gst_structure_get_string(text, "reason"));
-    gst_message_unref(message);
-  }
+  for (const Structure& message : element_messages(bus, "inverse-region-lost"))
+    lost.emplace_back(field<int>(message.get(), "region").value_or(-1),
+                      field<std::string>(message.get(), "reason").value_or(""));
   return lost;
 }
 
@@ -284,14 +267,7 @@ class GlobalIntrinsicThesis : public ::testing::Test {
     gst_object_unref(bus_);
   }
   void mark(int x, int y) { g_signal_emit_by_name(element_, "mark", x, y); }
-  unsigned regions() {
-    GstStructure* stats = nullptr;
-    g_object_get(element_, "stats", &stats, nullptr);
-    guint count = 0;
-    gst_structure_get_uint(stats, "regions", &count);
-    gst_structure_free(stats);
-    return count;
-  }
+  unsigned regions() { return stat<guint>(element_, "regions"); }
 
   const std::string caps_ = VideoHarness::caps("RGBA", kSide, kSide);
   const std::vector<uint8_t> frame_ = colored_corner(kSide, kSide);
@@ -308,25 +284,25 @@ TEST_F(GlobalIntrinsicThesis, ClicksMarkRegionsAndGetColors) {
       gst_navigation_event_new_mouse_button_press(1, 2.7, 30.2, GST_NAVIGATION_MODIFIER_NONE);
   gst_harness_push_upstream_event(harness_.harness(), press);
   for (int k = 0; k < 3; ++k) harness_.process(frame_);
-  EXPECT_EQ(told(bus_, "inverse-region-marked", "region"), (std::vector{1, 2}));
+  EXPECT_EQ(fields(bus_, "inverse-region-marked", "region"), (std::vector{1, 2}));
   EXPECT_EQ(regions(), 2u);
   std::vector<int> corrected;
   for (int k = 0; k < 40 && corrected.empty(); ++k) {
     harness_.process(frame_);
-    corrected = told(bus_, "inverse-region-corrected", "region");
+    corrected = fields(bus_, "inverse-region-corrected", "region");
   }
   EXPECT_FALSE(corrected.empty()) << "no region was given a base color";
 }
 
-TEST_F(GlobalIntrinsicThesis, ClicksNobodyCanMeetAreRefusedWithAMessage) {
+TEST_F(GlobalIntrinsicThesis, ImpossibleClicksAreRefusedWithAMessage) {
   harness_.process(frame_);
   for (const auto& [x, y] : {std::pair{-1, 5}, {5, -1}, {kSide, 5}, {5, kSide}, {1 << 30, 3}})
     mark(x, y);
   harness_.process(frame_);
-  EXPECT_EQ(told(bus_, "inverse-region-marked", "region"), std::vector(5, 0));
+  EXPECT_EQ(fields(bus_, "inverse-region-marked", "region"), std::vector(5, 0));
   for (int k = 0; k < 500; ++k) mark(k % kSide, k / kSide);
   for (int k = 0; k < 3; ++k) EXPECT_EQ(harness_.process(frame_).size(), frame_.size());
-  EXPECT_EQ(told(bus_, "inverse-region-marked", "region").size(), 500u);
+  EXPECT_EQ(fields(bus_, "inverse-region-marked", "region").size(), 500u);
   EXPECT_LE(regions(), 15u);
   harness_.flush();
   EXPECT_EQ(harness_.process(frame_).size(), frame_.size());
@@ -355,43 +331,35 @@ TEST_F(GlobalIntrinsicThesis, ACutRemovesRegionsAndIsReported) {
   mark(kSide / 2, kSide / 2);
   for (int k = 0; k < 5; ++k) harness_.process(frame_);
   ASSERT_EQ(regions(), 1u);
-  EXPECT_TRUE(told(bus_, "inverse-region-lost", "region").empty());
+  EXPECT_TRUE(fields(bus_, "inverse-region-lost", "region").empty());
   std::vector<uint8_t> other = frame_;
   for (size_t i = 0; i + 3 < other.size(); i += 4) std::swap(other[i], other[i + 1]);
   int cuts = 0;
   for (int k = 0; k < 12; ++k) {
     harness_.process(other);
-    GstStructure* stats = nullptr;
-    g_object_get(element_, "stats", &stats, nullptr);
-    gboolean cut = FALSE;
-    EXPECT_TRUE(gst_structure_get_boolean(stats, "cut", &cut));
-    gst_structure_free(stats);
-    cuts += cut;
+    cuts += stat<bool>(element_, "cut");
   }
   EXPECT_EQ(cuts, 1);
   EXPECT_EQ(regions(), 0u);
   EXPECT_EQ(lost_regions(bus_), (std::vector{std::pair{1, std::string("cut")}}));
   // It converges on the new scene: layers of a repeated picture are reused.
-  gboolean kept = FALSE;
-  for (int k = 0; k < 100 && !kept; ++k) {
+  bool reused = false;
+  for (int k = 0; k < 100 && !reused; ++k) {
     harness_.process(other);
-    GstStructure* stats = nullptr;
-    g_object_get(element_, "stats", &stats, nullptr);
-    EXPECT_TRUE(gst_structure_get_boolean(stats, "reused", &kept));
-    gst_structure_free(stats);
+    reused = stat<bool>(element_, "reused");
   }
-  EXPECT_TRUE(kept);
+  EXPECT_TRUE(reused);
 }
 
 TEST_F(GlobalIntrinsicThesis, AFlushDropsClicksThatWait) {
   mark(2, 3);  // before there is any frame
   harness_.process(frame_);
-  EXPECT_EQ(told(bus_, "inverse-region-marked", "x"), std::vector{2});
+  EXPECT_EQ(fields(bus_, "inverse-region-marked", "x"), std::vector{2});
   mark(5, 5);
   harness_.flush();
   mark(6, 5);
   harness_.process(frame_);
-  EXPECT_EQ(told(bus_, "inverse-region-marked", "x"), std::vector{6});
+  EXPECT_EQ(fields(bus_, "inverse-region-marked", "x"), std::vector{6});
 }
 
 TEST_F(GlobalIntrinsicThesis, ClicksOnTheMosaicMarkThePixelUnderThem) {
@@ -409,14 +377,11 @@ TEST_F(GlobalIntrinsicThesis, ClicksOnTheMosaicMarkThePixelUnderThem) {
   mark(30, 7);  // pixels of the frame, whatever is shown
   harness_.process(frame_);
   std::vector<std::array<int, 3>> clicks;
-  while (GstMessage* message = gst_bus_pop_filtered(bus_, GST_MESSAGE_ELEMENT)) {
-    std::array<int, 3> at{};
-    const GstStructure* text = gst_message_get_structure(message);
-    if (gst_structure_has_name(text, "inverse-region-marked") &&
-        gst_structure_get(text, "x", G_TYPE_INT, &at[0], "y", G_TYPE_INT, &at[1], "region",
-                          G_TYPE_INT, &at[2], nullptr))
-      clicks.push_back(at);
-    gst_message_unref(message);
+  for (const Structure& message : element_messages(bus_, "inverse-region-marked")) {
+    const auto number = [&](const char* name) {
+      return field<int>(message.get(), name).value_or(-1);
+    };
+    clicks.push_back({number("x"), number("y"), number("region")});
   }
   const std::vector<std::array<int, 3>> expected{{12, 4, 1}, {6, kSide - 2, 2}, {-1, 3, 0},
                                                  {3, -1, 0}, {G_MAXINT, 3, 0},  {30, 7, 3}};

@@ -6,6 +6,7 @@
 #include "gst/material/meta/inverse_material_meta.h"
 #include "kernels/network/graph_file.hpp"
 #include "lime_fixture.hpp"
+#include "tests/expect_error.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -13,9 +14,7 @@ namespace {
 class LimeInput : public LimeElementTest {
  protected:
   static GstElement* lime(VideoHarness& harness) { return harness.find("limematerial"); }
-  static bool found(VideoHarness& harness) {
-    return stat<gboolean>(lime(harness), "found", G_TYPE_BOOLEAN);
-  }
+  static bool found(VideoHarness& harness) { return stat<bool>(lime(harness), "found"); }
 };
 
 /// Both scenes in one: the second's object over the first's.
@@ -32,8 +31,8 @@ TEST_F(LimeInput, TheLargestOfSeveralObjectsCounts) {
   const auto frame = both(both(scene(14, 14, 9), scene(66, 34, 20)), scene(14, 50, 8));
   for (int i = 0; i < 8; ++i) ASSERT_FALSE(harness.process(frame).empty());
   ASSERT_TRUE(found(harness));
-  EXPECT_NEAR(stat<gdouble>(lime(harness), "left", G_TYPE_DOUBLE), 46, 3);
-  EXPECT_NEAR(stat<gdouble>(lime(harness), "right", G_TYPE_DOUBLE), 86, 3);
+  EXPECT_NEAR(stat<double>(lime(harness), "left"), 46, 3);
+  EXPECT_NEAR(stat<double>(lime(harness), "right"), 86, 3);
 }
 
 TEST_F(LimeInput, AnObjectThatTheFrameCutsIsFound) {
@@ -41,9 +40,9 @@ TEST_F(LimeInput, AnObjectThatTheFrameCutsIsFound) {
     VideoHarness harness(line("show=preview estimate-light=true"), caps(), caps());
     for (int i = 0; i < 8; ++i) ASSERT_FALSE(harness.process(scene(x, y, 25)).empty());
     EXPECT_TRUE(found(harness)) << x << ", " << y;
-    EXPECT_GT(stat<guint64>(lime(harness), "light-views", G_TYPE_UINT64), 0u);
-    EXPECT_GE(stat<gdouble>(lime(harness), "left", G_TYPE_DOUBLE), 0);
-    EXPECT_LE(stat<gdouble>(lime(harness), "right", G_TYPE_DOUBLE), kWidth);
+    EXPECT_GT(stat<guint64>(lime(harness), "light-views"), 0u);
+    EXPECT_GE(stat<double>(lime(harness), "left"), 0);
+    EXPECT_LE(stat<double>(lime(harness), "right"), kWidth);
     EXPECT_TRUE(harness.errors().empty());
   }
 }
@@ -56,7 +55,7 @@ TEST_F(LimeInput, PixelsThatAreNotSquareAreWarnedOfOnce) {
   for (int i = 0; i < 3; ++i) ASSERT_FALSE(harness.process(scene(48, 32, 20)).empty());
   const auto warnings = harness.warnings();
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings.front().find("16:15"), std::string::npos) << warnings.front();
+  expect_contains(warnings.front(), "16:15");
   harness.set_src_caps(shape("1/1"));
   ASSERT_FALSE(harness.process(scene(48, 32, 20)).empty());
   EXPECT_TRUE(harness.warnings().empty());
@@ -119,8 +118,7 @@ TEST_F(LimeInput, EightThousandPixelsAreShownOrRefusedByName) {
           line("show=input") + " ! fakesink",
       300);
   if (!result.eos) {
-    EXPECT_NE(result.first_error().find("maxStorageBufferRange"), std::string::npos)
-        << result.first_error();
+    expect_contains(result.first_error(), "maxStorageBufferRange");
   }
   EXPECT_NE(result.eos, !result.errors.empty());
 }
@@ -134,7 +132,7 @@ TEST_F(LimeInput, NewCapsMidStreamStartAfresh) {
     for (int i = 0; i < 6; ++i)
       ASSERT_FALSE(harness.process(scene(width / 2, height / 2, radius, width, height)).empty());
     EXPECT_TRUE(found(harness)) << width << "x" << height;
-    EXPECT_GT(stat<guint64>(lime(harness), "light-views", G_TYPE_UINT64), 0u);
+    EXPECT_GT(stat<guint64>(lime(harness), "light-views"), 0u);
   }
   EXPECT_TRUE(harness.errors().empty());
 }
@@ -191,15 +189,15 @@ TEST_F(LimeInput, SpoiltNetworkFilesAreOneErrorThatNamesThem) {
   auto bytes = network::to_file(HandMadeLime::models().mirror);
   bytes.resize(bytes.size() / 2);
   cut.write("mirror", bytes);
-  EXPECT_NE(error(cut).find("mirror.net"), std::string::npos) << error(cut);
+  expect_contains(error(cut), "mirror.net");
   wrong.write("albedo", network::to_file(HandMadeLime::models().mirror));
-  EXPECT_NE(error(wrong).find("albedo.net"), std::string::npos) << error(wrong);
+  expect_contains(error(wrong), "albedo.net");
   LimeModels models = HandMadeLime::models();
   models.specular.weights[0] = std::numeric_limits<float>::quiet_NaN();
   nan.write("specular", network::to_file(models.specular));
-  EXPECT_NE(error(nan).find("specular.net"), std::string::npos) << error(nan);
+  expect_contains(error(nan), "specular.net");
   empty.write("exponent", {});
-  EXPECT_NE(error(empty).find("exponent.net"), std::string::npos) << error(empty);
+  expect_contains(error(empty), "exponent.net");
 }
 
 // More pixels than a line of workgroups has.

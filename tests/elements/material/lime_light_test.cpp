@@ -8,6 +8,7 @@
 #include "gst/material/meta/inverse_material_meta.h"
 #include "kernels/environment/environment.hpp"
 #include "lime_fixture.hpp"
+#include "tests/expect_error.hpp"
 #include "tests/kernels/environment/normal_map_file.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/update_max.hpp"
@@ -48,17 +49,17 @@ class LimeLight : public LimeElementTest {
 
 }  // namespace
 
-TEST_F(LimeLight, IsInTheMetaWhereItIsAskedFor) {
+TEST_F(LimeLight, IsInTheMetaOnRequest) {
   EXPECT_TRUE(light("").empty()) << "nobody asked";
   const auto requested = light("estimate-light=true");
   ASSERT_FALSE(requested.empty());
   for (const float v : requested) ASSERT_TRUE(v >= 0 && std::isfinite(v));
   EXPECT_GT(*std::max_element(requested.begin(), requested.end()), .01);
-  EXPECT_FALSE(light("show=preview").empty());
+  EXPECT_EQ(light("show=preview"), requested);
   EXPECT_TRUE(light("estimate-light=true normals=none").empty());
 }
 
-TEST_F(LimeLight, NormalMapsCount) {
+TEST_F(LimeLight, NormalMapsChangeTheLight) {
   const NormalMapPath file;
   file.write(png(1, 1, 3, 8, {128, 218, 218}));
   const auto upward = light("estimate-light=true normals=none normal-map=" + file.path());
@@ -67,17 +68,17 @@ TEST_F(LimeLight, NormalMapsCount) {
   const auto error =
       run_line("videotestsrc num-buffers=2 ! " + line("normal-map=/nowhere.png") + " ! fakesink")
           .first_error();
-  EXPECT_NE(error.find("/nowhere.png"), std::string::npos) << error;
+  expect_contains(error, "/nowhere.png");
 }
 
-TEST_F(LimeLight, NormalMapsThatAreOfNoUseAreRefused) {
+TEST_F(LimeLight, UnusableNormalMapsAreRefused) {
   const auto error_of = [this](const std::string& path) {
     return run_line("videotestsrc num-buffers=2 ! " + line("normal-map=" + path) + " ! fakesink")
         .first_error();
   };
   const NormalMapPath away;
   away.write(png(1, 1, 3, 8, {128, 128, 0}));
-  EXPECT_NE(error_of(away.path()).find("faces the camera"), std::string::npos);
+  expect_contains(error_of(away.path()), "faces the camera");
   const TemporaryFolder folder;
   const std::string pipe = folder / "pipe.png";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
@@ -96,15 +97,12 @@ TEST_F(LimeLight, NormalMapsThatHelpLittleGetAWarning) {
   EXPECT_TRUE(warnings_of(left_alone, 14).empty());
   const auto beside = warnings_of(left_alone, 84);
   ASSERT_EQ(beside.size(), 1U) << "reported once";
-  EXPECT_NE(beside.front().find("normals.png has no normals where the object is"),
-            std::string::npos)
-      << beside.front();
+  expect_contains(beside.front(), "normals.png has no normals where the object is");
   const auto gray = warnings_of({200, 200, 200, 200, 200, 200}, 14);  // of length .98
   EXPECT_TRUE(gray.empty());
   const auto short_ones = warnings_of({180, 180, 180, 180, 180, 180}, 14);
   ASSERT_EQ(short_ones.size(), 1U);
-  EXPECT_NE(short_ones.front().find("0 % have a length near 1"), std::string::npos)
-      << short_ones.front();
+  expect_contains(short_ones.front(), "0 % have a length near 1");
 }
 
 TEST_F(LimeLight, TheFileIsTheOneThatWasNamedAtTheStart) {
@@ -138,7 +136,7 @@ TEST_F(LimeLight, FilesAreReadAtTheStartAlone) {
     harness.set_src_caps(caps(width, height));
     for (int i = 0; i < 8; ++i)
       ASSERT_FALSE(harness.process(scene(width / 2, height / 2, 20, width, height)).empty());
-    EXPECT_GT(stat<guint64>(harness.find("limematerial"), "light-views", G_TYPE_UINT64), 0u);
+    EXPECT_GT(stat<guint64>(harness.find("limematerial"), "light-views"), 0u);
   }
   EXPECT_TRUE(harness.errors().empty());
 }
@@ -167,8 +165,7 @@ TEST_F(LimeLight, GoesToAFileWhenTheElementStops) {
 TEST_F(LimeLight, AFileThatCannotBeWrittenIsAnErrorAtTheStartAndAWarningAtTheEnd) {
   const auto refused =
       run_line(ball() + line("save-environment-location=/nowhere/light.hdr") + " ! fakesink");
-  EXPECT_NE(refused.first_error().find("/nowhere/light.hdr"), std::string::npos)
-      << refused.first_error();
+  expect_contains(refused.first_error(), "/nowhere/light.hdr");
   const TemporaryFolder here;
   const std::string pipe = here / "pipe.hdr";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
@@ -178,7 +175,7 @@ TEST_F(LimeLight, AFileThatCannotBeWrittenIsAnErrorAtTheStartAndAWarningAtTheEnd
         {here / "light.exr", "it would be a Radiance picture; name it .hdr"}}) {
     const auto error =
         run_line(ball() + line("save-environment-location=" + path) + " ! fakesink").first_error();
-    EXPECT_NE(error.find(path + " cannot be written: " + why), std::string::npos) << error;
+    expect_contains(error, path + " cannot be written: " + why);
   }
   std::optional<TemporaryFolder> gone(std::in_place);
   VideoHarness harness(line("save-environment-location=" + (*gone / "light.hdr")), caps(), caps());
@@ -187,20 +184,20 @@ TEST_F(LimeLight, AFileThatCannotBeWrittenIsAnErrorAtTheStartAndAWarningAtTheEnd
   gst_harness_push_event(harness.harness(), gst_event_new_eos());
   const auto warnings = harness.warnings();
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings.front().find("light.hdr"), std::string::npos);
+  expect_contains(warnings.front(), "light.hdr");
   const TemporaryFolder folder;
   const std::string file = folder / "light.hdr";
   const auto unknown = run_line("videotestsrc num-buffers=3 pattern=black ! " +
                                 line("save-environment-location=" + file) + " ! fakesink");
   EXPECT_TRUE(unknown.eos);
   ASSERT_EQ(unknown.warnings.size(), 1u) << "reported once";
-  EXPECT_NE(unknown.warnings.front().find("there is no light yet"), std::string::npos);
+  expect_contains(unknown.warnings.front(), "there is no light yet");
   EXPECT_EQ(unknown.warnings.front().find("estimate-light=true"), std::string::npos)
       << "save-environment-location asks for the light itself";
   EXPECT_FALSE(std::filesystem::exists(file));
 }
 
-TEST_F(LimeLight, ARunWithoutFramesHasNoLightToMiss) {
+TEST_F(LimeLight, ARunWithoutFramesPostsNoWarning) {
   const TemporaryFolder folder;
   VideoHarness harness(line(), caps(), caps());
   GstElement* lime = harness.find("limematerial");
@@ -258,7 +255,7 @@ TEST_F(LimeLight, PreviewShowsTheEstimatedMaterial) {
   EXPECT_TRUE(harness.errors().empty());
 }
 
-TEST_F(LimeLight, EndsWithItsSceneAndWhereItIsNotAskedFor) {
+TEST_F(LimeLight, EndsWithItsSceneOrItsRequest) {
   VideoHarness harness(line("show=input estimate-light=true"), caps(), {});
   const auto lit = [&](const std::vector<uint8_t>& frame) {
     harness.push(frame);
@@ -272,7 +269,7 @@ TEST_F(LimeLight, EndsWithItsSceneAndWhereItIsNotAskedFor) {
   EXPECT_TRUE(lit(ball));
   g_object_set(harness.find("limematerial"), "estimate-light", FALSE, nullptr);
   EXPECT_FALSE(lit(ball));
-  EXPECT_EQ(stat<guint64>(harness.find("limematerial"), "light-views", G_TYPE_UINT64), 0u);
+  EXPECT_EQ(stat<guint64>(harness.find("limematerial"), "light-views"), 0u);
   g_object_set(harness.find("limematerial"), "estimate-light", TRUE, nullptr);
   EXPECT_FALSE(lit(ball)) << "what was known is old";
   for (int i = 0; i < 6; ++i) lit(ball);
@@ -291,11 +288,11 @@ TEST_F(LimeLight, NoKernelIsBuiltWhenAnotherPictureIsShown) {
   VideoHarness harness(line("show=input"), caps(), caps());
   GstElement* lime = harness.find("limematerial");
   for (int i = 0; i < 6; ++i) harness.process(scene(60, 30, 20));
-  const auto before = stat<guint64>(lime, "kernels", G_TYPE_UINT64);
+  const auto before = stat<guint64>(lime, "kernels");
   for (const char* show : {"preview", "mosaic", "mask", "mirror"}) {
     gst_util_set_object_arg(G_OBJECT(lime), "show", show);
     for (int i = 0; i < 2; ++i) harness.process(scene(60, 30, 20));
-    EXPECT_EQ(stat<guint64>(lime, "kernels", G_TYPE_UINT64), before) << show;
+    EXPECT_EQ(stat<guint64>(lime, "kernels"), before) << show;
   }
 }
 

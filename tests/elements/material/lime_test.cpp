@@ -23,8 +23,8 @@ TEST_F(LimeElementTest, ReportsTheMaterialInPropertiesStatsAndMeta) {
   EXPECT_EQ(color, 0xff000000u | static_cast<guint>(code(.2) << 16 | code(.5) << 8 | code(.7)));
   EXPECT_NEAR(std::log2(property<gfloat>(lime, "shininess")), 1 + 9 * 5.5 / 8, .5);
   EXPECT_GT(property<gfloat>(lime, "specular-albedo"), .2);
-  EXPECT_EQ(stat<guint>(lime, "bin", G_TYPE_UINT), 5u);
-  EXPECT_NEAR(stat<gdouble>(lime, "diffuse-green", G_TYPE_DOUBLE), .5, 1e-3);
+  EXPECT_EQ(stat<guint>(lime, "bin"), 5u);
+  EXPECT_NEAR(stat<double>(lime, "diffuse-green"), .5, 1e-3);
 
   ASSERT_EQ(harness.push(scene(60, 30, 20)), GST_FLOW_OK);
   GstBuffer* out = gst_harness_pull(harness.harness());
@@ -52,30 +52,25 @@ TEST_F(LimeElementTest, ReportsTheMaterialInPropertiesStatsAndMeta) {
   EXPECT_TRUE(freed) << "no buffer references it";
 }
 
-TEST_F(LimeElementTest, SaysWhenAnObjectComesAndGoes) {
+TEST_F(LimeElementTest, ReportsThatAnObjectComesAndGoes) {
   VideoHarness harness(line(), caps(), caps());
   GstBus* bus = gst_bus_new();
   gst_element_set_bus(harness.find("limematerial"), bus);
-  const auto news = [bus] {
+  const auto changes = [bus] {
     std::vector<bool> found;
-    while (GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ELEMENT)) {
-      const GstStructure* s = gst_message_get_structure(message);
-      gboolean value = FALSE;
-      if (gst_structure_has_name(s, "material") && gst_structure_get_boolean(s, "found", &value))
-        found.push_back(value);
-      gst_message_unref(message);
-    }
+    for (const Structure& message : element_messages(bus, "material"))
+      found.push_back(field<bool>(message.get(), "found").value());
     return found;
   };
   for (int i = 0; i < 4; ++i) harness.process(scene(0, 0, 0));
-  EXPECT_TRUE(news().empty());
+  EXPECT_TRUE(changes().empty());
   for (int i = 0; i < 12; ++i) harness.process(scene(40, 30, 18));
-  const auto came = news();
+  const auto came = changes();
   ASSERT_FALSE(came.empty());
   EXPECT_TRUE(came.front());
   EXPECT_LE(came.size(), 4u) << "not with every frame";
   for (int i = 0; i < 8; ++i) harness.process(scene(0, 0, 0));
-  EXPECT_EQ(news(), std::vector<bool>{false});
+  EXPECT_EQ(changes(), std::vector<bool>{false});
   EXPECT_EQ(property<guint>(harness.find("limematerial"), "diffuse-albedo"), 0u);
   gst_element_set_bus(harness.find("limematerial"), nullptr);
   gst_object_unref(bus);
@@ -124,12 +119,12 @@ TEST_F(LimeElementTest, SkipsWorkForAnUnchangedObject) {
   VideoHarness harness(line("tuning=estimate-interval=6"), caps(), caps());
   GstElement* lime = harness.find("limematerial");
   for (int i = 0; i < 30; ++i) harness.process(scene(60, 30, 20));
-  const auto before = stat<guint64>(lime, "estimates", G_TYPE_UINT64);
+  const auto before = stat<guint64>(lime, "estimates");
   for (int i = 0; i < 24; ++i) harness.process(scene(60, 30, 20));
-  EXPECT_EQ(stat<guint64>(lime, "estimates", G_TYPE_UINT64), before + 4);
+  EXPECT_EQ(stat<guint64>(lime, "estimates"), before + 4);
   g_object_set(lime, "adaptive", FALSE, nullptr);
   for (int i = 0; i < 5; ++i) harness.process(scene(60, 30, 20));
-  EXPECT_EQ(stat<guint64>(lime, "estimates", G_TYPE_UINT64), before + 9);
+  EXPECT_EQ(stat<guint64>(lime, "estimates"), before + 9);
 }
 
 TEST_F(LimeElementTest, AnUnchangedPictureIsNotDrawnAgain) {
@@ -137,7 +132,7 @@ TEST_F(LimeElementTest, AnUnchangedPictureIsNotDrawnAgain) {
     VideoHarness harness(line(std::string("tuning=estimate-interval=1000 show=") + show), caps(),
                          caps());
     GstElement* lime = harness.find("limematerial");
-    const auto kept = [lime] { return stat<gboolean>(lime, "reused", G_TYPE_BOOLEAN); };
+    const auto kept = [lime] { return stat<bool>(lime, "reused"); };
     std::vector<uint8_t> out;
     for (int i = 0; i < 40; ++i) out = harness.process(scene(60, 30, 20));
     EXPECT_TRUE(kept()) << show;
@@ -157,7 +152,7 @@ TEST_F(LimeElementTest, LayersOfAnUnchangedPictureAreReused) {
   std::vector<uint8_t> out;
   for (int i = 0; i < 40; ++i) out = harness.process(scene(60, 30, 20));
   EXPECT_GT(out[4 * (30 * kWidth + 60)], 20) << "there are highlights";
-  EXPECT_TRUE(stat<gboolean>(harness.find("limematerial"), "reused", G_TYPE_BOOLEAN));
+  EXPECT_TRUE(stat<bool>(harness.find("limematerial"), "reused"));
   g_object_set(harness.find("limematerial"), "adaptive", FALSE, nullptr);
   EXPECT_EQ(harness.process(scene(60, 30, 20)), out);
 }
@@ -180,13 +175,13 @@ TEST_F(LimeElementTest, AnUnchangedPictureIsDrawnAgainForAnotherView) {
   EXPECT_NE(harness.process(scene(60, 30, 20)), mask) << "nothing is known of it any more";
 }
 
-TEST_F(LimeElementTest, APreviewIsDrawnAgainWhereItsLightIsForgotten) {
+TEST_F(LimeElementTest, APreviewIsDrawnAgainAfterItsLightIsDiscarded) {
   VideoHarness harness(line("tuning=estimate-interval=1000 show=preview"), caps(), caps());
   GstElement* lime = harness.find("limematerial");
   std::vector<uint8_t> lit;
   for (int i = 0; i < 40; ++i) lit = harness.process(scene(60, 30, 20));
-  EXPECT_TRUE(stat<gboolean>(lime, "reused", G_TYPE_BOOLEAN));
-  EXPECT_GT(stat<guint64>(lime, "light-views", G_TYPE_UINT64), 0u);
+  EXPECT_TRUE(stat<bool>(lime, "reused"));
+  EXPECT_GT(stat<guint64>(lime, "light-views"), 0u);
   gst_util_set_object_arg(G_OBJECT(lime), "normals", "none");
   EXPECT_NE(harness.process(scene(60, 30, 20)), lit) << "in a studio's light, as none is known";
 }
@@ -199,8 +194,8 @@ TEST_F(LimeElementTest, TracksTheObjectAcrossAChangeOfRate) {
     if (i >= 6) harness.set_src_caps(caps + std::to_string(24 - i) + "/1");
     ASSERT_FALSE(harness.process(scene(60, 30, 20)).empty());
   }
-  EXPECT_TRUE(stat<gboolean>(lime, "found", G_TYPE_BOOLEAN));
-  EXPECT_GE(stat<guint64>(lime, "estimates", G_TYPE_UINT64), 11u);
+  EXPECT_TRUE(stat<bool>(lime, "found"));
+  EXPECT_GE(stat<guint64>(lime, "estimates"), 11u);
 }
 
 TEST_F(LimeElementTest, SurvivesFlushesAndNewCaps) {
@@ -209,7 +204,7 @@ TEST_F(LimeElementTest, SurvivesFlushesAndNewCaps) {
   for (int i = 0; i < 5; ++i) ASSERT_FALSE(harness.process(scene(60, 30, 20)).empty());
   harness.flush();
   ASSERT_FALSE(harness.process(scene(0, 0, 0)).empty());
-  EXPECT_FALSE(stat<gboolean>(lime, "found", G_TYPE_BOOLEAN));
+  EXPECT_FALSE(stat<bool>(lime, "found"));
   for (const auto& [width, height] : {std::pair{16, 16}, {1, 1}, {200, 120}, {33, 7}}) {
     harness.set_src_caps(caps(width, height));
     for (int i = 0; i < 4; ++i)
@@ -237,7 +232,7 @@ TEST_F(LimeElementTest, ASecondRunIsAsTheFirst) {
   EXPECT_TRUE(std::filesystem::exists(light));
 }
 
-TEST_F(LimeElementTest, BindingsHearOfTheMaterial) {
+TEST_F(LimeElementTest, BindingsReceiveTheMaterial) {
   VideoHarness harness(line(), caps());
   GstElement* lime = harness.find("limematerial");
   std::vector<std::pair<std::string, bool>> heard;  // and whether there is a value
@@ -309,7 +304,7 @@ std::vector<uint8_t> ball(int width, int height, double x0, double y0, double ra
 
 }  // namespace
 
-TEST_F(LimeElementTest, TheNetworksThatComeAlongFindABall) {
+TEST_F(LimeElementTest, BundledNetworksFindABall) {
   if (!has_networks()) GTEST_SKIP() << "built without inverse-onnx-import";
   constexpr int kSide = 256, kRadius = 85;
   const auto picture = ball(kSide, kSide, 128, 128, kRadius);
@@ -317,11 +312,11 @@ TEST_F(LimeElementTest, TheNetworksThatComeAlongFindABall) {
   GstElement* lime = harness.find("limematerial");
   std::vector<uint8_t> highlights;
   for (int i = 0; i < 8; ++i) highlights = harness.process(picture);
-  ASSERT_TRUE(stat<gboolean>(lime, "found", G_TYPE_BOOLEAN));
-  EXPECT_NEAR(stat<gdouble>(lime, "left", G_TYPE_DOUBLE), 128 - kRadius, 12);
-  EXPECT_NEAR(stat<gdouble>(lime, "bottom", G_TYPE_DOUBLE), 128 + kRadius, 12);
-  const double red = stat<gdouble>(lime, "diffuse-red", G_TYPE_DOUBLE);
-  const double blue = stat<gdouble>(lime, "diffuse-blue", G_TYPE_DOUBLE);
+  ASSERT_TRUE(stat<bool>(lime, "found"));
+  EXPECT_NEAR(stat<double>(lime, "left"), 128 - kRadius, 12);
+  EXPECT_NEAR(stat<double>(lime, "bottom"), 128 + kRadius, 12);
+  const double red = stat<double>(lime, "diffuse-red");
+  const double blue = stat<double>(lime, "diffuse-blue");
   EXPECT_LT(red, .6 * blue) << "of a blue ball";
   const auto at = [&](int x, int y) { return highlights[4 * (size_t{256} * y + x)]; };
   EXPECT_GT(at(104, 104), 150) << "where the highlight is";
@@ -329,7 +324,7 @@ TEST_F(LimeElementTest, TheNetworksThatComeAlongFindABall) {
   EXPECT_EQ(at(10, 10), 0) << "outside of the ball";
 }
 
-TEST_F(LimeElementTest, TheNetworksThatComeAlongFindABallThatTheFrameCuts) {
+TEST_F(LimeElementTest, BundledNetworksFindABallThatTheFrameCuts) {
   if (!has_networks()) GTEST_SKIP() << "built without inverse-onnx-import";
   constexpr int kWide = 320, kHigh = 240;
   for (const double share : {.4, .65, .8}) {  // radius over the frame's height
@@ -337,8 +332,8 @@ TEST_F(LimeElementTest, TheNetworksThatComeAlongFindABallThatTheFrameCuts) {
     GstElement* lime = harness.find("limematerial");
     const auto picture = ball(kWide, kHigh, 130, 120, share * kHigh);
     for (int i = 0; i < 10; ++i) harness.process(picture);
-    ASSERT_TRUE(stat<gboolean>(lime, "found", G_TYPE_BOOLEAN)) << share;
-    const auto edge = [&](const char* name) { return stat<gdouble>(lime, name, G_TYPE_DOUBLE); };
+    ASSERT_TRUE(stat<bool>(lime, "found")) << share;
+    const auto edge = [&](const char* name) { return stat<double>(lime, name); };
     EXPECT_NEAR(edge("left"), std::max(130 - share * kHigh, 0.), 12) << share;
     EXPECT_NEAR(edge("right"), std::min(130 + share * kHigh, 320.), 12) << share;
     EXPECT_NEAR(edge("top"), std::max(120 - share * kHigh, 0.), 12) << share;

@@ -5,6 +5,7 @@
 #include "gst/base/meta/inverse_layers_meta.h"
 #include "gst/material/meta/inverse_material_meta.h"
 #include "lime_fixture.hpp"
+#include "tests/expect_error.hpp"
 #include "tests/srgb.hpp"
 
 namespace inverse::testing {
@@ -141,11 +142,10 @@ TEST_F(MaterialLayers, SplitSendsThem) {
   }
   const auto refused =
       run_line(source + line() + " ! intrinsicsplit name=s s.reflectance ! fakesink").first_error();
-  EXPECT_NE(refused.find("no reflectance"), std::string::npos) << refused;
-  EXPECT_NE(refused.find("intrinsicdecomp"), std::string::npos) << refused;
+  expect_contains(refused, "no reflectance");
+  expect_contains(refused, "intrinsicdecomp");
   const auto direct = run_line(source + line() + " ! intrinsicsplit name=s s.direct ! fakesink");
-  EXPECT_NE(direct.first_error().find("globalintrinsic"), std::string::npos)
-      << direct.first_error();
+  expect_contains(direct.first_error(), "globalintrinsic");
   EXPECT_EQ(std::count_if(direct.errors.begin(), direct.errors.end(),
                           [](const std::string& text) {
                             return text.find("no direct") != std::string::npos;
@@ -155,11 +155,11 @@ TEST_F(MaterialLayers, SplitSendsThem) {
   const auto other =
       run_line(source + "intrinsicdecomp ! intrinsicsplit name=s s.mirror ! fakesink")
           .first_error();
-  EXPECT_NE(other.find("no mirror"), std::string::npos) << other;
-  EXPECT_NE(other.find("limematerial"), std::string::npos) << other;
+  expect_contains(other, "no mirror");
+  expect_contains(other, "limematerial");
 }
 
-TEST_F(MaterialLayers, WhoEditsReflectanceRefusesThem) {
+TEST_F(MaterialLayers, EditorsOfReflectanceRefuseThem) {
   const std::string source =
       "videotestsrc num-buffers=3 ! video/x-raw,width=96,height=64 ! " + line() + " ! ";
   for (const char* editor : {"intrinsicrecolor", "intrinsicdespill"}) {
@@ -171,9 +171,9 @@ TEST_F(MaterialLayers, WhoEditsReflectanceRefusesThem) {
     EXPECT_FALSE(forced.errors.empty()) << editor;
   }
   const auto show = run_line(source + "intrinsiccompose show=reflectance ! fakesink").first_error();
-  EXPECT_NE(show.find("no reflectance"), std::string::npos) << show;
+  expect_contains(show, "no reflectance");
   const auto direct = run_line(source + "intrinsiccompose show=direct ! fakesink").first_error();
-  EXPECT_NE(direct.find("do not separate direct light"), std::string::npos) << direct;
+  expect_contains(direct, "do not separate direct light");
 }
 
 }  // namespace inverse::testing

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/elements/element_test.hpp"
 #include "tests/has_element.hpp"
 #include "tests/pipelines/process.hpp"
 
@@ -107,14 +108,7 @@ class FakeCamera : public ::testing::Test {
     gst_object_unref(found);  // the pipeline's
     return found;
   }
-  guint64 stat(const char* name) {
-    GstStructure* stats = nullptr;
-    g_object_get(element("camera"), "stats", &stats, nullptr);
-    guint64 value = ~guint64{0};
-    gst_structure_get_uint64(stats, name, &value);
-    gst_structure_free(stats);
-    return value;
-  }
+  guint64 camera_stat(const char* name) { return stat<guint64>(element("camera"), name); }
   static std::vector<uint8_t> bytes(GstBuffer* buffer) {
     std::vector<uint8_t> all(gst_buffer_get_size(buffer));
     gst_buffer_extract(buffer, 0, all.data(), all.size());

@@ -43,14 +43,7 @@ class AravisSync : public FakeCamera {
            " camera-trigger=aravis-software " + more +
            " ! appsink name=out sync=false max-buffers=2";
   }
-  guint64 sync_stat(const char* name) {
-    GstStructure* stats = nullptr;
-    g_object_get(element("sync"), "stats", &stats, nullptr);
-    guint64 value = ~guint64{0};
-    gst_structure_get_uint64(stats, name, &value);
-    gst_structure_free(stats);
-    return value;
-  }
+  guint64 sync_stat(const char* name) { return stat<guint64>(element("sync"), name); }
   /// What the lights of a frame are by its label; nothing without one.
   static std::vector<float> label(GstBuffer* frame) {
     const GstLightStageMeta* meta = gst_buffer_get_light_stage_meta(frame);
@@ -197,7 +190,7 @@ TEST_F(AravisSync, LatencyHasNoTermForCamerasThatMayBeTriggeredAgain) {
   close();
 }
 
-TEST_F(AravisSync, WhatDoesNotGoTogetherIsSaid) {
+TEST_F(AravisSync, IncompatibleSettingsAreErrors) {
   ASSERT_NO_FATAL_FAILURE(start_camera());
   write_program(1);
   const auto fails = [&](const std::string& line, const std::string& text) {

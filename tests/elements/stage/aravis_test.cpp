@@ -2,6 +2,7 @@
 // lightstagearavissrc with Aravis' camera in software.
 #include "aravis_fixture.hpp"
 #include "stage/triggers/frame_ids.hpp"
+#include "tests/expect_error.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -24,11 +25,11 @@ TEST_F(Aravis, IdsWrapAndEveryFrameIsItsOwn) {
   guint bits = 0;
   g_object_get(element("camera"), "frame-id-bits", &bits, nullptr);
   EXPECT_EQ(bits, 16U);
-  EXPECT_GE(stat("frames"), 220U);
+  EXPECT_GE(camera_stat("frames"), 220U);
   // All stay in use: some are the camera's own memory, the others are copies.
-  EXPECT_EQ(stat("zero-copy"), 8U);
-  EXPECT_GE(stat("copied"), 212U);
-  EXPECT_EQ(stat("underruns"), 0U);
+  EXPECT_EQ(camera_stat("zero-copy"), 8U);
+  EXPECT_GE(camera_stat("copied"), 212U);
+  EXPECT_EQ(camera_stat("underruns"), 0U);
   close();
 
   FrameIds ids(16);
@@ -124,7 +125,7 @@ TEST_F(Aravis, StartsAgainAndGoesOnAfterAPause) {
       after += before > last + GST_SECOND / 2;
     }
     EXPECT_GT(after, 20U) << "nothing comes after the pause";
-    EXPECT_GT(stat("stale"), 0U);
+    EXPECT_GT(camera_stat("stale"), 0U);
   }
   EXPECT_EQ(error(0), "");
 }
@@ -150,7 +151,7 @@ TEST_F(Aravis, ATriggeredCameraThatDisappearsIsAnError) {
   ASSERT_NO_FATAL_FAILURE(play(source("timeout=200 trigger-source=Software") +
                                " ! video/x-raw,format=GRAY8,width=128,height=64" + kOut));
   EXPECT_EQ(error(1.5), "");
-  EXPECT_GT(stat("timeouts"), 3U);
+  EXPECT_GT(camera_stat("timeouts"), 3U);
   fake_.reset();
   EXPECT_NE(error(20).find("does not answer any more"), std::string::npos) << error_;
 }
@@ -166,7 +167,7 @@ TEST_F(Aravis, StopsAtOnceWhileItWaits) {
   close();
 }
 
-TEST_F(Aravis, WhatIsWrongIsSaid) {
+TEST_F(Aravis, InvalidSettingsAreErrors) {
   ASSERT_NO_FATAL_FAILURE(start_camera());
   ASSERT_NO_FATAL_FAILURE(play(source() + " ! " + kGray + kOut));
   take(1);
@@ -193,7 +194,7 @@ TEST_F(Aravis, WhatIsWrongIsSaid) {
   EXPECT_NE(error(1).find("cannot find the camera Aravis-Fake-none; there are: "),
             std::string::npos)
       << error_;
-  EXPECT_NE(error_.find("Aravis-Fake-" + serial_), std::string::npos) << error_;
+  expect_contains(error_, "Aravis-Fake-" + serial_);
   close();
 
   for (const auto& [line, text] : std::vector<std::pair<std::string, std::string>>{
@@ -215,8 +216,8 @@ TEST_F(Aravis, LostPacketsAreCountedAndReported) {
   ASSERT_NO_FATAL_FAILURE(play(source() + " ! " + kGray + kOut));
   take(200);
   ASSERT_EQ(frames_.size(), 200U) << error(0);
-  EXPECT_GE(stat("incomplete"), 5U);
-  EXPECT_GE(stat("missed"), 5U);
+  EXPECT_GE(camera_stat("incomplete"), 5U);
+  EXPECT_GE(camera_stat("missed"), 5U);
   EXPECT_NE(message(GST_MESSAGE_WARNING, 1).find("did not come whole"), std::string::npos)
       << error_;
   for (GstBuffer* frame : frames_) {

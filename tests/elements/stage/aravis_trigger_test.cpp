@@ -10,6 +10,7 @@
 #include "common/error.hpp"
 #include "gst/stage/sync/lights/camera_trigger.hpp"
 #include "stage/triggers/triggered_capture.hpp"
+#include "tests/expect_error.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -238,24 +239,19 @@ TEST_F(AravisTrigger, ACameraThatDisappearsIsAnError) {
   trigger_.reset();
 }
 
-TEST_F(AravisTrigger, WithoutACameraItSaysWhatItTakes) {
+TEST_F(AravisTrigger, AMissingCameraIsAnErrorWithItsRemedy) {
   make("videotestsrc ! queue ! appsink name=out");
   GstPad* pad = gst_element_get_static_pad(element("out"), "sink");
-  try {
-    CameraTrigger::find(pad);
-    FAIL() << "found one";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::unsupported);
-    EXPECT_NE(std::string(error.what()).find("no camera to trigger upstream"), std::string::npos);
-  }
+  expect_error(ErrorKind::unsupported, "no camera to trigger upstream",
+               [&] { CameraTrigger::find(pad); });
   gst_object_unref(pad);
   close();
   make("lightstagearavissrc name=camera trigger-source=Line0 ! appsink name=out");
   pad = gst_element_get_static_pad(element("out"), "sink");
   trigger_ = CameraTrigger::find(pad);
   gst_object_unref(pad);
-  EXPECT_THROW(trigger_->prepare(), Error);
-  EXPECT_THROW(trigger_->fire(), Error);
+  expect_error(ErrorKind::unsupported, "has trigger-source=Line0", [&] { trigger_->prepare(); });
+  expect_error(ErrorKind::internal, "was not made ready", [&] { trigger_->fire(); });
 }
 
 }  // namespace

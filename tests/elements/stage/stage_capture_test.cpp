@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "stage_fixture.hpp"
+#include "tests/expect_error.hpp"
 #include "tests/srgb.hpp"
 
 namespace inverse::testing {
@@ -159,8 +160,7 @@ TEST_F(StageCapture, PicturesOfAnEarlierCaptureAreNotAmongTheNewOnes) {
       60);
   EXPECT_EQ(played.frames.size(), 8u) << played.first_error();
   ASSERT_EQ(played.warnings.size(), 1u);
-  EXPECT_NE(played.warnings[0].find("no picture of light 3"), std::string::npos)
-      << played.warnings[0];
+  expect_contains(played.warnings[0], "no picture of light 3");
 }
 
 TEST_F(StageCapture, FewFramesMayWaitForCamerasAndManyForTheMarker) {
@@ -183,7 +183,7 @@ TEST_F(StageCapture, AFolderThatCannotBeMadeIsAnError) {
   gst_element_set_state(element_, GST_STATE_NULL);
   const auto errors = texts(GST_MESSAGE_ERROR);
   ASSERT_EQ(errors.size(), 1u);
-  EXPECT_NE(errors[0].find("/proc/nowhere/capture"), std::string::npos);
+  expect_contains(errors[0], "/proc/nowhere/capture");
 }
 
 class StageCaptureFolder : public StageCapture {
@@ -242,8 +242,8 @@ TEST_F(StageCaptureFolder, APassThatIsCutShortIsPutBesideTheWholeOneBeforeIt) {
   EXPECT_FALSE(std::filesystem::exists(location_ + "/camera_0/new"));
   const auto warnings = texts(GST_MESSAGE_WARNING);
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings[0].find("cut short: 12 of 15 pictures"), std::string::npos) << warnings[0];
-  EXPECT_NE(warnings[0].find("camera_0.partial"), std::string::npos) << warnings[0];
+  expect_contains(warnings[0], "cut short: 12 of 15 pictures");
+  expect_contains(warnings[0], "camera_0.partial");
 }
 
 TEST_F(StageCaptureFolder, APartialPassAfterAFlushOrNewCapsReplacesNoCompleteOne) {
@@ -291,7 +291,7 @@ TEST_F(StageCaptureFolder, TheFirstCaptureIsThereAsFarAsItCame) {
   EXPECT_EQ(pictures(location_ + "/camera_0"), 12u);
   const auto warnings = texts(GST_MESSAGE_WARNING);
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings[0].find("cut short: 12 of 15 pictures"), std::string::npos) << warnings[0];
+  expect_contains(warnings[0], "cut short: 12 of 15 pictures");
 }
 
 // The launch line of docs/reference/elements/lightstagesync.md, and pairs of what it plays.

@@ -185,14 +185,7 @@ class StageSync : public ::testing::Test {
     }
     return false;
   }
-  guint64 count(const char* field) {
-    GstStructure* stats = nullptr;
-    g_object_get(element_, "stats", &stats, nullptr);
-    guint64 value = 0;
-    EXPECT_TRUE(gst_structure_get_uint64(stats, field, &value)) << field;
-    gst_structure_free(stats);
-    return value;
-  }
+  guint64 count(const char* name) { return stat<guint64>(element_, name); }
   /// "performance" with fewer lights: faster to draw.
   void use(LightProgram program) {
     program_ = std::move(program);

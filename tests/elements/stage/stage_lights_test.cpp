@@ -141,7 +141,7 @@ TEST(StageLights, AControllerIsGivenTheProgramOnce) {
   EXPECT_EQ(rig.after(0), Rig::Lights(42));
 }
 
-TEST(StageLights, WhatCannotBeReachedIsAnError) {
+TEST(StageLights, AnUnreachableControllerIsAnError) {
   Line line(std::string(kCamera) +
             "lightstagesync backend=serial serial-port=/dev/nowhere ! fakesink");
   line.set(GST_STATE_PLAYING);

@@ -108,7 +108,7 @@ TEST_F(StageStreams, TwoCamerasGoOnTogetherAfterOneWasCovered) {
   EXPECT_EQ(one.back().trigger, 399);
 }
 
-TEST_F(StageStreams, AProgramWithoutAMarkerThatIsLostIsAWarningThatSaysWhatToDo) {
+TEST_F(StageStreams, LosingAnUnmarkedProgramIsAWarningWithItsRemedy) {
   LightProgram program = static_capture(stage_lights(geodesic_directions(42)));
   program.marker = LightProgram::Marker::none;
   use(program);

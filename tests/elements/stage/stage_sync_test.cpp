@@ -166,11 +166,11 @@ TEST_F(StageSync, AMarkerThatNeverComesIsAWarning) {
   EXPECT_EQ(gst_harness_buffers_in_queue(camera()), 0u);
 }
 
-TEST_F(StageSync, WhoWaitsForTheEndHasHeardOfTheMarkerThatDidNotCome) {
+TEST_F(StageSync, AMissingMarkerIsReportedBeforeTheEnd) {
   use_performance();
   start();
   for (int64_t n = -50; n < 0; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
-  std::string told;
+  std::string messages;
   gst_pad_add_probe(
       camera()->sinkpad, GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM,
       [](GstPad*, GstPadProbeInfo* info, gpointer data) {
@@ -187,15 +187,15 @@ TEST_F(StageSync, WhoWaitsForTheEndHasHeardOfTheMarkerThatDidNotCome) {
         *text += " END";
         return GST_PAD_PROBE_OK;
       },
-      new std::pair(bus_, &told),
+      new std::pair(bus_, &messages),
       [](gpointer data) { delete static_cast<std::pair<GstBus*, std::string*>*>(data); });
   ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_eos()));
   ASSERT_TRUE(ends());
-  EXPECT_NE(told.find("none of its frames has a label"), std::string::npos) << told;
-  EXPECT_LT(told.find("none of its frames"), told.find("END"));
+  EXPECT_NE(messages.find("none of its frames has a label"), std::string::npos) << messages;
+  EXPECT_LT(messages.find("none of its frames"), messages.find("END"));
 }
 
-TEST_F(StageSync, SingleLightsThatNothingConfirmsAreAWarning) {
+TEST_F(StageSync, UnconfirmedSingleLightsAreAWarning) {
   LightProgram alone = static_capture(stage_lights(geodesic_directions(42)));
   std::erase_if(alone.steps, [](const LightStep& step) { return step.kind == StepKind::tracking; });
   use(alone);
@@ -215,7 +215,7 @@ TEST_F(StageSync, UnlabeledFramesMayPass) {
     EXPECT_EQ(frames[n].trigger, n < 10 ? -1 : static_cast<int64_t>(n) - 10);
 }
 
-TEST_F(StageSync, ProgramsThatAreNotThereOrBroken) {
+TEST_F(StageSync, MissingAndInvalidProgramsAreErrors) {
   const auto fails = [&](const char* program, const char* expected) {
     g_object_set(element_, "program", program, nullptr);
     EXPECT_EQ(gst_element_set_state(element_, GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
@@ -341,18 +341,18 @@ TEST_F(StageSync, LatencyIsReportedForSeveralCameras) {
 TEST_F(StageSync, ThatACameraComesOrGoesChangesTheLatency) {
   use_performance();
   start(0);
-  const auto told = [&] {
+  const auto posted = [&] {
     GstMessage* message = gst_bus_pop_filtered(bus_, GST_MESSAGE_LATENCY);
     if (message) gst_message_unref(message);
     return message != nullptr;
   };
-  while (told()) continue;
+  while (posted()) continue;
   GstPad* pad = gst_element_request_pad_simple(element_, "sink_7");
   ASSERT_NE(pad, nullptr);
-  EXPECT_TRUE(told());
+  EXPECT_TRUE(posted());
   gst_element_release_request_pad(element_, pad);
   gst_object_unref(pad);
-  EXPECT_TRUE(told());
+  EXPECT_TRUE(posted());
 }
 
 TEST_F(StageSync, LatencyHasTheTimeThatSingleLightsWaitToBeConfirmed) {

@@ -9,6 +9,7 @@
 
 #include "stage/program/light_program.hpp"
 #include "test_source_shots.hpp"
+#include "tests/expect_error.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
@@ -79,34 +80,33 @@ TEST(LightStageTestSrc, PlaysFolders) {
   }
 }
 
-TEST(LightStageTestSrc, SaysWhatIsWrongWithFolders) {
-  const auto expect = [](const std::string& error, const std::string& part) {
-    EXPECT_NE(error.find(part), std::string::npos) << error;
-  };
-  expect(error_of("location=/no/such/folder"), "an OLAT folder has lights.json");
+TEST(LightStageTestSrc, InvalidFoldersAreErrors) {
+  expect_contains(error_of("location=/no/such/folder"), "an OLAT folder has lights.json");
   {
     const Folder folder(3);
     const std::string location = "location=" + folder.path();
-    expect(error_of("program=performance:4 " + location), "program=performance or program=static");
+    expect_contains(error_of("program=performance:4 " + location),
+                    "program=performance or program=static");
     // The images have another size: nothing can be agreed on.
-    EXPECT_FALSE(error_of(location, "width=100").empty());
+    expect_contains(error_of(location, "width=100"), "Internal data stream error");
     std::ofstream(folder.path() + "/lights.json") << "{\"directions\": [[0, 0, 2]]}";
-    expect(error_of(location), "not a unit vector");
+    expect_contains(error_of(location), "not a unit vector");
     std::ofstream(folder.path() + "/lights.json") << "{\"directions\": [[0, 0";
-    expect(error_of(location), "is no JSON");
+    expect_contains(error_of(location), "is no JSON");
     std::ofstream(folder.path() + "/lights.json") << "{\"directions\": [[0, 0, \"x\"]]}";
-    expect(error_of(location), "no direction of three numbers");
+    expect_contains(error_of(location), "no direction of three numbers");
     std::ofstream(folder.path() + "/lights.json") << "[1]";
-    expect(error_of(location), "has no \"directions\"");
+    expect_contains(error_of(location), "has no \"directions\"");
   }
   {
     const Folder folder(3);
     fs::resize_file(folder.image(2), fs::file_size(folder.image(2)) / 2);
-    expect(error_of("location=" + folder.path()), "002.exr cannot be read as OpenEXR");
+    expect_contains(error_of("location=" + folder.path()), "002.exr cannot be read as OpenEXR");
     fs::remove(folder.image(2));
-    expect(error_of("location=" + folder.path()), "002.exr cannot be read as OpenEXR");
+    expect_contains(error_of("location=" + folder.path()), "002.exr cannot be read as OpenEXR");
     folder.write(2, 25, 20);
-    expect(error_of("location=" + folder.path()), "002.exr is 25x20, the first image 24x20");
+    expect_contains(error_of("location=" + folder.path()),
+                    "002.exr is 25x20, the first image 24x20");
   }
 }
 

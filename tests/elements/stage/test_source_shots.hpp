@@ -73,7 +73,7 @@ inline std::vector<double> samples(const std::vector<uint8_t>& frame) {
   return values;
 }
 
-/// What a line complains about first; empty if it does not.
+/// The first error of a line; empty without one.
 inline std::string error_of(const std::string& source, const std::string& caps = "format=RGBA") {
   return shoot("is-live=false num-buffers=2 " + source, caps).line.first_error();
 }

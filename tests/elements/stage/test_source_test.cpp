@@ -10,6 +10,7 @@
 #include "stage/controllers/light_driver.hpp"
 #include "stage/program/light_program.hpp"
 #include "test_source_shots.hpp"
+#include "tests/expect_error.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
@@ -85,7 +86,7 @@ TEST(LightStageTestSrc, LightAddsUp) {
   }
 }
 
-TEST(LightStageTestSrc, LosesAndRepeatsFramesAsAsked) {
+TEST(LightStageTestSrc, LosesAndRepeatsFramesAsSpecified) {
   const Shots shots = shoot(
       "is-live=false program=performance:4 num-buffers=400 frame-ids=true frame-id-bits=16 "
       "tuning=first-frame-id=65400:drop-rate=0.05:duplicate-rate=0.04:jitter=0.33:late-rate=0.05:"
@@ -117,7 +118,7 @@ TEST(LightStageTestSrc, LosesAndRepeatsFramesAsAsked) {
   EXPECT_GT(doubled, 5U);
 }
 
-TEST(LightStageTestSrc, StartsLaterWhereAsked) {
+TEST(LightStageTestSrc, StartsLaterOnRequest) {
   const Shots shots = shoot(
       "is-live=false program=static:2 rate=20 start=0.35 frame-ids=true "
       "tuning=label=true:first-frame-id=5");
@@ -154,7 +155,7 @@ TEST(LightStageTestSrc, SeedsRepeatNoise) {
   EXPECT_NE(first[0], first[2]);  // both black but for noise
 }
 
-TEST(LightStageTestSrc, MotionIsWhatItSays) {
+TEST(LightStageTestSrc, MotionIsAsSpecified) {
   // Two steps of tracking: all that changes is motion.
   const TemporaryFolder folder;
   const std::string path = folder / "still.json";
@@ -349,16 +350,13 @@ TEST(LightStageTestSrc, FollowsPackets) {
   gst_object_unref(pipeline);
 }
 
-TEST(LightStageTestSrc, SaysWhatIsWrong) {
-  const auto expect = [](const std::string& error, const std::string& part) {
-    EXPECT_NE(error.find(part), std::string::npos) << error;
-  };
-  expect(error_of("program=/no/such/program.json"), "/no/such/program.json");
-  expect(error_of("program=performance:0"), "the number of lights");
-  expect(error_of("", "width=8000,height=4000"), "use a smaller frame");
-  expect(error_of("tuning=stack-limit=1", "width=320,height=240"), "the limit is 1 MiB");
-  expect(error_of("listen=nowhere.invalid"), "cannot find the host");
-  expect(error_of("device=no-such-device"), "no-such-device");
+TEST(LightStageTestSrc, InvalidSettingsAreErrors) {
+  expect_contains(error_of("program=/no/such/program.json"), "/no/such/program.json");
+  expect_contains(error_of("program=performance:0"), "the number of lights");
+  expect_contains(error_of("", "width=8000,height=4000"), "use a smaller frame");
+  expect_contains(error_of("tuning=stack-limit=1", "width=320,height=240"), "the limit is 1 MiB");
+  expect_contains(error_of("listen=nowhere.invalid"), "cannot find the host");
+  expect_contains(error_of("device=no-such-device"), "no-such-device");
 }
 
 }  // namespace

@@ -116,8 +116,7 @@ TEST_P(Energy, DoesNotRiseWithinALevel) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Energy, testing::Values(Solver::pcg, Solver::schwarz),
-                         [](const auto& info) { return std::string(name_of(info.param)); });
+INSTANTIATE_TEST_SUITE_P(All, Energy, testing::Values(Solver::pcg, Solver::schwarz), solver_name);
 
 }  // namespace
 }  // namespace inverse::extremes

@@ -251,10 +251,4 @@ Outcome judge(const Problem& problem, const Lab& lab) {
   return outcome;
 }
 
-double predicted_digits(Solver solver, const Outcome& outcome) {
-  const double error =
-      solver == Solver::multigrid ? 32 * outcome.condition : 4 * outcome.condition_preconditioned;
-  return -std::log10(error * 0x1p-24);
-}
-
 }  // namespace inverse::extremes

@@ -130,9 +130,7 @@ const char* name_of(Fault fault) {
   return kNames[fault];
 }
 
-uint32_t faults_for(Solver solver) {
-  return solver == Solver::global || solver == Solver::global_thesis ? kFaults : kColorNoise;
-}
+uint32_t faults_for(Solver solver) { return is_global(solver) ? kFaults : kColorNoise; }
 
 Pixels frame_of(const Case& one, uint32_t frame) {
   Canvas canvas(one, frame);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A linear system for the table of conditions: matrix, exact solution, and the project's solver.
 #pragma once
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <vector>
@@ -17,11 +18,18 @@ enum class Solver : uint8_t {
   global,     ///< globalintrinsic's: what it finds around a solve by multigrid
   global_thesis,
 };
-/// Solvers of one system per frame.
-inline constexpr Solver kSolvers[] = {Solver::multigrid, Solver::pcg, Solver::schwarz};
-/// Methods that find direct and indirect light as well (global_methods.hpp).
-inline constexpr Solver kGlobalMethods[] = {Solver::global, Solver::global_thesis};
+inline constexpr Solver kSolvers[] = {Solver::multigrid, Solver::pcg, Solver::schwarz,
+                                      Solver::global, Solver::global_thesis};
+/// Whether it finds direct and indirect light as well.
+inline bool is_global(Solver solver) { return solver >= Solver::global; }
+inline constexpr Solver kGlobalSolvers[] = {Solver::global, Solver::global_thesis};
 const char* name_of(Solver solver);
+/// Names the tests of a solver.
+inline constexpr auto solver_name = [](const auto& info) {
+  std::string name = name_of(info.param);
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+};
 
 /// A x = b with a symmetric positive definite A whose entries a float holds exactly, or nearly.
 struct Problem {
@@ -46,11 +54,5 @@ Outcome judge(const Problem& problem, const Lab& lab);
 
 /// Systems of conditions from 1e2 to 1e8 for every solver.
 std::vector<Problem> stiff_problems();
-
-/// The min digits that the outcome must reach: the condition number predicts a relative error
-/// of C · condition · 2^−24. Conjugate gradients: the condition after scaling by the diagonal, C
-/// = 4. Multigrid: the condition of A, which it does not scale, C = 32; what of that it loses it
-/// has not reached yet, rather than lost to rounding. Negative where nothing is predicted.
-double predicted_digits(Solver solver, const Outcome& outcome);
 
 }  // namespace inverse::extremes

@@ -23,8 +23,7 @@ Case parse_case(const std::string& text) {
   if (sscanf(text.c_str(), "%31s %ux%u frames=%u seed=%u faults=0x%x knobs=0x%x", solver,
              &one.width, &one.height, &one.frames, &one.seed, &one.faults, &one.knobs) == 7 &&
       one.width > 0 && one.height > 0 && one.frames > 0)
-    for (const Solver kind :
-         {Solver::multigrid, Solver::pcg, Solver::schwarz, Solver::global, Solver::global_thesis})
+    for (const Solver kind : kSolvers)
       if (name_of(kind) == std::string(solver)) {
         one.solver = kind;
         return one;

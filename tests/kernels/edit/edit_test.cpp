@@ -173,7 +173,7 @@ TEST_F(EditTest, SelectionSurvivesShadowAndDarkPaint) {
   }
 }
 
-TEST_F(EditTest, MaskMultipliesAndSelectionIsHandedOn) {
+TEST_F(EditTest, MaskMultipliesAndSelectionIsPassedOn) {
   const Extent extent{37, 11};
   const Pixels pixels = random_pixels(extent, 7), matte = hostile_pixels(extent, 8);
   RecolorParams params;
@@ -308,7 +308,7 @@ TEST_F(EditTest, StrengthZeroRecordsNothing) {
   EXPECT_EQ(frame.planes, before.planes);
 }
 
-TEST_F(EditTest, OthersPlanesStayUntouchedAndOurOwnAreReused) {
+TEST_F(EditTest, SharedPlanesStayUnchangedAndOwnOnesAreReused) {
   const Extent extent{40, 9};
   const Pixels pixels = random_pixels(extent, 4);
   Layers frame = layers(extent, pixels);

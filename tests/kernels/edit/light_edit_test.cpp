@@ -182,7 +182,7 @@ TEST_F(LightEditTest, LightOfRepaintedSurfacesFollowsTheirShare) {
   EXPECT_GT(most, 1.1);
 }
 
-TEST_F(LightEditTest, PlanesOfOthersStayUntouched) {
+TEST_F(LightEditTest, SharedPlanesStayUnchanged) {
   const Extent extent{40, 9};
   Frame made = frame(extent, 6, 3);
   const Layers before = made.layers;
@@ -260,7 +260,7 @@ TEST_F(LightEditTest, RecoloringASurfaceRecolorsWhatBouncesOffIt) {
   }
 }
 
-TEST_F(LightEditTest, ABaseColorThatIsNotThereSelectsNothing) {
+TEST_F(LightEditTest, AMissingBaseColorSelectsNothing) {
   const Extent extent{19, 7};
   Frame made = frame(extent, 3, 5);
   for (const bool global : {true, false}) {

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "common/error.hpp"
+#include "tests/expect_error.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
 #include "tests/reference/environment/lit_sphere.hpp"
 #include "tests/update_max.hpp"
@@ -200,7 +201,7 @@ TEST_F(LitSphereTest, NothingIsInfiniteOrNegative) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInf = std::numeric_limits<float>::infinity();
   LitSphere sphere(device, 16);
-  EXPECT_THROW(table(sphere, {}), Error);
+  expect_error(ErrorKind::internal, "a lit sphere without light", [&] { table(sphere, {}); });
   for (const Environment& light :
        {lamp(0, 0), Environment::uniform({0, 0, 0}), Environment::uniform({1e9F, 1e9F, 1e9F})}) {
     sphere.set_light(light);

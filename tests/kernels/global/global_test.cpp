@@ -208,7 +208,7 @@ TEST_F(GlobalTest, AnyFrameGivesFiniteLayers) {
   }
 }
 
-TEST_F(GlobalTest, AForgottenFrameIsLikeNone) {
+TEST_F(GlobalTest, AResetDiscardsTheFrame) {
   const Extent extent{80, 60};
   GlobalIntrinsic used(device, extent), fresh(device, extent);
   decompose(used, random_pixels(extent, 1), extent, {}, {false});

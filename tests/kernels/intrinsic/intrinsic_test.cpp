@@ -133,7 +133,7 @@ TEST_F(IntrinsicTest, EdgesOfStaticTilesAreReused) {
   EXPECT_EQ(one.findings().tiles_evaluated, tiles) << "new parameters concern every tile";
 }
 
-TEST_F(IntrinsicTest, ResetForgetsAndEveryRunGivesTheSameBits) {
+TEST_F(IntrinsicTest, AResetDiscardsHistoryAndRunsGiveTheSameBits) {
   const Extent extent{349, 287};
   IntrinsicDecomposition method(device, extent);
   const PlanePtr first = input(extent, scene(extent, 8)), second = input(extent, scene(extent, 9));
@@ -149,7 +149,7 @@ TEST_F(IntrinsicTest, ResetForgetsAndEveryRunGivesTheSameBits) {
 
 TEST_F(IntrinsicTest, MirroredFramesHaveMirroredLayers) {
   // Aggregates start at the left, so that even the reference is quite symmetric only at the end of
-  // its cycles (tests/extremes/intrinsic/symmetry_test.cpp).
+  // its cycles (tests/extremes/methods/symmetry_test.cpp).
   const Extent extent{160, 120};
   const Pixels pixels = scene(extent, 10);
   Pixels mirrored(pixels.size());
@@ -285,17 +285,17 @@ TEST_F(IntrinsicTest, AbsurdParametersStayFinite) {
 // Skipped cycles must show in the stats, and cost no more than `settled`
 // bounds: a cycle leaves up to 85 % of an error, so six times what the last one changed.
 TEST_F(IntrinsicTest, CyclesEndWhenLittleChanges) {
-  constexpr uint32_t kMost = 16;
+  constexpr uint32_t kMaxCycles = 16;
   const bool skips = device->variant().conditional;
   const Extent extent{160, 120};
   const PlanePtr still = input(extent, scene(extent, 9));
   IntrinsicDecomposition::Params params, all;
-  params.cycles = params.warm_cycles = all.cycles = all.warm_cycles = kMost;
+  params.cycles = params.warm_cycles = all.cycles = all.warm_cycles = kMaxCycles;
   all.adaptive = false;
   IntrinsicDecomposition settling(device, extent), patient(device, extent);
   const Pixels complete = decompose(patient, still, all);
-  EXPECT_EQ(patient.findings().cycles, kMost);
-  uint32_t smallest_count = kMost;
+  EXPECT_EQ(patient.findings().cycles, kMaxCycles);
+  uint32_t smallest_count = kMaxCycles;
   for (const float settled : {0.01F, 0.03F, 0.1F}) {
     params.tolerances.cycle = settled;
     const Pixels got = decompose(settling, still, params);
@@ -310,18 +310,18 @@ TEST_F(IntrinsicTest, CyclesEndWhenLittleChanges) {
     }
     const double distance = std::sqrt(sum / static_cast<double>(extent.pixels()));
     std::printf("settled %g: %u of %u cycles, %.4f from all\n", static_cast<double>(settled),
-                cycles, kMost, distance);
+                cycles, kMaxCycles, distance);
     EXPECT_LT(distance, 6 * settled);
   }
-  EXPECT_LT(smallest_count, skips ? 5 : kMost + 1);
+  EXPECT_LT(smallest_count, skips ? 5 : kMaxCycles + 1);
   // A static scene converges: one cycle a frame.
   params.tolerances.cycle = 0.01F;
   for (int k = 0; k < 5; ++k) decompose(settling, still, params, false);
-  EXPECT_EQ(settling.findings().cycles, skips ? 1 : kMost);
+  EXPECT_EQ(settling.findings().cycles, skips ? 1 : kMaxCycles);
   // 0 asks for all of them.
   params.tolerances.cycle = 0;
   decompose(settling, still, params, false);
-  EXPECT_EQ(settling.findings().cycles, kMost);
+  EXPECT_EQ(settling.findings().cycles, kMaxCycles);
 }
 
 }  // namespace inverse::testing

@@ -4,6 +4,7 @@
 #include "intrinsic_fixture.hpp"
 #include "kernels/image/format/changed_tiles.hpp"
 #include "kernels/image/format/convert.hpp"
+#include "tests/expect_error.hpp"
 #include "tests/update_max.hpp"
 
 namespace inverse::testing {
@@ -48,34 +49,35 @@ Pixels with_patch(Pixels pixels, Extent extent, size_t left, size_t top) {
   return pixels;
 }
 
-double apart(const Pixels& one, const Pixels& other) {  // rms of log shading
+/// Rms of log shading.
+double distance(const Pixels& one, const Pixels& other) {
   double sum = 0;
   for (size_t i = 3; i < one.size(); i += 4)
     sum += std::pow(std::log(static_cast<double>(one[i]) / static_cast<double>(other[i])), 2);
   return std::sqrt(sum / static_cast<double>(one.size() / 4));
 }
 
-/// How far log shading is apart without the outputs' scales, whose logarithms these are.
-struct Apart {
+/// Distance of log shading without the outputs' scales, whose logarithms these are.
+struct Distance {
   double rms = 0;
   double tile = 0;  ///< largest mean of a tile
 };
-Apart apart(Extent extent, const Pixels& one, double scale, const Pixels& other,
-            double other_scale) {
-  Apart apart;
+Distance distance(Extent extent, const Pixels& one, double scale, const Pixels& other,
+                  double other_scale) {
+  Distance distance;
   const uint32_t columns = (extent.width + 15) / 16, rows = (extent.height + 15) / 16;
   std::vector<double> sums(size_t{columns} * rows), counts(sums.size());
   for (size_t i = 0; i < extent.pixels(); ++i) {
     const double d = std::log(static_cast<double>(one[4 * i + 3])) + scale -
                      std::log(static_cast<double>(other[4 * i + 3])) - other_scale;
     const size_t tile = i / extent.width / 16 * columns + i % extent.width / 16;
-    apart.rms += d * d;
+    distance.rms += d * d;
     sums[tile] += d;
     counts[tile] += 1;
   }
-  for (size_t i = 0; i < sums.size(); ++i) update_max(apart.tile, std::abs(sums[i] / counts[i]));
-  apart.rms = std::sqrt(apart.rms / static_cast<double>(extent.pixels()));
-  return apart;
+  for (size_t i = 0; i < sums.size(); ++i) update_max(distance.tile, std::abs(sums[i] / counts[i]));
+  distance.rms = std::sqrt(distance.rms / static_cast<double>(extent.pixels()));
+  return distance;
 }
 
 class IntrinsicTilesTest : public IntrinsicTest {
@@ -175,7 +177,7 @@ TEST_F(IntrinsicTilesTest, AStaticBackgroundIsReusedAndStaysNearTheWholeSolve) {
       if (i % 4 < 3) {
         ASSERT_NEAR(got[i] * got[i | 3], frame[i], 1e-5) << "R S must be I, frame " << k;
       }
-    update_max(worst, apart(got, want));
+    update_max(worst, distance(got, want));
     worst_scale = std::max(
         worst_scale, static_cast<double>(std::abs(some.findings().scale - whole.findings().scale)));
     if (listed(some)) {
@@ -224,8 +226,8 @@ TEST_F(IntrinsicTilesTest, TrailsOfMovingObjectsFade) {
       refreshed += listed(some) && found.tiles_active == some.stats(k).tiles;
       tiles += found.tiles_active;
       if (k % 32 != 31) continue;
-      const Apart now = apart(extent, got, static_cast<double>(found.scale), want,
-                              static_cast<double>(whole.findings().scale));
+      const Distance now = distance(extent, got, static_cast<double>(found.scale), want,
+                                    static_cast<double>(whole.findings().scale));
       EXPECT_LT(now.rms, kMaxRms) << "scene " << seed << ", frame " << k;
       EXPECT_LT(now.tile, kMaxTile) << "scene " << seed << ", frame " << k;
       if (k > 96) {
@@ -248,7 +250,7 @@ TEST_F(IntrinsicTilesTest, AChangeEverywhereIsSolvedEverywhere) {
   Video video(extent);
   const auto step = [&] {
     const Pixels got = pixels_of(next(some, extent, frame, video.changed(frame), params));
-    return apart(got, pixels_of(next(whole, extent, frame, {}, all)));
+    return distance(got, pixels_of(next(whole, extent, frame, {}, all)));
   };
   for (int k = 0; k < 12; ++k) step();
   EXPECT_TRUE(listed(some)) << "a still video must come to be worked on by tiles";
@@ -268,7 +270,8 @@ TEST_F(IntrinsicTilesTest, AChangeEverywhereIsSolvedEverywhere) {
   EXPECT_TRUE(listed(some));
   next(some, extent, frame, {}, params);
   EXPECT_FALSE(listed(some));
-  EXPECT_THROW(next(some, extent, frame, std::vector<uint8_t>(3), params), Error);
+  expect_error(ErrorKind::internal, "told of 3",
+               [&] { next(some, extent, frame, std::vector<uint8_t>(3), params); });
 }
 
 TEST_F(IntrinsicTilesTest, PlanesInUseElsewhereAreNotOverwritten) {

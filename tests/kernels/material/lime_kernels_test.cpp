@@ -137,7 +137,7 @@ Pixels extreme_codes(Extent side, unsigned seed) {
   return codes;
 }
 
-TEST_F(LimeKernels, WhatTheSecondAndTheThirdNetworkHandOn) {
+TEST_F(LimeKernels, OutputsOfTheSecondAndThirdNetwork) {
   const Extent side{32, 32};
   const auto count = static_cast<uint32_t>(side.pixels());
   Pixels masked = random_pixels(side, 5);

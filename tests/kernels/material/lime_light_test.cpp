@@ -73,7 +73,7 @@ TEST_F(LimeTest, TheLightFollowsLampsThatFade) {
   }
 }
 
-TEST_F(LimeTest, ALightThatNobodyAsksForIsForgotten) {
+TEST_F(LimeTest, LightThatIsNotRequestedIsDiscarded) {
   params.light_asked = true;
   params.fusion.other = params.steady = 1;
   LimeMaterial lime(device, kFrame, HandMadeLime::models());

@@ -59,7 +59,7 @@ TEST_F(LimeTest, AVanishedObjectHasNoEstimates) {
   EXPECT_EQ(lime.object().latest.specular, before.specular);
 }
 
-TEST_F(LimeTest, FindsWhatTheNetworksSay) {
+TEST_F(LimeTest, EstimatesAreThoseOfTheNetworks) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   const Plane picture = scene(60, 30, 20);
   LimeMaterial::Layers layers;
@@ -131,7 +131,7 @@ TEST_F(LimeTest, APictureWithoutAnObjectIsSearchedOnce) {
   }
 }
 
-TEST_F(LimeTest, AnUnchangedObjectIsEstimatedNowAndThen) {
+TEST_F(LimeTest, AnUnchangedObjectIsEstimatedRarely) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   params.recheck = 5;
   const Plane picture = scene(50, 30, 20);
@@ -185,7 +185,7 @@ TEST_F(LimeTest, LayersOfAnUnchangedObjectFollowItsLight) {
   EXPECT_GE(lime.report(lime.recorded() - 1).estimates, estimates + 6);
 }
 
-TEST_F(LimeTest, LayersThatBeginToBeDrawnAreOfThePictureThatIsThere) {
+TEST_F(LimeTest, FirstDrawnLayersAreOfTheCurrentPicture) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   params.recheck = 1000;
   params.fusion.other = 1;
@@ -218,7 +218,7 @@ TEST_F(LimeTest, ASteadyObjectThatLeavesIsLostAtOnce) {
   EXPECT_FALSE(lime.object().found);
 }
 
-TEST_F(LimeTest, ForgetsTheObjectOnReset) {
+TEST_F(LimeTest, AResetDiscardsTheObject) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   for (int i = 0; i < 4; ++i) frame(lime, scene(50, 30, 20));
   lime.reset();

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "common/error.hpp"
+#include "tests/expect_error.hpp"
 
 namespace inverse::testing {
 
@@ -17,35 +18,23 @@ TEST(LimeModels, AreLoadedFromAFolder) {
   EXPECT_EQ(m.albedo.weights, HandMadeLime::models().albedo.weights);
 }
 
-TEST(LimeModels, WhatDoesNotFitIsRefusedByName) {
-  const auto complaint = [](const HandMadeLime& files) -> std::string {
-    try {
-      LimeModels::load(files.folder() + "/lime");
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::file);
-      return error.what();
-    }
-    return "";
+TEST(LimeModels, NetworksThatDoNotFitAreRefusedByName) {
+  const auto expect_refused = [](const HandMadeLime& files, const std::string& text) {
+    return expect_error(ErrorKind::file, text, [&] { LimeModels::load(files.folder() + "/lime"); });
   };
   HandMadeLime missing, shape, cut, scores;
   std::filesystem::remove(missing.path("mirror"));
-  EXPECT_NE(complaint(missing).find("mirror.net: it cannot be read: No such file"),
-            std::string::npos)
-      << complaint(missing);
+  expect_refused(missing, "mirror.net: it cannot be read: No such file");
   shape.write("albedo", network::to_file(HandMadeLime::models().exponent));
-  EXPECT_NE(complaint(shape).find("albedo.net: it takes 2 x 32 x 32 in place of 4 x 32 x 32"),
-            std::string::npos)
-      << complaint(shape);
+  expect_refused(shape, "albedo.net: it takes 2 x 32 x 32 in place of 4 x 32 x 32");
   auto bytes = network::to_file(HandMadeLime::models().exponent);
   bytes.resize(bytes.size() - 5);
   cut.write("exponent", bytes);
-  EXPECT_NE(complaint(cut).find("exponent.net"), std::string::npos);
-  EXPECT_NE(complaint(cut).find("cut short"), std::string::npos) << complaint(cut);
+  expect_contains(expect_refused(cut, "exponent.net"), "cut short");
   network::Graph exponent = HandMadeLime::models().exponent;
   exponent.nodes.back().op = network::Op::activation;
   scores.write("exponent", network::to_file(exponent));
-  EXPECT_NE(complaint(scores).find("exponent.net: it gives no probabilities"), std::string::npos)
-      << complaint(scores);
+  expect_refused(scores, "exponent.net: it gives no probabilities");
 }
 
 }  // namespace inverse::testing

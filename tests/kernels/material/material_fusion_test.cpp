@@ -92,7 +92,7 @@ TEST(MaterialFusion, ASimilarObjectIsNotConfirmedBeforeItsMean) {
   }
 }
 
-TEST(MaterialFusion, NoMoreEstimatesAreInTheMeanThanItRemembers) {
+TEST(MaterialFusion, TheMeanHasAtMostTheLengthOfItsMemory) {
   MaterialFusion fusion;
   MaterialFusion::Params params;
   params.memory = 5;
@@ -103,7 +103,7 @@ TEST(MaterialFusion, NoMoreEstimatesAreInTheMeanThanItRemembers) {
   }
 }
 
-TEST(MaterialFusion, AMemoryThatGrowsDoesNotCountWhatAShorterOneForgot) {
+TEST(MaterialFusion, AGrowingMemoryOmitsDiscardedEstimates) {
   MaterialFusion fusion;
   MaterialFusion::Params params;
   params.memory = 1;
@@ -138,7 +138,7 @@ TEST(MaterialFusion, AGlossyObjectOfTheSameColorIsAnotherOne) {
   }
 }
 
-TEST(MaterialFusion, BinsThatAreNoProbabilitiesAreNotTaken) {
+TEST(MaterialFusion, InvalidProbabilitiesAreIgnored) {
   MaterialFusion fusion;
   Material none = material(.3F, .4F, 2), negative = none;
   none.bins.fill(0);
@@ -147,7 +147,7 @@ TEST(MaterialFusion, BinsThatAreNoProbabilitiesAreNotTaken) {
   EXPECT_EQ(fusion.count(), 0u);
 }
 
-TEST(MaterialFusion, WhatIsNoNumberIsNotTaken) {
+TEST(MaterialFusion, NonFiniteEstimatesAreIgnored) {
   MaterialFusion fusion;
   fusion.add(material(.3F, .4F, 2), {});
   fusion.add(material(std::numeric_limits<float>::quiet_NaN(), .4F, 2), {});

@@ -101,7 +101,7 @@ TEST(NetworkSchedule, WithoutAnObjectOnlyDetectionRunsOncePerPicture) {
   EXPECT_TRUE(plan.segments && plan.estimates) << "nothing is left out";
 }
 
-TEST(NetworkSchedule, WhoDrawsLayersGetsThoseOfThePictureAsItIs) {
+TEST(NetworkSchedule, DrawnLayersAreOfTheCurrentPicture) {
   Video video;
   EXPECT_FALSE(video.next().compares) << "nobody looks";
   video.known.draws = true;

@@ -60,7 +60,7 @@ TEST(ObjectTracker, TheSquareIsUnchangedWithTheObject) {
   EXPECT_EQ(tracker.moved(), 0);
 }
 
-TEST(ObjectTracker, WhatIsSuddenlyElsewhereIsAnotherObject) {
+TEST(ObjectTracker, AJumpIsAnotherObject) {
   ObjectTracker tracker({320, 240});
   const auto see = [&](float x, float radius) {
     const Square square = tracker.square();
@@ -104,7 +104,7 @@ TEST(ObjectTracker, ARefinementThatLosesTheObjectIsRejected) {
   }
 }
 
-TEST(ObjectTracker, TheLargerOfTwoObjectsCounts) {
+TEST(ObjectTracker, TheLargerOfTwoObjectsIsTracked) {
   ObjectTracker tracker({400, 400});
   auto both = look(tracker.square(), 64, 100, 100, 40);
   const auto other = look(tracker.square(), 64, 300, 300, 60);

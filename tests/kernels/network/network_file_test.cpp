@@ -9,6 +9,7 @@
 #include "common/error.hpp"
 #include "kernels/network/graph_file.hpp"
 #include "network_builder.hpp"
+#include "tests/expect_error.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
@@ -26,22 +27,18 @@ Graph small_graph() {
   return b.graph();
 }
 
-/// What reading these bytes complains of; empty if it does not.
-std::string complaint(const std::vector<std::byte>& bytes) {
-  try {
-    network::from_file(bytes, "some.net");
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::file);
-    EXPECT_EQ(std::string(error.what()).rfind("some.net: ", 0), 0u) << error.what();
-    return error.what();
-  }
-  return "";
+/// The error of reading these bytes; empty without one.
+std::string read_error(const std::vector<std::byte>& bytes) {
+  const std::string text =
+      error_of([&] { network::from_file(bytes, "some.net"); }, ErrorKind::file);
+  EXPECT_TRUE(text.empty() || text.starts_with("some.net: ")) << text;
+  return text;
 }
 
-std::string complaint(const std::function<void(Graph&)>& spoil) {
+std::string read_error(const std::function<void(Graph&)>& spoil) {
   Graph graph = small_graph();
   spoil(graph);
-  return complaint(network::to_file(graph));
+  return read_error(network::to_file(graph));
 }
 
 }  // namespace
@@ -68,7 +65,8 @@ TEST(NetworkFile, ComesBackAsItWas) {
 TEST(NetworkFile, CutShortIsRefusedWhereverItEnds) {
   const auto bytes = network::to_file(small_graph());
   for (size_t size = 0; size < bytes.size(); ++size)
-    EXPECT_NE(complaint({bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(size)}), "") << size;
+    EXPECT_NE(read_error({bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(size)}), "")
+        << size;
 }
 
 TEST(NetworkFile, EveryChangedByteIsRefused) {
@@ -76,13 +74,13 @@ TEST(NetworkFile, EveryChangedByteIsRefused) {
   for (size_t i = 0; i < bytes.size(); ++i) {
     auto changed = bytes;
     changed[i] ^= std::byte{0x41};
-    EXPECT_NE(complaint(changed), "") << i;
+    EXPECT_NE(read_error(changed), "") << i;
   }
 }
 
 // With a correct checksum, so that the graph itself is parsed: no byte makes it crash,
 // hang or eat memory.
-TEST(NetworkFile, NoGraphOfRandomBytesIsTrusted) {
+TEST(NetworkFile, GraphsOfRandomBytesAreReadOrErrors) {
   const auto bytes = network::to_file(small_graph());
   std::mt19937 random(1);
   for (int i = 0; i < 4000; ++i) {
@@ -94,37 +92,32 @@ TEST(NetworkFile, NoGraphOfRandomBytesIsTrusted) {
     for (size_t k = 32; k < changed.size(); ++k)
       hash = (hash ^ static_cast<uint64_t>(changed[k])) * 0x100000001b3;
     memcpy(changed.data() + 24, &hash, sizeof hash);
-    complaint(changed);
+    read_error(changed);
   }
 }
 
-TEST(NetworkFile, SaysWhatIsWrong) {
+TEST(NetworkFile, DamagedFilesAreErrorsWithTheirCause) {
   auto bytes = network::to_file(small_graph());
   bytes[0] = std::byte{'x'};
-  EXPECT_NE(complaint(bytes).find("inverse-onnx-import"), std::string::npos);
+  expect_contains(read_error(bytes), "inverse-onnx-import");
   bytes = network::to_file(small_graph());
   bytes[8] = std::byte{9};
-  EXPECT_NE(complaint(bytes).find("version 9"), std::string::npos);
+  expect_contains(read_error(bytes), "version 9");
   bytes = network::to_file(small_graph());
   bytes.back() ^= std::byte{1};
-  EXPECT_NE(complaint(bytes).find("checksum"), std::string::npos);
-  try {
-    network::load("/nowhere/some.net");
-    ADD_FAILURE();
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("/nowhere/some.net: it cannot be read: No such file"),
-              std::string::npos);
-  }
+  expect_contains(read_error(bytes), "checksum");
+  expect_error(ErrorKind::file, "/nowhere/some.net: it cannot be read: No such file",
+               [] { network::load("/nowhere/some.net"); });
 }
 
-TEST(NetworkFile, RefusesGraphsThatAreNone) {
+TEST(NetworkFile, RefusesInvalidGraphs) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  const auto nan = complaint([](Graph& g) { g.weights[7] = kNan; });
-  EXPECT_NE(nan.find("node 0"), std::string::npos) << nan;
-  EXPECT_NE(nan.find("a weight is not a finite number"), std::string::npos) << nan;
+  const auto nan = read_error([](Graph& g) { g.weights[7] = kNan; });
+  expect_contains(nan, "node 0");
+  expect_contains(nan, "a weight is not a finite number");
   const auto bias =
-      complaint([](Graph& g) { g.weights.back() = -std::numeric_limits<float>::infinity(); });
-  EXPECT_NE(bias.find("a bias is not a finite number"), std::string::npos) << bias;
+      read_error([](Graph& g) { g.weights.back() = -std::numeric_limits<float>::infinity(); });
+  expect_contains(bias, "a bias is not a finite number");
   for (const std::function<void(Graph&)>& spoil : std::vector<std::function<void(Graph&)>>{
            [](Graph& g) { g.nodes[0].op = static_cast<Op>(99); },
            [](Graph& g) { g.nodes[0].activation = static_cast<network::Activation>(4); },
@@ -147,24 +140,18 @@ TEST(NetworkFile, RefusesGraphsThatAreNone) {
            [](Graph& g) { g.outputs.clear(); },
            [](Graph& g) { g.outputs[0].value = 0; },
            [](Graph& g) { g.outputs[0].value = 99; }})
-    EXPECT_NE(complaint(spoil), "");
+    EXPECT_NE(read_error(spoil), "");
 }
 
-TEST(NetworkFile, WhatCannotBeReadIsNamed) {
-  const auto complaint_of = [](const std::string& path) -> std::string {
-    try {
-      network::load(path);
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::file);
-      return error.what();
-    }
-    return "";
+TEST(NetworkFile, UnreadableFilesAreNamed) {
+  const auto load_error = [](const std::string& path) {
+    return error_of([&] { network::load(path); }, ErrorKind::file);
   };
   const TemporaryFolder folder;
   const std::string remedy = "; inverse-onnx-import makes a network file of an ONNX file";
-  EXPECT_EQ(complaint_of(folder.path()), folder.path() + ": it is no file" + remedy);
+  EXPECT_EQ(load_error(folder.path()), folder.path() + ": it is no file" + remedy);
   const std::string missing = folder / "a.net";
-  EXPECT_EQ(complaint_of(missing),
+  EXPECT_EQ(load_error(missing),
             missing + ": it cannot be read: No such file or directory" + remedy);
 }
 

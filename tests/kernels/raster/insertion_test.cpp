@@ -66,7 +66,7 @@ class InsertionTest : public GpuTest {
 
 }  // namespace
 
-TEST_F(InsertionTest, DrawsTheMaterialWhereItIsAskedTo) {
+TEST_F(InsertionTest, DrawsTheMaterialAtItsPosition) {
   Insertion insertion(device, kFrame);
   insertion.set_mesh(Mesh::sphere());
   Insertion::Params params;

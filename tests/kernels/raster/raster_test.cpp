@@ -9,6 +9,7 @@
 #include "common/error.hpp"
 #include "kernels/environment/lit_sphere.hpp"
 #include "kernels/raster/rasterizer.hpp"
+#include "tests/expect_error.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
 #include "tests/update_max.hpp"
 
@@ -333,23 +334,16 @@ TEST(MeshTest, PreparesBadMeshes) {
   EXPECT_NEAR(reach, 1, 1e-6);
 }
 
-TEST(MeshTest, SaysWhatCannotBeDrawn) {
-  const auto error = [](Mesh mesh) -> std::string {
-    try {
-      mesh.prepare("a.obj");
-    } catch (const Error& e) {
-      EXPECT_EQ(e.kind(), ErrorKind::file);
-      return e.what();
-    }
-    return "";
+TEST(MeshTest, MeshesThatCannotBeDrawnAreErrors) {
+  const auto expect_refused = [](Mesh mesh, const std::string& text) {
+    expect_error(ErrorKind::file, text, [&] { mesh.prepare("a.obj"); });
   };
-  EXPECT_NE(error({}).find("mesh a.obj has no triangle"), std::string::npos);
-  EXPECT_NE(error({{{1, 1, 1}, {2, 2, 2}, {3, 3, 3}}, {}, {0, 1, 2}}).find("no triangle"),
-            std::string::npos);
+  expect_refused({}, "mesh a.obj has no triangle");
+  expect_refused({{{1, 1, 1}, {2, 2, 2}, {3, 3, 3}}, {}, {0, 1, 2}}, "no triangle");
   Mesh many{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {}, {}};
   for (size_t i = 0; i <= Mesh::kMaxTriangles; ++i)
     many.indices.insert(many.indices.end(), {0, 1, 2});
-  EXPECT_NE(error(many).find("1000001 triangles; at most 1000000"), std::string::npos);
+  expect_refused(many, "1000001 triangles; at most 1000000");
 }
 
 }  // namespace inverse::testing

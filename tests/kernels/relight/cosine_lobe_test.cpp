@@ -309,7 +309,7 @@ TEST_F(CosineLobeTest, NonFiniteValuesDoNotSpread) {
   }
 }
 
-TEST_F(CosineLobeTest, BlackPixelsStayBlackAndNobodyPointsAnywhere) {
+TEST_F(CosineLobeTest, BlackPixelsStayBlackAndHaveNoDirection) {
   Pair pair;
   pair.add({0, 0, 0}, {0, 0, 0});
   pair.add({1e-5, 0, 0}, {0, 1e-5, 0});  // noise

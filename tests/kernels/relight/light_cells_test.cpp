@@ -99,7 +99,7 @@ TEST(LightCells, MapsOfAnySizeKeepTheirLight) {
   }
 }
 
-TEST(LightCells, TurnsGoWhereTheyAreSaidTo) {
+TEST(LightCells, RotationsHaveTheirDirection) {
   // One light in front, one at the right, one behind, one at the left, above and below.
   const LightCells cells({{0, 0, 1}, {1, 0, 0}, {0, 0, -1}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}});
   std::vector<float> rgb(size_t{6} * 64 * 64);
@@ -120,7 +120,7 @@ TEST(LightCells, TurnsGoWhereTheyAreSaidTo) {
   EXPECT_EQ(stage.weights(noisy, NAN), stage.weights(noisy));
 }
 
-TEST(LightCells, SaysWhatShareOfTheLightItShows) {
+TEST(LightCells, ReportsTheShareOfTheLightItShows) {
   const LightCells cells(geodesic_directions(331));
   std::vector<float> rgb(size_t{6} * 32 * 32);
   for (size_t i = 0; i < 6 * 32; ++i) rgb[i] = rgb[rgb.size() - 1 - i] = 1;  // sky above, floor

@@ -10,6 +10,7 @@
 #include "kernels/relight/relighting.hpp"
 #include "reflectance_field_fixture.hpp"
 #include "relight_models.hpp"
+#include "tests/expect_error.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
@@ -64,15 +65,6 @@ class RelightNetworkTest : public ReflectanceFieldTest {
 
 RelightModels random_models(unsigned seed) {
   return RelightModels::of(random_features(seed), random_light(seed + 100), "light");
-}
-
-std::string refusal(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 }  // namespace
@@ -247,7 +239,7 @@ TEST_F(RelightNetworkTest, ResponsesAreThoseOfSingleLights) {
   }
 }
 
-TEST_F(RelightNetworkTest, WhatIsNoNumberStaysOut) {
+TEST_F(RelightNetworkTest, NonFiniteInputIsIgnored) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInf = std::numeric_limits<float>::infinity();
   const Extent extent{32, 32};
@@ -259,31 +251,31 @@ TEST_F(RelightNetworkTest, WhatIsNoNumberStaysOut) {
   for (const float v : got) ASSERT_TRUE(std::isfinite(v));
 }
 
-TEST(RelightModels, RefusesWhatIsNoRelightingNetworkAndSaysWhich) {
+TEST(RelightModels, RefusesOtherNetworksByName) {
   const TemporaryFolder folder;
-  const auto load = [&] { return refusal([&] { RelightModels::load(folder.path()); }); };
-  EXPECT_NE(load().find("features.net"), std::string::npos) << load();
+  const auto load = [&] { return error_of([&] { RelightModels::load(folder.path()); }); };
+  expect_contains(load(), "features.net");
   write_graph(random_features(1), folder / "features.net");
-  EXPECT_NE(load().find("light.net"), std::string::npos) << load();
+  expect_contains(load(), "light.net");
   write_graph(random_light(2), folder / "light.net");
   EXPECT_EQ(load(), "");
   for (const auto& [in, hidden, out] : {std::tuple{23u, 24u, 4u}, {24u, 16u, 4u}, {24u, 24u, 3u}}) {
     write_graph(random_light(2, in, hidden, out), folder / "light.net");
-    EXPECT_NE(load().find("layer \"node "), std::string::npos) << load();
+    expect_contains(load(), "layer \"node ");
   }
   write_graph(random_light(2), folder / "light.net");
   write_graph(random_features(1, 3), folder / "features.net");
-  EXPECT_NE(load().find("features.net"), std::string::npos) << load();
+  expect_contains(load(), "features.net");
   write_graph(random_features(1, 6, 32), folder / "features.net");
-  EXPECT_NE(load().find("32 channels"), std::string::npos) << load();
+  expect_contains(load(), "32 channels");
   // Weights that are no numbers, and files that end early.
   network::Graph sick = random_features(1);
   sick.weights[40] = std::numeric_limits<float>::quiet_NaN();
   write_graph(sick, folder / "features.net");
-  EXPECT_NE(load().find("node 0"), std::string::npos) << load();
+  expect_contains(load(), "node 0");
   write_graph(random_features(1), folder / "features.net");
   std::filesystem::resize_file(folder / "features.net", 1000);
-  EXPECT_NE(load().find("features.net"), std::string::npos) << load();
+  expect_contains(load(), "features.net");
 }
 
 TEST_F(RelightNetworkTest, WithoutANetworkThereIsAnErrorAndNoCrash) {
@@ -294,7 +286,9 @@ TEST_F(RelightNetworkTest, WithoutANetworkThereIsAnErrorAndNoCrash) {
   params.model = Relighting::Model::network;
   const Plane a = plane({16, 16}, Pixels(16 * 16 * 4, .25F));
   run([&](gpu::Commands& commands) {
-    EXPECT_THROW(method.record_pair(commands, {a, a}, params, 0, false, true), Error);
+    expect_error(ErrorKind::internal, "no network was loaded to relight with", [&] {
+      method.record_pair(commands, {a, a}, params, 0, false, true);
+    });
   });
 }
 

@@ -9,6 +9,7 @@
 #include "kernels/virtual_stage/half.hpp"
 #include "kernels/virtual_stage/virtual_camera.hpp"
 #include "kernels/virtual_stage/virtual_head.hpp"
+#include "tests/expect_error.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
 #include "tests/reference/virtual_stage/virtual_head.hpp"
 #include "tests/update_max.hpp"
@@ -163,7 +164,7 @@ TEST_F(VirtualStageTest, ShadingMatchesItsReference) {
   }
 }
 
-TEST_F(VirtualStageTest, RenderingCanBeGivenUp) {
+TEST_F(VirtualStageTest, RenderingCanBeCancelled) {
   OlatStack stack(device, {8, 8}, 3, kPlenty);
   EXPECT_FALSE(render_head(stack, geodesic_directions(3), {}, [] { return false; }));
 }
@@ -234,21 +235,16 @@ TEST_F(VirtualStageTest, SumsArePerLight) {
   EXPECT_EQ(stack.made(), 13U);
 }
 
-TEST_F(VirtualStageTest, TooMuchMemoryIsSaid) {
-  try {
-    OlatStack(device, {640, 480}, 331, uint64_t{100} << 20);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::limit);
-    EXPECT_NE(std::string(error.what())
-                  .find("331 images of 640x480 under one light each take 776 "
-                        "MiB, the limit is 100 MiB; use a smaller frame"),
-              std::string::npos)
-        << error.what();
-  }
+TEST_F(VirtualStageTest, TooMuchMemoryIsAnError) {
+  expect_error(ErrorKind::limit,
+               "331 images of 640x480 under one light each take 776 MiB, the limit is 100 MiB; use "
+               "a smaller frame",
+               [&] {
+                 OlatStack(device, {640, 480}, 331, uint64_t{100} << 20);
+               });
 }
 
-TEST_F(VirtualStageTest, ImagesThatAreNoLightAreBounded) {
+TEST_F(VirtualStageTest, InvalidImagesAreBounded) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInf = std::numeric_limits<float>::infinity();
   OlatStack stack(device, {2, 1}, 1, kPlenty);
@@ -256,8 +252,9 @@ TEST_F(VirtualStageTest, ImagesThatAreNoLightAreBounded) {
   const Pixels frame = olat(stack, 0);
   const std::vector<float> expected = {0, 0, 65504, 1, 65504, .5F, 0, 1};
   EXPECT_EQ(frame, expected);
-  EXPECT_THROW(stack.load(1, std::vector<float>(6)), Error);
-  EXPECT_THROW(stack.load(0, std::vector<float>(5)), Error);
+  for (const auto& [light, size] : {std::pair{1U, 6U}, {0U, 5U}})
+    expect_error(ErrorKind::internal, "an OLAT image of another stack",
+                 [&] { stack.load(light, std::vector<float>(size)); });
 }
 
 TEST(Half, IsTheNearest) {
@@ -292,7 +289,7 @@ TEST_F(VirtualStageTest, CameraMatchesItsReference) {
     }
 }
 
-TEST_F(VirtualStageTest, NoiseHasTheSizeItSays) {
+TEST_F(VirtualStageTest, NoiseHasTheSpecifiedSize) {
   const Extent extent{200, 200};
   const VirtualCamera camera(device);
   for (const float level : {0.0F, .25F, 1.0F}) {
@@ -312,22 +309,22 @@ TEST_F(VirtualStageTest, NoiseHasTheSizeItSays) {
   }
 }
 
-TEST(CameraSchedule, RatesAreWhatTheySay) {
+TEST(CameraSchedule, RatesAreAsSpecified) {
   const CameraFaults faults{.02F, .01F, .05F, .3F, 6};
   int dropped = 0, duplicated = 0, late = 0;
-  double smallest = 0, most = 0;
+  double smallest = 0, largest = 0;
   for (uint64_t i = 0; i < 100000; ++i) {
     const FrameFate fate = fate_of(i, faults);
     dropped += fate.dropped, duplicated += fate.duplicated;
     late += fate.shift > .31;
     smallest = std::min(smallest, fate.shift);
-    update_max(most, fate.shift);
+    update_max(largest, fate.shift);
   }
   EXPECT_NEAR(dropped, 2000, 150);
   EXPECT_NEAR(duplicated, 1000, 110);
   EXPECT_NEAR(late, 4700, 400);  // some of these were early otherwise
   EXPECT_NEAR(smallest, -.3, 1e-3);
-  EXPECT_NEAR(most, 1.3, 3e-2);
+  EXPECT_NEAR(largest, 1.3, 3e-2);
   for (uint64_t i = 0; i < 1000; ++i) {
     const FrameFate none = fate_of(i, {}), all = fate_of(i, {1, 1, 0, 0, 0});
     EXPECT_FALSE(none.dropped || none.duplicated);

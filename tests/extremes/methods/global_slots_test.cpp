@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-#include "global_picture.hpp"
+#include "pictures.hpp"
 
 namespace inverse::extremes {
 namespace {
@@ -16,14 +16,14 @@ constexpr Extent kExtent{64, 48};
 using Rgb = std::array<float, 3>;
 using Slots = std::array<std::optional<Rgb>, kMaxBases>;
 
-Slots slots_of(Solver solver, const GlobalLayers& got, GlobalMethod& method) {
+Slots slots_of(Solver solver, const Output& got, Method& method) {
   Slots slots;
   if (solver == Solver::global) {
     for (size_t k = 0; k < kMaxBases; ++k)
       if (got.bases[4 * k + 3] > 0)
         slots[k] = Rgb{got.bases[4 * k], got.bases[4 * k + 1], got.bases[4 * k + 2]};
   } else {
-    for (const auto& color : method.thesis().colors().colors())
+    for (const auto& color : method.global_thesis().colors().colors())
       slots[static_cast<size_t>(color.slot)] = color.initial;
   }
   return slots;
@@ -53,10 +53,10 @@ std::optional<size_t> slot_near(const Slots& slots, const Rgb& color, double lar
 
 class BaseColorSlots : public testing::TestWithParam<Solver> {};
 
-TEST_P(BaseColorSlots, AreStableOverSlowChangeAndFollowWhatComesAndGoes) {
+TEST_P(BaseColorSlots, AreStableOverSlowChangeAndFollowNewColors) {
   const Lab lab;
   const Solver solver = GetParam();
-  GlobalMethod method(lab, solver, kExtent);
+  Method method(lab, solver, kExtent);
   if (solver == Solver::global_thesis) {
     GlobalThesisParams params;
     params.steps = 1;  // colors do not depend on the solution
@@ -87,7 +87,7 @@ TEST_P(BaseColorSlots, AreStableOverSlowChangeAndFollowWhatComesAndGoes) {
         for (uint32_t x = 0; x < 14; ++x)
           for (size_t c = 0; c < 3; ++c)
             picture[4 * (size_t{y} * kExtent.width + x + frame - kComes) + c] = 0.8F * kGuest[c];
-    const GlobalLayers got = method.decompose(picture);
+    const Output got = method.decompose(picture);
     const Slots slots = slots_of(solver, got, method);
     if (frame == 1)
       for (size_t k = 0; k < own.size(); ++k) {
@@ -114,9 +114,9 @@ TEST_P(BaseColorSlots, AreStableOverSlowChangeAndFollowWhatComesAndGoes) {
   EXPECT_LE(gone - kGoes, fades);
 }
 
-TEST(GlobalSlots, AColorThatWasAwayFindsItsSlotAgain) {
+TEST(GlobalSlots, AReturningColorGetsItsSlot) {
   const Lab lab;
-  GlobalMethod method(lab, Solver::global, kExtent);
+  Method method(lab, Solver::global, kExtent);
   const std::vector<Rgb> paints{
       {0.8F, 0.12F, 0.1F}, {0.15F, 0.6F, 0.2F}, {0.2F, 0.3F, 0.9F}, {0.7F, 0.68F, 0.65F}};
   const Rgb guest{0.75F, 0.05F, 0.7F}, other{0.8F, 0.75F, 0.04F};
@@ -150,10 +150,7 @@ TEST(GlobalSlots, AColorThatWasAwayFindsItsSlotAgain) {
   EXPECT_GT(others, 15U);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, BaseColorSlots, testing::ValuesIn(kGlobalMethods),
-                         [](const auto& info) {
-                           return std::string(info.param == Solver::global ? "global" : "thesis");
-                         });
+INSTANTIATE_TEST_SUITE_P(All, BaseColorSlots, testing::ValuesIn(kGlobalSolvers), solver_name);
 
 }  // namespace
 }  // namespace inverse::extremes

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Images for the tests of direct and indirect light.
+// Images for the tests of all methods.
 #pragma once
 #include <array>
 #include <random>
 
-#include "global_methods.hpp"
+#include "method.hpp"
 
 namespace inverse::extremes {
 

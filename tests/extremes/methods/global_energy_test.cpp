@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-#include "global_picture.hpp"
+#include "pictures.hpp"
 #include "tests/update_max.hpp"
 
 namespace inverse::extremes {
@@ -57,11 +57,11 @@ TEST(GlobalEnergy, FallsAsFarAsTheStepsPromise) {
       setting.params.refine_rounds = 0;
       setting.params.trace = true;
       setting.params.steps = 24;
-      GlobalMethod method(lab, Solver::global_thesis, kExtent);
+      Method method(lab, Solver::global_thesis, kExtent);
       method.set(setting.params);
-      method.thesis().set_base_colors(kPaints);
+      method.global_thesis().set_base_colors(kPaints);
       method.decompose(frame);
-      const auto& energy = method.stats().energy;
+      const auto& energy = method.global_thesis_stats().energy;
       ASSERT_EQ(energy.size(), 25U);
       double worst = 0, beyond = 0;
       for (size_t k = 1; k < energy.size(); ++k) {
@@ -117,11 +117,11 @@ TEST(GlobalEnergy, DoesNotRiseWhereLightSpansDecades) {
       params.refine_rounds = 0;
       params.trace = true;
       params.steps = 24;
-      GlobalMethod method(lab, Solver::global_thesis, kExtent);
+      Method method(lab, Solver::global_thesis, kExtent);
       method.set(params);
-      method.thesis().set_base_colors(kPaints);
+      method.global_thesis().set_base_colors(kPaints);
       method.decompose(frame);
-      const auto& energy = method.stats().energy;
+      const auto& energy = method.global_thesis_stats().energy;
       ASSERT_EQ(energy.size(), 25U);
       double worst = 0;
       for (size_t k = 1; k < energy.size(); ++k) {
@@ -132,7 +132,7 @@ TEST(GlobalEnergy, DoesNotRiseWhereLightSpansDecades) {
           "  %-10s %d samples, search %d: %10.4g to %10.4g, a step up by %.1e, %d of 24 steps "
           "shortened\n",
           picture, samples, search, energy.front().total(), energy.back().total(), worst,
-          method.stats().shortened);
+          method.global_thesis_stats().shortened);
       if (!search) {
         rises += worst > 0.01;
         continue;

@@ -5,7 +5,8 @@
 
 #include <cmath>
 
-#include "global_picture.hpp"
+#include "check.hpp"
+#include "pictures.hpp"
 #include "tests/update_max.hpp"
 
 namespace inverse::extremes {
@@ -25,72 +26,72 @@ class GlobalLayerCounts : public testing::Test {
     for (size_t i = 0; i < frame.size(); i += 4) frame[i] = frame[i + 2] = frame[i + 1];
     return frame;
   }
-  static double worst_light_off_gray(const GlobalLayers& got) {
+  static double worst_light_off_gray(const Output& got) {
     double worst = 0;
     for (size_t i = 0; i < got.light.size(); i += 4)
       for (size_t c = 0; c < 3; ++c)
         update_max(worst, std::abs(static_cast<double>(got.light[i + c]) - 1));
     return worst;
   }
-  static GlobalLayers with_colors(const std::vector<Rgb>& colors, const Pixels& frame) {
-    GlobalMethod method(lab(), Solver::global_thesis, kExtent);
+  static Output with_colors(const std::vector<Rgb>& colors, const Pixels& frame) {
+    Method method(lab(), Solver::global_thesis, kExtent);
     GlobalThesisParams params;
     params.steps = 8;  // many parallel layers converge more slowly than few
     params.samples = 0;
     params.refine_rounds = 0;
     method.set(params);
-    method.thesis().set_base_colors(colors);
-    GlobalLayers got = method.decompose(frame);
-    EXPECT_EQ(method.stats().layers, static_cast<int>(colors.size()));
+    method.global_thesis().set_base_colors(colors);
+    Output got = method.decompose(frame);
+    EXPECT_EQ(method.global_thesis_stats().layers, static_cast<int>(colors.size()));
     EXPECT_EQ(got.shares.size(), (colors.size() + 3) / 4);
-    const auto wrong = wrong_global_layers(Solver::global_thesis, 0, frame, got);
+    const auto wrong = wrong_layers({Solver::global_thesis}, 0, frame, got);
     EXPECT_FALSE(wrong) << *wrong;
     return got;
   }
 };
 
 TEST_F(GlobalLayerCounts, OneBaseColorMeansGrayLight) {
-  GlobalMethod method(lab(), Solver::global, kExtent);
+  Method method(lab(), Solver::global, kExtent);
   GlobalIntrinsic::Params params;
   params.base_colors = 1;
   method.set(params);
   for (unsigned frame = 0; frame < 4; ++frame) {
     const Pixels picture = mosaic(kExtent, frame / 2);
-    const GlobalLayers got = method.decompose(picture);
+    const Output got = method.decompose(picture);
     EXPECT_EQ(method.found().colors, 1U);
     EXPECT_EQ(got.colors(), 1U);
     EXPECT_EQ(got.shares.size(), 1U);
     EXPECT_LT(worst_light_off_gray(got), 1e-5) << "one color says nothing of the light's";
-    const auto wrong = wrong_global_layers(Solver::global, frame, picture, got);
+    const auto wrong = wrong_layers({Solver::global}, frame, picture, got);
     EXPECT_FALSE(wrong) << *wrong;
   }
 }
 
 TEST_F(GlobalLayerCounts, OneClusterOfTheThesisMethod) {
-  GlobalMethod method(lab(), Solver::global_thesis, kExtent);
+  Method method(lab(), Solver::global_thesis, kExtent);
   GlobalThesisParams params;
   params.clusters = 1;
   method.set(params);
   for (unsigned frame = 0; frame < 4; ++frame) {
     const Pixels picture = mosaic(kExtent, frame / 2);
-    const GlobalLayers got = method.decompose(picture);
-    EXPECT_EQ(method.stats().colors, 1);
-    EXPECT_LE(method.stats().layers, 1);
+    const Output got = method.decompose(picture);
+    EXPECT_EQ(method.global_thesis_stats().colors, 1);
+    EXPECT_LE(method.global_thesis_stats().layers, 1);
     EXPECT_LE(got.shares.size(), 1U);
-    const auto wrong = wrong_global_layers(Solver::global_thesis, frame, picture, got);
+    const auto wrong = wrong_layers({Solver::global_thesis}, frame, picture, got);
     EXPECT_FALSE(wrong) << *wrong;
   }
 }
 
 TEST_F(GlobalLayerCounts, NoMoreColorsThanTheSceneHas) {
   const Pixels picture = walls(kExtent, {{0.8F, 0.15F, 0.1F}, {0.1F, 0.2F, 0.8F}}, 0);
-  for (const Solver solver : kGlobalMethods) {
-    GlobalMethod method(lab(), solver, kExtent);
+  for (const Solver solver : kGlobalSolvers) {
+    Method method(lab(), solver, kExtent);
     GlobalThesisParams params;
     params.clusters = 16;
     if (solver == Solver::global_thesis) method.set(params);
     for (int frame = 0; frame < 4; ++frame) {
-      const GlobalLayers got = method.decompose(picture);
+      const Output got = method.decompose(picture);
       EXPECT_EQ(got.colors(), 2U) << name_of(solver) << ", frame " << frame;
       EXPECT_TRUE(frame < 3 || got.shares.size() == 1) << name_of(solver);
     }
@@ -98,8 +99,8 @@ TEST_F(GlobalLayerCounts, NoMoreColorsThanTheSceneHas) {
 }
 
 TEST_F(GlobalLayerCounts, GrayScenesHaveNoIndirectLayers) {
-  for (const Solver solver : kGlobalMethods) {
-    GlobalMethod method(lab(), solver, kExtent);
+  for (const Solver solver : kGlobalSolvers) {
+    Method method(lab(), solver, kExtent);
     size_t largest = 0;
     for (unsigned frame = 0; frame < 4; ++frame)
       largest = std::max(largest, method.decompose(mosaic(kExtent, 3)).shares.size());
@@ -107,10 +108,10 @@ TEST_F(GlobalLayerCounts, GrayScenesHaveNoIndirectLayers) {
     // The thesis' method is given the cut, as by its element.
     if (solver == Solver::global_thesis) method.reset();
     for (unsigned frame = 0; frame < 14; ++frame) {
-      const GlobalLayers got = method.decompose(gray_picture(frame));
+      const Output got = method.decompose(gray_picture(frame));
       EXPECT_LT(worst_light_off_gray(got), 1e-5) << name_of(solver) << ", frame " << frame;
       if (solver == Solver::global_thesis) {
-        EXPECT_EQ(method.stats().layers, 0);
+        EXPECT_EQ(method.global_thesis_stats().layers, 0);
         EXPECT_TRUE(got.shares.empty());
         EXPECT_EQ(got.colors(), 0U);
       } else {
@@ -127,9 +128,9 @@ TEST_F(GlobalLayerCounts, GrayScenesHaveNoIndirectLayers) {
 TEST_F(GlobalLayerCounts, ParallelLayersShareTheirLight) {
   const Pixels picture = walls(kExtent, {{0.8F, 0.15F, 0.1F}, {0.1F, 0.2F, 0.8F}}, 0);
   const Rgb red{0.8F, 0.15F, 0.1F};
-  const GlobalLayers one = with_colors({red}, picture);
+  const Output one = with_colors({red}, picture);
   for (const size_t count : {2, 5, 16}) {
-    const GlobalLayers got = with_colors(std::vector<Rgb>(count, red), picture);
+    const Output got = with_colors(std::vector<Rgb>(count, red), picture);
     double apart = 0, model = 0;
     for (size_t i = 0; i < picture.size(); i += 4) {
       for (size_t k = 1; k < count; ++k)
