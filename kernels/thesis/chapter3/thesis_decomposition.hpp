@@ -13,13 +13,13 @@
 #include "kernels/thesis_chapter3_direction.spv.hpp"
 #include "kernels/thesis_chapter3_downsample.spv.hpp"
 #include "kernels/thesis_chapter3_energy.spv.hpp"
-#include "kernels/thesis_chapter3_energy_samples.spv.hpp"
 #include "kernels/thesis_chapter3_layers.spv.hpp"
 #include "kernels/thesis_chapter3_pack.spv.hpp"
 #include "kernels/thesis_chapter3_prolong.spv.hpp"
 #include "kernels/thesis_chapter3_reweight.spv.hpp"
-#include "kernels/thesis_chapter3_sample.spv.hpp"
-#include "kernels/thesis_chapter3_sample_past.spv.hpp"
+#include "kernels/thesis_chapter3_samples_energy_samples.spv.hpp"
+#include "kernels/thesis_chapter3_samples_sample.spv.hpp"
+#include "kernels/thesis_chapter3_samples_sample_past.spv.hpp"
 #include "kernels/thesis_chapter3_sanitize.spv.hpp"
 #include "kernels/thesis_chapter3_scale_cells.spv.hpp"
 #include "kernels/thesis_chapter3_schwarz.spv.hpp"
@@ -97,9 +97,9 @@ class ThesisDecomposition {
     gpu::BufferPtr image, solution, spare;
     std::vector<gpu::BufferPtr> frames;  ///< sample frames, `slots` to a buffer
     int slots = 0;
-    gpu::Program<shaders::thesis_chapter3_sample> sample;
-    gpu::Program<shaders::thesis_chapter3_sample_past> sample_past;
-    gpu::Program<shaders::thesis_chapter3_energy_samples> energy_samples;
+    gpu::Program<shaders::thesis_chapter3_samples_sample> sample;
+    gpu::Program<shaders::thesis_chapter3_samples_sample_past> sample_past;
+    gpu::Program<shaders::thesis_chapter3_samples_energy_samples> energy_samples;
   };
   struct Readback {
     gpu::BufferPtr buffer;

@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "samples.glsl"
-#include "clusters.glsl"
+#include "thesis/chapter3/clusters.glsl"
 
 // The source terms that are constant while a level is solved: samples from keyframes, and the cluster if there are any.
 const int kSampled = kKeyframes;

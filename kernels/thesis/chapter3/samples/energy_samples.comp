@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "samples.glsl"
-#include "clusters.glsl"
+#include "thesis/chapter3/clusters.glsl"
 
 // The terms of the energy with a target: partial sums of (0, 0, 0, samples and clusters).
 PLANE_IN(8, solution);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "energy.glsl"
+#include "thesis/chapter3/energy.glsl"
 #include "thesis/shared/sample_frames.glsl"
 
 PLANE_IN(6, image);
