@@ -270,7 +270,7 @@ TEST_F(IntrinsicTilesTest, AChangeEverywhereIsSolvedEverywhere) {
   EXPECT_TRUE(listed(some));
   next(some, extent, frame, {}, params);
   EXPECT_FALSE(listed(some));
-  expect_error(ErrorKind::internal, "told of 3",
+  expect_error(ErrorKind::internal, "got 3 tiles",
                [&] { next(some, extent, frame, std::vector<uint8_t>(3), params); });
 }
 
