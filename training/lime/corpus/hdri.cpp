@@ -2,13 +2,20 @@
 #include "hdri.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <cstdio>
 #include <filesystem>
-#include <fstream>
+#include <memory>
 #include <stdexcept>
+
+// Private to this file.
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_HDR
+#define STBI_MAX_DIMENSIONS 32767
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wsign-compare"
+#include <stb/stb_image.h>
+#pragma GCC diagnostic pop
 
 namespace inverse::lime {
 namespace {
@@ -18,53 +25,17 @@ struct Picture {
   std::vector<Vec> pixels;
 };
 
-/// A Radiance RGBE picture in the usual order (-Y height +X width), run-length coded by scan line
-/// (Ward 1991) or flat.
 Picture read_radiance(const std::filesystem::path& path) {
-  const auto fail = [&](const char* why) {
-    throw std::runtime_error(path.string() + ": " + why +
-                             "; give a Radiance .hdr file, -Y +X, 32-bit_rle_rgbe");
-  };
-  std::ifstream file(path, std::ios::binary);
-  std::string line;
-  if (!std::getline(file, line) || line.rfind("#?", 0) != 0) fail("not a Radiance file");
-  while (std::getline(file, line) && !line.empty()) {
-  }
   Picture picture;
-  if (!std::getline(file, line) ||
-      std::sscanf(line.c_str(), "-Y %d +X %d", &picture.height, &picture.width) != 2)
-    fail("unknown orientation");
-  if (picture.width < 8 || picture.height < 8 || picture.width > 32767 || picture.height > 32767)
-    fail("unusual size");
-  const auto width = std::size_t(picture.width);
-  std::vector<std::array<std::uint8_t, 4>> row(width);
-  picture.pixels.reserve(width * std::size_t(picture.height));
-  const auto byte = [&] {
-    const int c = file.get();
-    if (c < 0) fail("truncated");
-    return std::uint8_t(c);
-  };
-  for (int y = 0; y < picture.height; ++y) {
-    std::array<std::uint8_t, 4> head{byte(), byte(), byte(), byte()};
-    if (head[0] == 2 && head[1] == 2 && (head[2] << 8 | head[3]) == picture.width) {
-      for (std::size_t channel = 0; channel < 4; ++channel)
-        for (std::size_t x = 0; x < width;) {
-          int count = byte();
-          const bool run = count > 128;
-          if (run) count -= 128;
-          if (count == 0 || x + std::size_t(count) > width) fail("damaged");
-          std::uint8_t value = run ? byte() : 0;
-          for (int i = 0; i < count; ++i) row[x++][channel] = run ? value : byte();
-        }
-    } else {
-      row[0] = head;
-      for (std::size_t x = 1; x < width; ++x) row[x] = {byte(), byte(), byte(), byte()};
-    }
-    for (const auto& p : row) {
-      const float scale = p[3] ? std::ldexp(1.f, int(p[3]) - 136) : 0.f;
-      picture.pixels.push_back({scale * float(p[0]), scale * float(p[1]), scale * float(p[2])});
-    }
-  }
+  int channels = 0;
+  const std::unique_ptr<float, void (*)(void*)> values(
+      stbi_loadf(path.c_str(), &picture.width, &picture.height, &channels, 3), stbi_image_free);
+  if (!values)
+    throw std::runtime_error(path.string() + ": " + stbi_failure_reason() +
+                             "; give a Radiance .hdr file, -Y +X, 32-bit_rle_rgbe");
+  const float* v = values.get();
+  for (int i = 0; i < picture.width * picture.height; ++i, v += 3)
+    picture.pixels.push_back({v[0], v[1], v[2]});
   return picture;
 }
 
