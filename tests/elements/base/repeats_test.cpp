@@ -2,6 +2,7 @@
 // Layers of repeated pictures are reused; target-fps and latency-budget choose the work.
 #include "gst/base/meta/inverse_layers_meta.h"
 #include "tests/elements/element_test.hpp"
+#include "tests/elements/layer_of.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -197,14 +198,10 @@ TEST_P(RepeatedFrames, ReuseLayersIfLayersAreOutputs) {
   const auto layers = [&](const std::vector<uint8_t>& bytes, GstInverseRole role) {
     EXPECT_EQ(harness.push(bytes), GST_FLOW_OK);
     GstBuffer* buffer = gst_harness_pull(harness.harness());
-    GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(buffer);
-    GBytes* data = meta->download(meta, role);
-    gsize size = 0;
-    const auto* begin = static_cast<const uint8_t*>(g_bytes_get_data(data, &size));
-    std::vector<uint8_t> copy(begin, begin + size);
-    g_bytes_unref(data);
+    std::vector<float> layer = layer_of(buffer, role);
+    EXPECT_FALSE(layer.empty());
     gst_buffer_unref(buffer);
-    return copy;
+    return layer;
   };
   for (int i = 0; i < 200 && !(i > 3 && reused(harness)); ++i)
     layers(picture, GST_INVERSE_ROLE_INTRINSIC);

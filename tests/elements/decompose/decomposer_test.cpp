@@ -7,6 +7,7 @@
 
 #include "gst/base/meta/inverse_layers_meta.h"
 #include "tests/elements/element_test.hpp"
+#include "tests/elements/layer_of.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/srgb.hpp"
 
@@ -33,19 +34,6 @@ std::vector<std::string> formats_of(const char* factory) {
   }
   gst_object_unref(found);
   return formats;
-}
-
-/// The (R.rgb, S) layer of a buffer in host memory; empty if there is none.
-std::vector<float> layer_of(GstBuffer* buffer, GstInverseRole role) {
-  GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(buffer);
-  if (!meta) return {};
-  GBytes* bytes = meta->download(meta, role);
-  if (!bytes) return {};
-  gsize size = 0;
-  const auto* data = static_cast<const float*>(g_bytes_get_data(bytes, &size));
-  std::vector<float> layer(data, data + size / sizeof(float));
-  g_bytes_unref(bytes);
-  return layer;
 }
 
 std::vector<float> intrinsic_of(GstBuffer* buffer) {

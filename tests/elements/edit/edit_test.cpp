@@ -6,6 +6,7 @@
 
 #include "gst/base/meta/inverse_layers_meta.h"
 #include "tests/elements/element_test.hpp"
+#include "tests/elements/layer_of.hpp"
 #include "tests/srgb.hpp"
 #include "tests/update_max.hpp"
 
@@ -53,17 +54,6 @@ std::array<double, 3> mean_of_half(const std::vector<uint8_t>& frame, int width,
     }
   for (double& s : sum) s /= count;
   return sum;
-}
-
-std::vector<float> layer_of(GstBuffer* buffer, GstInverseRole role) {
-  GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(buffer);
-  GBytes* bytes = meta ? meta->download(meta, role) : nullptr;
-  if (!bytes) return {};
-  gsize size = 0;
-  const auto* data = static_cast<const float*>(g_bytes_get_data(bytes, &size));
-  std::vector<float> layer(data, data + size / sizeof(float));
-  g_bytes_unref(bytes);
-  return layer;
 }
 
 }  // namespace

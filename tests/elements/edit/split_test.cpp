@@ -8,6 +8,7 @@
 
 #include "gst/base/meta/inverse_layers_meta.h"
 #include "tests/elements/element_test.hpp"
+#include "tests/elements/layer_of.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/srgb.hpp"
 #include "tests/update_max.hpp"
@@ -59,17 +60,9 @@ class Split : public ::testing::Test {
     }
     gst_caps_unref(caps);
     layers_.clear();
-    GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(buffer);
     for (const GstInverseRole role : {GST_INVERSE_ROLE_INPUT, GST_INVERSE_ROLE_MODEL,
-                                      GST_INVERSE_ROLE_INTRINSIC, GST_INVERSE_ROLE_MASK}) {
-      layers_.emplace_back();
-      if (GBytes* bytes = meta->download(meta, role)) {
-        gsize size = 0;
-        const auto* data = static_cast<const float*>(g_bytes_get_data(bytes, &size));
-        layers_.back().assign(data, data + size / sizeof(float));
-        g_bytes_unref(bytes);
-      }
-    }
+                                      GST_INVERSE_ROLE_INTRINSIC, GST_INVERSE_ROLE_MASK})
+      layers_.push_back(layer_of(buffer, role));
     return gst_harness_push(sink_, buffer);
   }
   std::vector<uint8_t> pull(const std::string& name) {

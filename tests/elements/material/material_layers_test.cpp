@@ -5,6 +5,7 @@
 #include "gst/base/meta/inverse_layers_meta.h"
 #include "gst/material/meta/inverse_material_meta.h"
 #include "lime_fixture.hpp"
+#include "tests/elements/layer_of.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/srgb.hpp"
 
@@ -16,17 +17,6 @@ constexpr const char* kMaterial =
 
 class MaterialLayers : public LimeElementTest {
  protected:
-  /// A layer of a buffer; empty if there is none.
-  static std::vector<float> layer(GstBuffer* buffer, GstInverseRole role) {
-    GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(buffer);
-    GBytes* bytes = meta ? meta->download(meta, role) : nullptr;
-    if (!bytes) return {};
-    gsize size = 0;
-    const auto* data = static_cast<const float*>(g_bytes_get_data(bytes, &size));
-    std::vector<float> result(data, data + size / sizeof(float));
-    g_bytes_unref(bytes);
-    return result;
-  }
   static constexpr size_t kObject = 4 * (size_t{30} * kWidth + 60);
 };
 
@@ -43,13 +33,13 @@ TEST_F(MaterialLayers, GoOutWhereTheyAreTaken) {
   EXPECT_EQ(gst_buffer_get_size(buffer), 0u) << "no pixels";
   ASSERT_NE(gst_buffer_get_material_meta(buffer), nullptr);
   EXPECT_TRUE(gst_buffer_get_material_meta(buffer)->found);
-  const auto input = layer(buffer, GST_INVERSE_ROLE_INPUT);
-  const auto diffuse = layer(buffer, GST_INVERSE_ROLE_DIFFUSE);
-  const auto specular = layer(buffer, GST_INVERSE_ROLE_SPECULAR);
+  const auto input = layer_of(buffer, GST_INVERSE_ROLE_INPUT);
+  const auto diffuse = layer_of(buffer, GST_INVERSE_ROLE_DIFFUSE);
+  const auto specular = layer_of(buffer, GST_INVERSE_ROLE_SPECULAR);
   ASSERT_EQ(input.size(), size_t{4} * kWidth * kHeight);
   ASSERT_EQ(diffuse.size(), input.size());
   ASSERT_EQ(specular.size(), input.size());
-  EXPECT_TRUE(layer(buffer, GST_INVERSE_ROLE_INTRINSIC).empty());
+  EXPECT_TRUE(layer_of(buffer, GST_INVERSE_ROLE_INTRINSIC).empty());
   for (size_t i = 0; i < input.size(); ++i)
     ASSERT_NEAR(i % 4 == 3 ? input[i] : diffuse[i] + specular[i], input[i], 1e-6) << i;
   EXPECT_EQ(diffuse[kObject + 3], 1) << "mask";
@@ -88,14 +78,14 @@ TEST_F(MaterialLayers, AnEditShowsInThePicture) {
     lime.push(scene(60, 30, 20));
     buffer = gst_harness_pull(lime.harness());
   }
-  auto specular = layer(buffer, GST_INVERSE_ROLE_SPECULAR);
+  auto specular = layer_of(buffer, GST_INVERSE_ROLE_SPECULAR);
   std::fill(specular.begin(), specular.end(), 0.0F);
   GBytes* none = g_bytes_new(specular.data(), specular.size() * sizeof(float));
   buffer = gst_buffer_make_writable(buffer);
   GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(buffer);
   EXPECT_TRUE(meta->upload(meta, GST_INVERSE_ROLE_SPECULAR, none));
   g_bytes_unref(none);
-  const auto diffuse = layer(buffer, GST_INVERSE_ROLE_DIFFUSE);
+  const auto diffuse = layer_of(buffer, GST_INVERSE_ROLE_DIFFUSE);
 
   GstHarness* compose = gst_harness_new("intrinsiccompose");
   GstCaps* sent = gst_pad_get_current_caps(lime.harness()->sinkpad);

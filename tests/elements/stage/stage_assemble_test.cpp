@@ -3,6 +3,7 @@
 
 #include "gst/base/meta/inverse_layers_meta.h"
 #include "stage_fixture.hpp"
+#include "tests/elements/layer_of.hpp"
 #include "tests/srgb.hpp"
 
 namespace inverse::testing {
@@ -71,17 +72,15 @@ TEST_F(StagePairs, LayersWhereTheNextElementTakesThem) {
     ASSERT_NE(meta, nullptr);
     EXPECT_EQ(meta->width, static_cast<guint>(kWidth));
     for (const int which : {0, 1}) {
-      GBytes* bytes =
-          meta->download(meta, which ? GST_INVERSE_ROLE_GRADIENT_B : GST_INVERSE_ROLE_GRADIENT_A);
-      ASSERT_NE(bytes, nullptr);
-      const auto* light = static_cast<const float*>(g_bytes_get_data(bytes, nullptr));
+      const auto light =
+          layer_of(pair, which ? GST_INVERSE_ROLE_GRADIENT_B : GST_INVERSE_ROLE_GRADIENT_A);
       const auto codes = picture(3 + 2 * i + which);
+      ASSERT_EQ(light.size(), codes.size());
       for (size_t k = 0; k < codes.size(); ++k) {
         const double code = codes[k] / 255.0;
         const double linear = k % 4 == 3 ? code : srgb_light(code);
         ASSERT_NEAR(static_cast<double>(light[k]), linear, 1e-4);
       }
-      g_bytes_unref(bytes);
     }
     gst_buffer_unref(pair);
   }
