@@ -215,7 +215,7 @@ void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {
     filter_->release();
     throw;
   }
-  if (device->variant().warm_up && filter_->compares_frames() && input_ && !in_images_) warm_up();
+  gpu::build_kernels(device);
   GST_INFO_OBJECT(element_, "device \"%s\", frames of %ux%u", device->name().c_str(), extent.width,
                   extent.height);
   device_ = device;
@@ -236,25 +236,6 @@ void FilterElement::wait(Slot& slot, const char* reason) {
   slot.commands->wait();
   GST_DEBUG_OBJECT(element_, "waited %.2f ms for the device: %s", milliseconds_since(start),
                    reason);
-}
-
-void FilterElement::warm_up() {
-  Slot& slot = slots_[0];
-  const PlanePtr plane = planes_->acquire();
-  slot.tiles->assign(std::vector<uint8_t>(slot.tiles->tiles(), 1));
-  memset(slot.in->map(), 0, slot.in->bytes());
-  slot.commands->begin();
-  input_->warm_up(*slot.commands, slot.in, *plane, *slot.tiles);
-  if (output_ && output_->waits()) {
-    const Extent out = extent_of(out_info_);
-    const PlanePtr drawn =
-        out == plane->extent ? plane : PlanePool(plane->buffer->device(), out).acquire();
-    TileList all(plane->buffer->device(), out, gpu::Memory::upload);
-    all.assign(std::vector<uint8_t>(all.tiles(), 1));
-    output_->warm_up(*slot.commands, *drawn, slot.out, all);
-  }
-  slot.commands->submit();
-  slot.commands->wait();
 }
 
 GstFlowReturn FilterElement::transform(GstBuffer* in, GstBuffer* out) {

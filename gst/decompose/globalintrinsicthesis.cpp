@@ -8,7 +8,6 @@
 #include "decomposer.hpp"
 #include "gst/base/color.hpp"
 #include "kernels/image/view/mosaic.hpp"
-#include "kernels/thesis/chapter5/correction/warm_up.hpp"
 #include "kernels/thesis/chapter5/quality_levels.hpp"
 #include "region_messages.hpp"
 #include "region_requests.hpp"
@@ -154,15 +153,10 @@ class GlobalThesisMethod final : public DecompositionMethod {
     started_ = false;
     max_colors_ = GlobalThesis::max_layers(*device, extent);
     reported_limit_ = 0;
-    // Kernels that later frames may need are built now: for other scenes' colors, refinement,
-    // correction.
+    // Those that later frames may need, too: for other scenes' colors, refinement, correction.
     method_->set_params(settings_.properties());
-    method_->warm_up();
-    if (!warm_up_correction(device))
-      GST_CAT_WARNING_OBJECT(
-          log.category, log.object,
-          "the correction of clusters did not end on its test picture: some kernels may be built "
-          "in mid-stream");
+    method_->make_kernels();
+    correction_->make_kernels(*method_);
   }
   void release() override {
     forget_regions();

@@ -18,10 +18,9 @@ const PropertyTable<Params>& table() {
 class IntrinsicMethod final : public DecompositionMethod {
  public:
   DecomposerSettings& settings() override { return settings_; }
-  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent,
-                 const Log& log) override {
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent, const Log&) override {
     method_.emplace(device, extent);
-    prepare_solve(*method_, settings_.properties(), log);
+    prepare_solve(*method_, settings_.properties());
   }
   void release() override { method_.reset(); }
   void reset() override { method_->reset(); }

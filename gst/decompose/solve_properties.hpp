@@ -123,18 +123,13 @@ std::string joined(const std::vector<std::string>& reasons);
 /// Whether a frame's time predicts that of others: all of it was solved, and once.
 bool typical(const ScaledIntrinsic::Stats& solve);
 
-/// Sets up the resolutions that frames may need, and builds the kernels of `method` (prepare,
-/// warm_up).
+/// Sets up the resolutions that frames may need.
 template <typename Method, typename P>
-void prepare_solve(Method& method, const P& params, const Log& log) {
+void prepare_solve(Method& method, const P& params) {
   method.prepare(params.halvings());
   // Setting one up later would make the frame late that changes to it.
   if (params.target_fps > 0 || params.latency_budget > 0)
     for (const size_t halvings : {0, 1, 2}) method.prepare(halvings);
-  if (!method.warm_up())
-    GST_CAT_WARNING_OBJECT(log.category, log.object,
-                           "some kernels are built when frames first need them: a frame then takes "
-                           "longer");
 }
 
 }  // namespace inverse

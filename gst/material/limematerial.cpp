@@ -147,7 +147,7 @@ class LimeElement final : public Filter {
     method_->set_normal_map(normal_map_);
     mosaic_.emplace(device);
     planes_.emplace(device, extent);
-    device->warm_up_once("limematerial", [this] { warm_up(); });
+    const MaterialPreview make_kernels(device);
     publish();
   }
   void release() override {
@@ -311,19 +311,6 @@ class LimeElement final : public Filter {
     preview_->record(frame.commands, *input, method_->object().material, method_->light(),
                      params.preview_size, *with_sphere);
     return {with_sphere};
-  }
-
-  void warm_up() {
-    method_->warm_up();
-    MaterialPreview preview(device_);
-    gpu::Commands commands(device_);
-    const PlanePtr frame = planes_->acquire(), picture = planes_->acquire();
-    commands.begin();
-    commands.fill(frame->buffer);
-    preview.record(commands, *frame, Material{.bins = {1}}, nullptr, 1, *picture);
-    mosaic_->record(commands, quarters(*frame, *frame, *frame), *picture);
-    commands.submit();
-    commands.wait();
   }
 
   /// The mosaic: what comes in, the light under the highlights, the highlights, the mirror image.

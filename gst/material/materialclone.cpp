@@ -141,7 +141,6 @@ class CloneElement final : public Filter {
       extent_ = extent;
     }
     light_.begin(*sphere_);
-    device->warm_up_once("materialclone", [&] { warm_up(device); });
   }
   void release() override {
     insertion_.reset();
@@ -249,23 +248,6 @@ class CloneElement final : public Filter {
     material_from_ = surface_is_set_ ? "properties" : measured ? "stream" : "held";
     if (!surface_is_set_) return *seen_;
     return {linear_color(params.diffuse), params.specular, params.shininess};
-  }
-
-  /// Has the device build all kernels.
-  static void warm_up(const std::shared_ptr<gpu::Device>& device) {
-    constexpr Extent kExtent{32, 32};
-    gpu::Commands commands(device);
-    LitSphere sphere(device);
-    sphere.set_light(Environment::studio());
-    Insertion insertion(device, kExtent);
-    insertion.set_mesh(Mesh::sphere());
-    const PlanePtr plane = PlanePool(device, kExtent).acquire();
-    commands.begin();
-    commands.fill(plane->buffer);
-    sphere.record(commands, {}, {});
-    insertion.record(commands, *plane, {}, sphere);
-    commands.submit();
-    commands.wait();
   }
 
   Parameters<Params> parameters_{table()};

@@ -166,7 +166,6 @@ class RelightElement final : public Filter {
       std::lock_guard lock(mouse_mutex_);
       extent_ = extent;
     }
-    device->warm_up_once(network ? "olatrelight network" : "olatrelight", [&] { warm_up(device); });
   }
   void release() override {
     picture_ = nullptr;
@@ -363,29 +362,6 @@ class RelightElement final : public Filter {
         return;
       }
     }
-  }
-
-  /// Has the device build all kernels, on a small frame: the network would take long for all
-  /// lights.
-  void warm_up(const std::shared_ptr<gpu::Device>& device) {
-    constexpr Extent kSmall{64, 64};
-    Params params;
-    params.model = model_;
-    const bool network = model_ == Relighting::Model::network;
-    Relighting method(device, kSmall, stage_, network ? &*models_ : nullptr);
-    method.set_environment(map_);
-    PlanePool planes(device, kSmall);
-    const PlanePtr black = planes.acquire(), target = planes.acquire(), tiles = planes.acquire();
-    gpu::Commands commands(device);
-    commands.begin();
-    commands.fill(black->buffer);
-    method.record_pair(commands, {*black, *black}, params, 0, false, true);
-    method.record_relit(commands, params, *target);
-    method.record_olat(commands, params, {0, 0, 1}, *target);
-    method.lobes().record_directions(commands, params.lobe, *target);
-    mosaic_->record(commands, {{{target.get()}, {}, {}, {}}}, *tiles);
-    commands.submit();
-    commands.wait();
   }
 
   Parameters<Params> parameters_{table()};

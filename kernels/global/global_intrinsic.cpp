@@ -103,6 +103,8 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   }
   kernels_.color_grid = {device_, {.plain = true}};
   for (const uint32_t pass : {0U, 1U, 2U}) kernels_.fit[pass] = {device_, {.pass = pass}};
+  for (uint32_t k = 0; k < kIndirectPlanes; ++k)
+    kernels_.shares[k] = {device_, {.planes = static_cast<int32_t>(k + 1)}};
 
   using gpu::Buffer;
   using gpu::Element;
@@ -181,20 +183,19 @@ void GlobalIntrinsic::share_out(gpu::Commands& commands, Layers& layers, uint32_
     if (n < count) return layers[indirect_role(n)]->buffer;
     return gpu::aliased(layers[indirect_role(0)]->buffer);  // it is not written
   };
-  commands.dispatch(
-      gpu::Program<shaders::global_light_shares>(device_, {.planes = static_cast<int32_t>(count)}),
-      {.frame = layers[Role::input]->buffer,
-       .tints = tints_,
-       .slots = slots_,
-       .fields = fields_,
-       .bases = layers[Role::bases]->buffer,
-       .light = layers[Role::light]->buffer,
-       .scene = scene_,
-       .share0 = share(0),
-       .share1 = share(1),
-       .share2 = share(2),
-       .share3 = share(3)},
-      sizes(), pixels_of(extent_));
+  commands.dispatch(kernels_.shares[count - 1],
+                    {.frame = layers[Role::input]->buffer,
+                     .tints = tints_,
+                     .slots = slots_,
+                     .fields = fields_,
+                     .bases = layers[Role::bases]->buffer,
+                     .light = layers[Role::light]->buffer,
+                     .scene = scene_,
+                     .share0 = share(0),
+                     .share1 = share(1),
+                     .share2 = share(2),
+                     .share3 = share(3)},
+                    sizes(), pixels_of(extent_));
   commands.stage("shares");
 }
 

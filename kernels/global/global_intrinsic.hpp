@@ -114,8 +114,6 @@ class GlobalIntrinsic {
   void draw_labels(gpu::Commands& commands, const Plane& input, const Plane& target);
   /// Sets up a resolution for good (ScaledIntrinsic::prepare).
   void prepare(size_t halvings) { solve_.prepare(halvings); }
-  /// As ScaledIntrinsic::warm_up, which it includes.
-  bool warm_up() const;
   /// As ScaledIntrinsic::drawn.
   const TileList* drawn() const { return drawn_; }
   /// As ScaledIntrinsic::converged.
@@ -156,8 +154,6 @@ class GlobalIntrinsic {
                      const FrameInfo& info, bool was_gray);
   Layers record_light(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                       const FrameInfo& info);
-  /// Part of warm_up (warm_up.cpp), of a separate object. Whether every kernel was used.
-  bool play_all();
   void record_tint(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                    const PlanePtr& neutral_input, const PlanePtr& tau);
   PlanePtr record_direct(gpu::Commands& commands, const PlanePtr& neutral_input,
@@ -198,6 +194,7 @@ class GlobalIntrinsic {
     gpu::Program<shaders::global_scene_modes> modes;
     gpu::Program<shaders::global_light_label_confidence> label_confidence;
     gpu::Program<shaders::global_light_fit> fit[3];
+    gpu::Program<shaders::global_light_shares> shares[kIndirectPlanes];  // by planes, from 1 on
     TileProgram<shaders::global_light_divide_tint> divide_tint;
     TileProgram<shaders::global_light_direct> direct;
   } kernels_;

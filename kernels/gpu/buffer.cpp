@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "buffer.hpp"
 
+#include <bit>
 #include <string>
 
 namespace inverse::gpu {
@@ -39,6 +40,15 @@ uint32_t memory_type(const Device& device, uint32_t allowed, VkMemoryPropertyFla
   return static_cast<uint32_t>(best);
 }
 
+/// Lavapipe of Mesa before 23.3 compiles a kernel again where the size of a texel buffer becomes a
+/// power of two or loses bits 8 … 15, or the reverse. With some bytes more all buffers are alike.
+uint64_t padded(const Device& device, uint64_t bytes) {
+  constexpr uint64_t kPadding = 784;  // keeps the alignment of a vec4
+  const bool alike = (bytes & 0xff00) != 0 && !std::has_single_bit(bytes);
+  const bool fits = bytes + kPadding <= device.limits().storage_buffer_bytes;
+  return device.is_cpu() && !alike && fits ? bytes + kPadding : bytes;
+}
+
 }  // namespace
 
 std::shared_ptr<Buffer> Buffer::create(std::shared_ptr<Device> device, Element element,
@@ -63,7 +73,7 @@ Buffer::Buffer(std::shared_ptr<Device> device, Element element, uint64_t count, 
                     std::to_string(limits.texel_elements) + "; set INVERSE_PORTABLE=1");
   try {
     VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
-    info.size = bytes();
+    info.size = padded(*device_, bytes());
     info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
                  VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
     if (device_->variant().conditional) info.usage |= VK_BUFFER_USAGE_CONDITIONAL_RENDERING_BIT_EXT;

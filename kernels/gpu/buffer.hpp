@@ -7,11 +7,10 @@
 #include <memory>
 
 #include "device.hpp"
+#include "kernel_source.hpp"
 
 namespace inverse::gpu {
 
-/// What one element of a buffer is; decides the texel view that kernels read it through.
-enum class Element : uint8_t { vec4, scalar, word };
 constexpr size_t element_bytes(Element e) { return e == Element::vec4 ? 16 : 4; }
 
 /// Where a buffer lives. On devices without memory of their own (lavapipe) all three are the same

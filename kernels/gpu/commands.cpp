@@ -2,6 +2,7 @@
 #include "commands.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <mutex>
 
@@ -227,6 +228,15 @@ void Commands::run(const KernelPtr& kernel, std::span<const Binding> buffers,
   if (stage_every_dispatch_) stage(kernel->name());
 }
 
+void Commands::build(const KernelPtr& kernel) {
+  constexpr std::array<std::byte, Kernel::kPushBytes> kZeros{};
+  std::vector<Binding> buffers;
+  for (const Slot& slot : kernel->slots())
+    buffers.emplace_back(Buffer::create(device_, slot.element, 1));
+  prepare(kernel, buffers, kZeros);
+  vkCmdDispatch(buffer_, 0, 0, 0);
+}
+
 void Commands::run_indirect(const KernelPtr& kernel, std::span<const Binding> buffers,
                             std::span<const std::byte> push, const BufferPtr& arguments,
                             uint64_t offset) {
@@ -371,6 +381,18 @@ void Commands::wait() {
 
 bool Commands::done() const {
   return !in_flight_ || vkGetFenceStatus(device_->handle(), fence_) != VK_NOT_READY;
+}
+
+void build_kernels(const std::shared_ptr<Device>& device) {
+  if (!device->variant().warm_up) return;
+  const Program<shaders::gpu_fill> fill(device);
+  Commands commands(device);
+  for (const KernelPtr& kernel : device->unused_kernels()) {
+    commands.begin();
+    commands.build(kernel);
+    commands.submit();
+    commands.wait();
+  }
 }
 
 void Commands::read_stages() {

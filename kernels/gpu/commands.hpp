@@ -70,6 +70,10 @@ class Commands {
                  offset);
   }
 
+  /// Records a kernel over no invocations, on buffers of its own: a software device compiles it
+  /// then.
+  void build(const KernelPtr& kernel);
+
   /// Records kernels that the device skips if the word at `offset` bytes of `condition` is 0 when
   /// it reaches them. What a skipped kernel would have written stays unchanged. On a device without
   /// `Device::variant().conditional` all of them run. Copies would always run: they throw
@@ -164,5 +168,9 @@ class Commands {
   bool timed_out_ = false;
   bool stage_every_dispatch_ = false;
 };
+
+/// Builds all kernels that were made on the device and not yet recorded, so that no frame waits for
+/// the compiler; nothing if `INVERSE_WARM_UP=0`. Waits for the device. Throws Error(out_of_memory).
+void build_kernels(const std::shared_ptr<Device>& device);
 
 }  // namespace inverse::gpu

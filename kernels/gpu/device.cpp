@@ -332,17 +332,6 @@ void Device::read_properties() {
   lose_at_ = environment_number("INVERSE_LOSE_DEVICE", 0, UINT32_MAX);
 }
 
-void Device::warm_up_once(const std::string& what, const std::function<void()>& run) {
-  if (!variant_.warm_up) return;
-  {
-    std::lock_guard lock(kernels_mutex_);
-    if (done_.contains(what)) return;
-  }
-  run();
-  std::lock_guard lock(kernels_mutex_);
-  done_.insert(what);
-}
-
 std::shared_ptr<Kernel> Device::kernel(const KernelSource& source,
                                        const std::vector<uint32_t>& constants, uint32_t workgroup) {
   if (!workgroup) workgroup = variant_.workgroup;
@@ -352,6 +341,14 @@ std::shared_ptr<Kernel> Device::kernel(const KernelSource& source,
   auto& kernel = kernels_[key];
   if (!kernel) kernel = std::make_unique<Kernel>(*this, source, constants, workgroup);
   return {shared_from_this(), kernel.get()};  // who holds a kernel holds the device
+}
+
+std::vector<std::shared_ptr<Kernel>> Device::unused_kernels() {
+  std::vector<std::shared_ptr<Kernel>> unused;
+  std::lock_guard lock(kernels_mutex_);
+  for (const auto& [key, kernel] : kernels_)
+    if (!kernel->used()) unused.emplace_back(shared_from_this(), kernel.get());
+  return unused;
 }
 
 void Device::count_memory(int64_t bytes) {

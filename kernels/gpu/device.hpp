@@ -8,7 +8,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -40,8 +39,8 @@ struct Variant {
   /// where a barrier costs by the invocation (lavapipe), many where a GPU wants its lanes filled.
   /// A multiple of 8. `INVERSE_LONE_WORKGROUP=N`.
   uint32_t lone_workgroup = 32;
-  /// Kernels are run before frames come, so that none is built while they do. `INVERSE_WARM_UP=0`
-  /// builds each with the first frame that needs it, which starts sooner.
+  /// Kernels are built before frames come (build_kernels). `INVERSE_WARM_UP=0` builds each with the
+  /// first frame that needs it, which starts sooner.
   bool warm_up = true;
 };
 
@@ -111,9 +110,8 @@ class Device : public std::enable_shared_from_this<Device> {
   /// dispatch: while this number stays, nothing is built.
   uint64_t kernels_used() const { return kernels_used_.load(); }
 
-  /// Runs kernels ahead, so that none is built once frames come, where Variant::warm_up: unless
-  /// that was done for these words before, without an error.
-  void warm_up_once(const std::string& what, const std::function<void()>& run);
+  /// Kernels that were made and never recorded.
+  std::vector<std::shared_ptr<Kernel>> unused_kernels();
 
   /// Bytes of device memory held by buffers of this device now, and the most there ever were.
   uint64_t memory_bytes() const { return memory_bytes_.load(); }
@@ -150,7 +148,6 @@ class Device : public std::enable_shared_from_this<Device> {
   std::mutex queue_mutex_;
   std::mutex kernels_mutex_;
   std::map<std::string, std::unique_ptr<Kernel>> kernels_;
-  std::set<std::string> done_;  // warm_up_once
   std::atomic<bool> lost_{false}, unresponsive_{false};
   std::atomic<uint64_t> timeout_ns_{0};
   uint32_t lose_at_ = 0;  // which submit fails, for tests; 0: none

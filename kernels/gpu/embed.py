@@ -14,7 +14,7 @@ import tempfile
 
 # SPIR-V specification 1.x, sections 2.3 and 3.
 OP_NAME, OP_MEMBER_NAME, OP_CONSTANT, OP_VARIABLE, OP_DECORATE, OP_MEMBER_DECORATE = 5, 6, 43, 59, 71, 72
-TYPE_INT, TYPE_FLOAT, TYPE_VECTOR, TYPE_ARRAY, TYPE_STRUCT, TYPE_POINTER = 21, 22, 23, 28, 30, 32
+TYPE_INT, TYPE_FLOAT, TYPE_VECTOR, TYPE_ARRAY, TYPE_RUNTIME_ARRAY, TYPE_STRUCT, TYPE_POINTER = 21, 22, 23, 28, 29, 30, 32
 SPEC_TRUE, SPEC_FALSE, SPEC_CONSTANT = 48, 49, 50
 SPEC_ID, NON_WRITABLE, NON_READABLE, BINDING, OFFSET = 1, 24, 25, 33, 35
 UNIFORM_CONSTANT, PUSH_CONSTANT, STORAGE_BUFFER = 0, 9, 12
@@ -32,8 +32,8 @@ def text_of(words):
 
 
 class Interface:
-    """What a shader declares: `buffers` as (name, texel, reads, writes) by binding, `push` as (name, type, offset) in order,
-    `constants` as (name, type, default) by id, but for the workgroup's."""
+    """What a shader declares: `buffers` as (name, texel, reads, writes, element) by binding, `push` as (name, type, offset) in
+    order, `constants` as (name, type, default) by id, but for the workgroup's."""
 
     def __init__(self, words):
         self.names, self.types, self.values, decorations, variables = {}, {}, {}, {}, []
@@ -45,7 +45,7 @@ class Interface:
                 self.names[a[0]] = text_of(a[1:])
             elif op == OP_MEMBER_NAME:
                 self.names[a[0], a[1]] = text_of(a[2:])
-            elif op in (TYPE_INT, TYPE_FLOAT, TYPE_VECTOR, TYPE_ARRAY, TYPE_STRUCT, TYPE_POINTER):
+            elif op in (TYPE_INT, TYPE_FLOAT, TYPE_VECTOR, TYPE_ARRAY, TYPE_RUNTIME_ARRAY, TYPE_STRUCT, TYPE_POINTER):
                 self.types[a[0]] = (op, a[1:])
             elif op in (OP_CONSTANT, SPEC_TRUE, SPEC_FALSE, SPEC_CONSTANT):
                 self.values[a[1]] = (op, a[0], a[2:])
@@ -64,10 +64,10 @@ class Interface:
                 self.push = [(self.names[block, i], self.type_name(member), decorations[block, i][OFFSET][0])
                              for i, member in enumerate(self.types[block][1])]
             elif storage == UNIFORM_CONSTANT:
-                buffers[marks[BINDING][0]] = (self.names[variable], True, True, False)
+                buffers[marks[BINDING][0]] = (self.names[variable], True, True, False, None)
             elif storage == STORAGE_BUFFER:
                 buffers[marks[BINDING][0]] = (self.names[block].removesuffix("_block"), False,
-                                              NON_READABLE not in marks, NON_WRITABLE not in marks)
+                                              NON_READABLE not in marks, NON_WRITABLE not in marks, self.element(block))
         if sorted(buffers) != list(range(len(buffers))):
             sys.exit(f"bindings are not numbered from 0 on: {buffers}")
         self.buffers = [buffers[i] for i in range(len(buffers))]
@@ -88,6 +88,11 @@ class Interface:
             return f"std::array<{self.type_name(a[0])}, {self.values[a[1]][2][0]}>"
         sys.exit(f"a push constant of an unknown type ({op})")
 
+    def element(self, block):
+        """Of a storage buffer, which is an array."""
+        array = self.types[self.types[block][1][0]]
+        return {TYPE_VECTOR: "vec4", TYPE_FLOAT: "scalar", TYPE_INT: "word"}[self.types[array[1][0]][0]]
+
     def constant(self, value):
         op, type_id, literal = self.values[value]
         name = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", self.names[value].removeprefix("k")).lower()
@@ -100,7 +105,7 @@ class Interface:
 
     def named(self):
         """What is the same in both variants, whose inputs are of other types."""
-        return [(name, reads, writes) for name, _, reads, writes in self.buffers], self.push, self.constants
+        return [(name, reads, writes) for name, _, reads, writes, _ in self.buffers], self.push, self.constants
 
 
 def glsl_constants(files):
@@ -133,7 +138,7 @@ def header(name, shader, constants):
     lines += [f"  static constexpr {kind} {constant} = {value}{'F' if kind == 'float' else ''};" for constant, kind, value in constants]
     lines += ["  struct Buffers {", "    gpu::ByName by_name = gpu::ByName();"]
     on_tiles = [constant for constant, _, _ in shader.constants][-2:] == ["tile_across", "tile_down"]
-    for buffer, _, reads, writes in shader.buffers:
+    for buffer, _, reads, writes, _ in shader.buffers:
         kind = "InOut" if reads and writes else "In" if reads else "Out"
         elsewhere = (on_tiles and buffer == "list") or re.fullmatch(r"frames\d", buffer)  # TileProgram, dispatch_with_frames
         given = " = gpu::BufferPtr()" if elsewhere else ""
@@ -182,11 +187,14 @@ def main():
             text.append(f"constexpr uint32_t {variant}[] = {{")
             text += [",".join(map(str, words[i:i + 16])) + "," for i in range(0, len(words), 16)]
             text.append("};")
-            slots = ", ".join("{" + ", ".join(str(fact).lower() for fact in facts) + "}" for _, *facts in shader.buffers)
-            text.append(f"constexpr inverse::gpu::Slot {variant}_slots[] = {{{slots}}};")
             embedded.append(f"{{{variant}, {variant}_slots}}")
     if interfaces[0].named() != interfaces[1].named():
         sys.exit(f"{source}: the variants differ in what they declare")
+    elements = [element for *_, element in interfaces[1].buffers]  # a texel buffer does not declare its own
+    for variant, shader in zip(("fast", "portable"), interfaces):
+        slots = ", ".join("{" + ", ".join(str(fact).lower() for fact in facts) + f", inverse::gpu::Element::{element}}}"
+                          for (_, *facts, _), element in zip(shader.buffers, elements))
+        text.append(f"constexpr inverse::gpu::Slot {variant}_slots[] = {{{slots}}};")
     entry = f'{{"{name}", {", ".join(embedded)}}};'
     text += ["}", "namespace inverse::shaders {", f"extern const gpu::KernelSource {name}_source;",
              f"const gpu::KernelSource {name}_source{entry}", "}"]

@@ -32,6 +32,7 @@ class Kernel {
   std::span<const Slot> slots() const { return slots_; }
   /// True for the first caller only.
   bool first_use() { return !used_.exchange(true); }
+  bool used() const { return used_; }
   VkPipeline pipeline() const { return pipeline_; }
   VkPipelineLayout layout() const { return layout_; }
   VkDescriptorSetLayout set_layout() const { return set_layout_; }

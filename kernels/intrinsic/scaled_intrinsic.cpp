@@ -6,7 +6,13 @@
 namespace inverse {
 
 ScaledIntrinsic::ScaledIntrinsic(std::shared_ptr<gpu::Device> device, Extent extent)
-    : device_(std::move(device)), extent_(extent), fade_(device_, extent) {}
+    : device_(std::move(device)), extent_(extent), fade_(device_, extent) {
+  // Kernels do not depend on the size, and stay with the device.
+  constexpr Extent kTiny{1, 1};
+  IntrinsicDecomposition(device_, kTiny);
+  Step(device_, kTiny);
+  LayerDistance(device_, kTiny);
+}
 
 void ScaledIntrinsic::set_up(size_t halvings) {
   Extent extent = extent_;

@@ -41,6 +41,7 @@ class ScaledIntrinsic {
     float half_distance = 0;  ///< of half from full resolution when last compared; 0: not yet
   };
 
+  /// Makes the kernels of all resolutions, whose buffers follow when they are first needed.
   ScaledIntrinsic(std::shared_ptr<gpu::Device> device, Extent extent);
 
   /// Sets a resolution up for good. Throws Error(limit) if frames of this size do not fit the
@@ -49,11 +50,6 @@ class ScaledIntrinsic {
     set_up(halvings);
     stays_[halvings] = true;
   }
-  /// Builds every kernel that frames of any size, resolution and parameters may need (tiles,
-  /// comparisons, a change of resolution), so that none is built in mid-stream; on a software
-  /// device, and once a device. Waits for it; nothing of this object changes. False if its test
-  /// video did not need them all: the rest is then built when frames first do.
-  bool warm_up() const;
   /// As IntrinsicDecomposition::record.
   Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                 const FrameInfo& info);
@@ -99,8 +95,6 @@ class ScaledIntrinsic {
   /// Half resolution is set up again when it is next used.
   void release_half();
   void restart();
-  /// What warm_up does (warm_up.cpp). Whether every kernel was used.
-  bool play_all() const;
   /// The frame's intrinsic plane, solved after `halvings`.
   PlanePtr solve(gpu::Commands& commands, size_t halvings, const PlanePtr& input,
                  const Params& params, const FrameInfo& info);

@@ -117,14 +117,6 @@ LimeMaterial::Layers LimeMaterial::record_layers(gpu::Commands& commands, const 
                                        : networks_.record_bare_layers(commands, frame);
 }
 
-void LimeMaterial::warm_up() {
-  gpu::Commands commands(device_);
-  commands.begin();
-  networks_.warm_up(commands);
-  commands.submit();
-  commands.wait();
-}
-
 void LimeMaterial::record(gpu::Commands& commands, const Plane& frame, const Params& params,
                           bool unchanged) {
   Slot& slot = slots_[recorded_];

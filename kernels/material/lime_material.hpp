@@ -78,9 +78,6 @@ class LimeMaterial {
   /// Number of views of the object in the light.
   uint64_t light_views() const { return light_.views(); }
 
-  /// Runs everything once on a black frame, so that no pipeline is compiled while frames arrive.
-  void warm_up();
-
   uint64_t recorded() const { return recorded_; }
   /// The square that the next frame is analyzed in.
   const Square& square() const { return tracker_.square(); }

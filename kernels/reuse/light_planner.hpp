@@ -42,10 +42,6 @@ class LightPlanner {
   /// from them.
   const std::vector<uint8_t>& tiles() const { return tiles_; }
 
-  /// Static or gray from the next frame on, as if for long (GlobalIntrinsic::warm_up).
-  void assume_static() { static_frames_ = kStaticFrames - 1; }
-  void assume_gray() { gray_frames_ = kGrayFrames; }
-
   /// Frames in a row without color after which only that is measured.
   static constexpr uint32_t kGrayFrames = 8;
   /// Frames in a row, each with at most kMaxChangedTiles, after which light is reused.

@@ -33,8 +33,6 @@ class ResolutionPlanner {
   void reset();
   /// Plans the next frame. `found` is empty if no frame that far back was recorded.
   Choice next(const Params& params, const std::optional<Found>& found);
-  /// Compares at the next frame that can be compared (ScaledIntrinsic::warm_up).
-  void compare_next() { compare_at_ = 0; }
   float half_distance() const { return half_distance_; }
 
   /// Share of the bound that half resolution has to keep to be chosen; from the bound on it is

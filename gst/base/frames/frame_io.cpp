@@ -202,12 +202,6 @@ void FrameInput::configure(const std::shared_ptr<gpu::Device>& device) {
   unpack_.emplace(device, format_);
 }
 
-void FrameInput::warm_up(gpu::Commands& commands, const gpu::BufferPtr& raw, const Plane& plane,
-                         const TileList& tiles) const {
-  unpack_->record(commands, raw, plane);
-  unpack_->record(commands, raw, plane, &tiles);
-}
-
 std::span<const uint8_t> FrameInput::changed_tiles(GstBuffer* buffer) {
   const MappedFrame frame(info_, format_, buffer, GST_MAP_READ);
   std::array<ChangedTiles::Rows, 3> planes{};
@@ -244,12 +238,6 @@ gpu::BufferPtr FrameOutput::make_buffer(const std::shared_ptr<gpu::Device>& devi
 
 void FrameOutput::configure(const std::shared_ptr<gpu::Device>& device) {
   pack_.emplace(device, format_);
-}
-
-void FrameOutput::warm_up(gpu::Commands& commands, const Plane& plane, const gpu::BufferPtr& raw,
-                          const TileList& tiles) const {
-  pack_->record(commands, {plane}, raw);
-  pack_->record(commands, {plane}, raw, &tiles);
 }
 
 void FrameOutput::record(gpu::Commands& commands, const Picture& picture, const Layers& layers,

@@ -34,9 +34,6 @@ class FrameInput {
   /// A buffer for the bytes of one frame on the device, for `record`.
   virtual gpu::BufferPtr make_buffer(const std::shared_ptr<gpu::Device>& device) const;
   void configure(const std::shared_ptr<gpu::Device>& device);
-  /// Has the device build what `record` will need with and without a list, here of all tiles.
-  void warm_up(gpu::Commands& commands, const gpu::BufferPtr& raw, const Plane& plane,
-               const TileList& tiles) const;
   /// Which tiles of 16 x 16 pixels differ from the frame that was asked for before: a byte a tile,
   /// row by row, 0 if all bytes are the same. Empty where there was none, or where the pixels
   /// are not in system memory. Throws as `record`.
@@ -73,9 +70,6 @@ class FrameOutput {
   /// A buffer for the bytes of one frame on the device, for `record` and `write`.
   virtual gpu::BufferPtr make_buffer(const std::shared_ptr<gpu::Device>& device) const;
   void configure(const std::shared_ptr<gpu::Device>& device);
-  /// Has the device build what `record` will need with and without a list, here of all tiles.
-  void warm_up(gpu::Commands& commands, const Plane& plane, const gpu::BufferPtr& raw,
-               const TileList& tiles) const;
   /// Records drawing `picture` into `raw` and on to `buffer`, as far as the device does that. Alpha
   /// comes from the input layer's w where there is one. Where tiles are `listed`, `raw` has the
   /// others already.

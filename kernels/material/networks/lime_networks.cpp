@@ -123,17 +123,4 @@ LimeNetworks::Layers LimeNetworks::draw(gpu::Commands& commands, const Plane& fr
   return layers;
 }
 
-void LimeNetworks::warm_up(gpu::Commands& commands) {
-  const PlanePtr frame = planes_.acquire();
-  commands.fill(frame->buffer);
-  const Square square{0, 0, 1};
-  record_mask(commands, *frame, square);
-  const gpu::BufferPtr foreign = gpu::Buffer::create(probability()->device(), gpu::Element::word,
-                                                     size_t{side_} * side_, gpu::Memory::upload);
-  record_foreign(commands, foreign);
-  record_material(commands);
-  record_layers(commands, *frame, square);
-  record_bare_layers(commands, *frame);
-}
-
 }  // namespace inverse

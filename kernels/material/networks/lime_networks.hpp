@@ -45,10 +45,6 @@ class LimeNetworks {
   /// The same without an object.
   Layers record_bare_layers(gpu::Commands& commands, const Plane& frame);
 
-  /// Records each of these once on a black frame, so that no pipeline is compiled while frames
-  /// arrive.
-  void warm_up(gpu::Commands& commands);
-
   uint32_t side() const { return side_; }  ///< points along a side of the square
   /// Bytes of device memory of the networks.
   uint64_t bytes() const;

@@ -133,11 +133,9 @@ class GlobalThesis {
   Plane image() const { return {extent_, image_}; }
   Extent extent() const { return extent_; }
 
-  /// Builds the kernels for all numbers of base colors and the present exponent p, and runs each
-  /// once on a tiny frame, because software devices compile on first use. Without it, the first
-  /// frame that needs a kernel builds it. Runs once for a device and its settings. Waits for the
-  /// device.
-  void warm_up() const;
+  /// Makes the kernels for all numbers of base colors and the present parameters. Without it, the
+  /// first frame that needs a kernel makes it.
+  void make_kernels();
 
   /// Device memory of a pixel with K layers, in bytes.
   static uint64_t bytes_per_pixel(int layers, int keyframes);
@@ -166,8 +164,6 @@ class GlobalThesis {
     uint32_t version = 0;  // of the colors that the system is for
     uint32_t epoch = 0;    // of the resets
   };
-  /// The frames of warm_up (warm_up.cpp).
-  void play_all() const;
 
   const Kernels& kernels(int groups);
   void hold_frames(int slots_per_buffer);

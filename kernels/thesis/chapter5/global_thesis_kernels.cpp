@@ -44,4 +44,8 @@ const GlobalThesis::Kernels& GlobalThesis::kernels(int groups) {
   return *held;
 }
 
+void GlobalThesis::make_kernels() {
+  for (int layers = 0; layers <= max_layers_; layers += 4) kernels(layers / 4);
+}
+
 }  // namespace inverse

@@ -109,23 +109,14 @@ TEST_F(DeviceTest, BuffersReturnTheirMemory) {
   EXPECT_EQ(device->memory_bytes(), before);
 }
 
-TEST_F(DeviceTest, WarmsUpUntilItWorkedOnce) {
-  int runs = 0;
-  const auto warm_up = [&](bool fails) {
-    device->warm_up_once("a test", [&] {
-      ++runs;
-      if (fails) throw Error(ErrorKind::limit, "too large");
-    });
-  };
-  if (!device->variant().warm_up) {
-    warm_up(true);
-    EXPECT_EQ(runs, 0);
-    return;
-  }
-  expect_error(ErrorKind::limit, "too large", [&] { warm_up(true); });
-  warm_up(false);
-  warm_up(false);
-  EXPECT_EQ(runs, 2);
+TEST_F(DeviceTest, BuildsEveryKernelThatWasMadeOnce) {
+  const gpu::Program<shaders::image_halve> made(device, {}, 24);  // no other test has this size
+  const uint64_t before = device->kernels_used();
+  gpu::build_kernels(device);
+  const uint64_t built = device->kernels_used();
+  EXPECT_EQ(built > before, device->variant().warm_up);
+  gpu::build_kernels(device);
+  EXPECT_EQ(device->kernels_used(), built);
 }
 
 TEST_F(DeviceTest, StagesAreTimed) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Nothing is built in mid-stream: what other scenes, refinement and correction will need is there
 // before the first frame.
-#include "kernels/thesis/chapter5/correction/warm_up.hpp"
-
 #include "global_thesis_fixture.hpp"
 #include "kernels/thesis/chapter5/correction/misclustering_correction.hpp"
 #include "kernels/thesis/chapter5/correction/region_proposals.hpp"
@@ -66,8 +64,11 @@ TEST_F(WarmUp, BuildsEveryKernelBeforeTheStream) {
   params.steps = params.pcg_iterations = 2;
   params.keyframe_spacing = 2;
   method.set_params(params);
-  method.warm_up();
-  EXPECT_TRUE(warm_up_correction(device));
+  method.make_kernels();
+  MarkedRegions(device, kExtent);
+  MisclusteringCorrection(device, kExtent).make_kernels(method);
+  RegionProposals(device, kExtent);
+  gpu::build_kernels(device);
   const uint64_t warm = device->kernels_used();
   EXPECT_GE(play(method, params), 1);
   EXPECT_EQ(device->kernels_used(), warm);

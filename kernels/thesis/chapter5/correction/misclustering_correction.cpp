@@ -10,11 +10,27 @@ bool has(const std::vector<std::pair<int, uint64_t>>& list, const MarkedRegions:
   return std::find(list.begin(), list.end(), std::pair{region.number, region.since}) != list.end();
 }
 
+/// Of the decompositions that try a color, for a video that `method` decomposes.
+GlobalThesis::Params params_of(const GlobalThesis& method) {
+  GlobalThesis::Params params = method.params();
+  params.keyframes = 0;
+  params.refine_rounds = 0;
+  params.cut_fraction = 0;
+  params.warm_start = params.energy = params.trace = false;
+  return params;
+}
+
 }  // namespace
 
 MisclusteringCorrection::MisclusteringCorrection(const std::shared_ptr<gpu::Device>& device,
                                                  Extent extent)
     : device_(device), extent_(extent), halve_(device), reduce_(device), try_(device) {}
+
+void MisclusteringCorrection::make_kernels(const GlobalThesis& method) const {
+  GlobalThesis tiny(device_, {1, 1});
+  tiny.set_params(params_of(method));
+  tiny.make_kernels();
+}
 
 /// Made when a region first needs it.
 MisclusteringCorrection::Level& MisclusteringCorrection::level(size_t index) {
@@ -59,12 +75,7 @@ void MisclusteringCorrection::begin(gpu::Commands& commands, const GlobalThesis&
     commands.dispatch(reduce_, {.fine = regions.plane().buffer, .coarse = at.regions.buffer},
                       {.size = at.extent, .fine_size = extent_, .factor = 1 << job.level},
                       {at.extent.width, at.extent.height});
-    GlobalThesis::Params params = method.params();
-    params.keyframes = 0;
-    params.refine_rounds = 0;
-    params.cut_fraction = 0;
-    params.warm_start = params.energy = params.trace = false;
-    at.method->set_params(params);
+    at.method->set_params(params_of(method));
     at.method->set_base_colors(method.colors());
     job_ = std::move(job);
     ++jobs_;

@@ -36,6 +36,9 @@ class MisclusteringCorrection {
   /// Throws Error(limit, out_of_memory).
   MisclusteringCorrection(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
+  /// Makes the kernels that the correction of a video decomposed by `method` may need.
+  void make_kernels(const GlobalThesis& method) const;
+
   /// Records the decomposition of a candidate if a region has no color. Call it after `method` has
   /// recorded a frame with `regions`. Returns a number for `collect`.
   uint64_t record(gpu::Commands& commands, const GlobalThesis& method,
