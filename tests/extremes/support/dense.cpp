@@ -1,100 +1,33 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "dense.hpp"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-#include <utility>
 
 namespace inverse::extremes {
 namespace {
 
-/// Reduces a symmetric matrix to tridiagonal form by Householder's reflections; only the diagonal
-/// and what is beside it is kept.
-void tridiagonalize(Dense& a, std::vector<double>& diagonal, std::vector<double>& beside) {
-  const size_t n = a.size();
-  diagonal.assign(n, 0);
-  beside.assign(n, 0);  // beside[i]: between i and i + 1
-  std::vector<double> v(n), p(n);
-  for (size_t k = 0; k + 2 < n; ++k) {
-    double norm = 0;
-    for (size_t i = k + 1; i < n; ++i) norm += a.at(i, k) * a.at(i, k);
-    norm = std::sqrt(norm);
-    if (norm == 0) continue;
-    const double alpha = a.at(k + 1, k) > 0 ? -norm : norm;
-    double square = 0;
-    for (size_t i = k + 1; i < n; ++i) {
-      v[i] = a.at(i, k) - (i == k + 1 ? alpha : 0);
-      square += v[i] * v[i];
-    }
-    if (square == 0) continue;
-    double vp = 0;
-    for (size_t i = k + 1; i < n; ++i) {
-      double sum = 0;
-      for (size_t j = k + 1; j < n; ++j) sum += a.at(i, j) * v[j];
-      p[i] = 2 * sum / square;
-      vp += v[i] * p[i];
-    }
-    for (size_t i = k + 1; i < n; ++i) p[i] -= vp / square * v[i];
-    for (size_t i = k + 1; i < n; ++i)
-      for (size_t j = k + 1; j < n; ++j) a.at(i, j) -= v[i] * p[j] + p[i] * v[j];
-    a.at(k + 1, k) = a.at(k, k + 1) = alpha;
-    for (size_t i = k + 2; i < n; ++i) a.at(i, k) = a.at(k, i) = 0;
-  }
-  for (size_t i = 0; i < n; ++i) {
-    diagonal[i] = a.at(i, i);
-    if (i + 1 < n) beside[i] = a.at(i + 1, i);
-  }
+auto mapped(const Dense& matrix) {
+  const auto n = static_cast<Eigen::Index>(matrix.size());
+  return Eigen::MatrixXd::ConstMapType(matrix.data(), n, n);
+}
+
+Eigen::VectorXd::ConstMapType mapped(const std::vector<double>& vector) {
+  return {vector.data(), static_cast<Eigen::Index>(vector.size())};
 }
 
 }  // namespace
 
-std::vector<double> eigenvalues(Dense matrix) {
-  std::vector<double> d, e;
-  tridiagonalize(matrix, d, e);
-  const size_t n = d.size();
-  for (size_t first = 0; first < n; ++first) {
-    for (int round = 0;; ++round) {
-      size_t last = first;
-      for (; last + 1 < n; ++last) {
-        const double scale = std::abs(d[last]) + std::abs(d[last + 1]);
-        if (std::abs(e[last]) <= std::numeric_limits<double>::epsilon() * scale) break;
-      }
-      if (last == first) break;
-      if (round == 100) throw std::runtime_error("the eigenvalues do not converge");
-      double g = (d[first + 1] - d[first]) / (2 * e[first]);
-      double r = std::hypot(g, 1.0);
-      g = d[last] - d[first] + e[first] / (g + std::copysign(r, g));
-      double s = 1, c = 1, p = 0;
-      size_t i = last;
-      bool split = false;
-      while (i-- > first) {
-        const double f = s * e[i], b = c * e[i];
-        r = std::hypot(f, g);
-        e[i + 1] = r;
-        if (r == 0) {
-          d[i + 1] -= p;
-          e[last] = 0;
-          split = true;
-          break;
-        }
-        s = f / r;
-        c = g / r;
-        g = d[i + 1] - p;
-        r = (d[i] - g) * s + 2 * c * b;
-        p = s * r;
-        d[i + 1] = g + p;
-        g = c * r - b;
-      }
-      if (split) continue;
-      d[first] -= p;
-      e[first] = g;
-      e[last] = 0;
-    }
-  }
-  std::sort(d.begin(), d.end());
-  return d;
+std::vector<double> eigenvalues(const Dense& matrix) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(mapped(matrix),
+                                                              Eigen::EigenvaluesOnly);
+  if (solver.info() != Eigen::Success) throw std::runtime_error("the eigenvalues do not converge");
+  return {solver.eigenvalues().begin(), solver.eigenvalues().end()};
 }
 
 double condition_number(const Dense& matrix) {
@@ -112,86 +45,49 @@ Dense scaled_by_diagonal(const Dense& matrix) {
 }
 
 std::vector<double> solve(const Dense& matrix, const std::vector<double>& b) {
-  const size_t n = matrix.size();
-  std::vector<long double> l(n * n, 0), x(b.begin(), b.end());
-  for (size_t j = 0; j < n; ++j) {
-    for (size_t i = j; i < n; ++i) {
-      long double sum = matrix.at(i, j);
-      for (size_t k = 0; k < j; ++k) sum -= l[i * n + k] * l[j * n + k];
-      if (i == j && !(sum > 0)) throw std::domain_error("the matrix is not positive definite");
-      l[i * n + j] = i == j ? std::sqrt(sum) : sum / l[j * n + j];
-    }
-  }
-  for (size_t i = 0; i < n; ++i) {
-    for (size_t k = 0; k < i; ++k) x[i] -= l[i * n + k] * x[k];
-    x[i] /= l[i * n + i];
-  }
-  for (size_t i = n; i-- > 0;) {
-    for (size_t k = i + 1; k < n; ++k) x[i] -= l[k * n + i] * x[k];
-    x[i] /= l[i * n + i];
-  }
+  using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+  const Eigen::LLT<Matrix> factor(mapped(matrix).cast<long double>());
+  const Eigen::VectorXd x = factor.solve(mapped(b).cast<long double>()).cast<double>();
+  if (factor.info() != Eigen::Success || !x.allFinite())
+    throw std::domain_error("the matrix is not positive definite");
   return {x.begin(), x.end()};
 }
 
 std::vector<double> plain_single_precision(const Dense& matrix, const std::vector<double>& b,
                                            int iterations) {
-  const size_t n = matrix.size();
-  struct Entry {
-    size_t column;
-    float value;
-  };
-  std::vector<std::vector<Entry>> rows(n);
-  for (size_t i = 0; i < n; ++i)
-    for (size_t j = 0; j < n; ++j)
-      if (matrix.at(i, j) != 0) rows[i].push_back({j, static_cast<float>(matrix.at(i, j))});
-  const auto apply = [&](const std::vector<float>& v, std::vector<float>& out) {
-    for (size_t i = 0; i < n; ++i) {
-      float sum = 0;
-      for (const Entry& entry : rows[i]) sum += entry.value * v[entry.column];
-      out[i] = sum;
-    }
-  };
-  const auto dot = [&](const std::vector<float>& u, const std::vector<float>& v) {
-    float sum = 0;
-    for (size_t i = 0; i < n; ++i) sum += u[i] * v[i];
-    return sum;
-  };
-  std::vector<float> x(n, 0), best(n, 0), residual(b.begin(), b.end()), direction = residual, q(n);
-  float rr = dot(residual, residual), smallest = rr;
+  const Eigen::SparseMatrix<float, Eigen::RowMajor> a = mapped(matrix).cast<float>().sparseView();
+  const Eigen::VectorXf right = mapped(b).cast<float>();
+  Eigen::VectorXf x = Eigen::VectorXf::Zero(right.size()), best = x;
+  Eigen::VectorXf residual = right, direction = right;
+  float rr = residual.squaredNorm(), smallest = rr;
   for (int k = 0; k < iterations; ++k) {
-    apply(direction, q);
-    const float curvature = dot(direction, q);
+    const Eigen::VectorXf product = a * direction;
+    const float curvature = direction.dot(product);
     if (!(curvature > 0) || !(rr > 0)) break;
     const float alpha = rr / curvature;
-    for (size_t i = 0; i < n; ++i) x[i] += alpha * direction[i];
+    x += alpha * direction;
     const bool anew = k % 50 == 49;
-    if (anew) {
-      apply(x, q);
-      for (size_t i = 0; i < n; ++i) residual[i] = static_cast<float>(b[i]) - q[i];
-    } else {
-      for (size_t i = 0; i < n; ++i) residual[i] -= alpha * q[i];
-    }
-    const float next = dot(residual, residual);
+    if (anew)
+      residual = right - a * x;
+    else
+      residual -= alpha * product;
+    const float next = residual.squaredNorm();
     if (next < smallest) {
       smallest = next;
       best = x;
     }
-    const float beta = anew ? 0 : next / rr;
-    for (size_t i = 0; i < n; ++i) direction[i] = residual[i] + beta * direction[i];
+    direction = anew ? residual : Eigen::VectorXf(residual + next / rr * direction);
     rr = next;
   }
   return {best.begin(), best.end()};
 }
 
 double digits_kept(const std::vector<double>& x, const std::vector<double>& exact) {
-  double apart = 0, size = 0;
-  for (size_t i = 0; i < exact.size(); ++i) {
-    apart += (x[i] - exact[i]) * (x[i] - exact[i]);
-    size += exact[i] * exact[i];
-  }
+  const double apart = (mapped(x) - mapped(exact)).squaredNorm();
   if (!std::isfinite(apart)) return 0;
   if (apart == 0) return 16;
-  return std::clamp(-0.5 * std::log10(apart / size), 0.0, 16.0) + 0.0;  // not −0
+  return std::clamp(-0.5 * std::log10(apart / mapped(exact).squaredNorm()), 0.0, 16.0) +
+         0.0;  // not −0
 }
 
 }  // namespace inverse::extremes

@@ -14,15 +14,15 @@ class Dense {
   size_t size() const { return n_; }
   double& at(size_t row, size_t column) { return values_[row * n_ + column]; }
   double at(size_t row, size_t column) const { return values_[row * n_ + column]; }
+  const double* data() const { return values_.data(); }
 
  private:
   size_t n_;
   std::vector<double> values_;
 };
 
-/// All eigenvalues, ascending (Householder's reduction, then QL with implicit shifts; Golub and Van
-/// Loan, Matrix Computations, 8.3).
-std::vector<double> eigenvalues(Dense matrix);
+/// All eigenvalues, ascending.
+std::vector<double> eigenvalues(const Dense& matrix);
 
 /// Largest over smallest eigenvalue of a positive definite matrix; else infinity.
 double condition_number(const Dense& matrix);
