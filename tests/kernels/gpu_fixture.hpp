@@ -9,13 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "kernels/gpu/commands.hpp"
-#include "kernels/image/plane.hpp"
-#include "tests/reference/plane.hpp"
+#include "tests/lab.hpp"
 
 namespace inverse::testing {
-
-using Pixels = std::vector<float>;  ///< vec4 pixels, row by row
 
 /// A device and the means to move pixels to and fro. The environment variables of
 /// gpu::Variant choose the variant.
@@ -32,14 +28,13 @@ class GpuTest : public ::testing::Test {
     return {extent,
             upload(gpu::Element::vec4, pixels.empty() ? nullptr : pixels.data(), extent.pixels())};
   }
+  PlanePtr shared_plane(Extent extent, const Pixels& pixels) {
+    return std::make_shared<Plane>(plane(extent, pixels));
+  }
   /// Records with `record(commands)`, submits and waits.
   template <typename Record>
   void run(Record record) {
-    gpu::Commands commands(device);
-    commands.begin();
-    record(commands);
-    commands.submit();
-    commands.wait();
+    Lab(device).run(record);
   }
   /// Plays `count` frames, kFramesInFlight at a time: record(commands, t) records frame t, and
   /// collect(t) follows when it is done. No frame is recorded after a collect() that returns false.
@@ -65,13 +60,7 @@ class GpuTest : public ::testing::Test {
     }
     while (collected < recorded) collect_next();
   }
-  Pixels download(const gpu::BufferPtr& buffer) {
-    auto host =
-        gpu::Buffer::create(device, buffer->element(), buffer->count(), gpu::Memory::readback);
-    run([&](gpu::Commands& commands) { commands.copy(buffer, host, buffer->bytes()); });
-    const float* data = host->map_as<float>();
-    return {data, data + buffer->bytes() / 4};
-  }
+  Pixels download(const gpu::BufferPtr& buffer) { return Lab(device).download(buffer); }
   /// Tolerance is relative where numbers exceed 1.
   static void expect_near(const Pixels& got, const reference::Plane& expected, double tolerance,
                           const std::string& what) {
@@ -110,14 +99,6 @@ inline Pixels random_pixels(Extent extent, unsigned seed, float low = 0.0f, floa
   Pixels pixels(extent.pixels() * 4);
   for (float& p : pixels) p = value(random);
   return pixels;
-}
-
-/// The same for the double-precision references.
-inline reference::Plane to_reference(Extent extent, const Pixels& pixels) {
-  reference::Plane plane(static_cast<int>(extent.width), static_cast<int>(extent.height));
-  for (size_t n = 0; n < plane.size(); ++n)
-    for (size_t c = 0; c < 4; ++c) plane.data[n][c] = static_cast<double>(pixels[4 * n + c]);
-  return plane;
 }
 
 inline const std::vector<Extent> kOddSizes = {{1, 1},   {2, 3},   {1, 40},    {17, 5},

@@ -27,6 +27,7 @@
 #include "tests/bench/metrics/png_file.hpp"
 #include "tests/bench/peers/peer_despill.hpp"
 #include "tests/bench/support/scene.hpp"
+#include "tests/lab.hpp"
 #include "tests/srgb.hpp"
 
 namespace inverse::bench {
@@ -204,14 +205,8 @@ class Editor {
     return download(picture);
   }
   Image download(const PlanePtr& plane) {
-    const gpu::BufferPtr there =
-        gpu::Buffer::create(device_, gpu::Element::vec4, extent_.pixels(), gpu::Memory::readback);
-    commands_.begin();
-    commands_.copy(plane->buffer, there, there->bytes());
-    commands_.submit();
-    commands_.wait();
+    const Pixels pixel = Lab(device_).download(plane->buffer);
     Image image(int(extent_.width), int(extent_.height), 3);
-    const float* pixel = there->map_as<float>();
     for (std::size_t i = 0; i < extent_.pixels(); ++i)
       for (std::size_t c = 0; c < 3; ++c) image.data[3 * i + c] = pixel[4 * i + c];
     return image;

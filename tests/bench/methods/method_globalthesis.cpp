@@ -8,6 +8,7 @@
 #include "kernels/thesis/chapter5/correction/misclustering_correction.hpp"
 #include "kernels/thesis/chapter5/quality_levels.hpp"
 #include "methods.hpp"
+#include "tests/lab.hpp"
 #include "truth_clicks.hpp"
 
 namespace inverse::bench {
@@ -63,41 +64,21 @@ class FoundColors {
   }
 
  private:
-  using Work = std::function<void(gpu::Commands&)>;
-
-  static void run(gpu::Commands& commands, const Work& work) {
-    commands.begin();
-    work(commands);
-    commands.submit();
-    commands.wait();
-  }
-
   /// The cluster of every pixel, or the color of its region instead.
-  std::vector<int> slots(gpu::Commands& commands, const GlobalThesis& method,
-                         const MarkedRegions& regions) const {
-    const auto bytes = method.features()->bytes();
-    const auto create = [&] {
-      return gpu::Buffer::create(session_.device(), gpu::Element::vec4, method.extent().pixels(),
-                                 gpu::Memory::readback);
-    };
-    const gpu::BufferPtr features = create(), marked = create();
-    const bool any = !regions.regions().empty();
-    run(commands, [&](gpu::Commands& c) {
-      c.copy(method.features(), features, bytes);
-      if (any) c.copy(regions.plane().buffer, marked, bytes);
-    });
+  std::vector<int> slots(const GlobalThesis& method, const MarkedRegions& regions) const {
+    const Pixels features = lab_.download(method.features());
+    Pixels marked;
+    if (!regions.regions().empty()) marked = lab_.download(regions.plane().buffer);
     std::vector<int> result(method.extent().pixels());
     for (std::size_t n = 0; n < result.size(); ++n) {
-      result[n] = int(features->map_as<float>()[4 * n + 3]);
-      if (any && marked->map_as<float>()[4 * n] >= 0)
-        result[n] = int(marked->map_as<float>()[4 * n]);
+      result[n] = int(features[4 * n + 3]);
+      if (!marked.empty() && marked[4 * n] >= 0) result[n] = int(marked[4 * n]);
     }
     return result;
   }
 
   Found find(const TruthFrame& frame, Clicks clicks) {
     const Extent extent{uint32_t(frame.input.width), uint32_t(frame.input.height)};
-    gpu::Commands commands(session_.device());
     const PlanePtr input = session_.upload(frame.input);
     GlobalThesis method(session_.device(), extent);
     MarkedRegions regions(session_.device(), extent);
@@ -107,7 +88,7 @@ class FoundColors {
     const auto show = [&] {
       std::uint64_t number = 0;
       Layers layers;
-      run(commands, [&](gpu::Commands& c) {
+      lab_.run([&](gpu::Commands& c) {
         GlobalThesis::Hints hints;
         hints.regions = &regions;
         number = method.record(c, *input, layers, hints);
@@ -116,22 +97,22 @@ class FoundColors {
       regions.collect(regions.last());
     };
     method.set_params(look);
-    run(commands, [&](gpu::Commands& c) { method.record_colors(c, *input); });
+    lab_.run([&](gpu::Commands& c) { method.record_colors(c, *input); });
     method.collect_colors();
     show();
     Found found;
     found.initial = method.colors();
     if (clicks != Clicks::none) {
-      mark(method, regions, frame, clicks, commands, show, found.figures);
+      mark(method, regions, frame, clicks, show, found.figures);
       show();
       found.regions = std::make_shared<Plane>(Plane{
           extent, gpu::Buffer::create(session_.device(), gpu::Element::vec4, extent.pixels())});
-      run(commands, [&](gpu::Commands& c) {
+      lab_.run([&](gpu::Commands& c) {
         const gpu::BufferPtr from = regions.plane().buffer;
         c.copy(from, found.regions->buffer, from->bytes());
       });
     }
-    const std::vector<int> assigned = slots(commands, method, regions);
+    const std::vector<int> assigned = slots(method, regions);
     params.refine_rounds = clicks == Clicks::true_colors ? 0 : Params{}.refine_rounds;
     method.set_params(params);
     method.refine();
@@ -152,10 +133,10 @@ class FoundColors {
 
   /// Clicks by the truth, and waits for the decisions.
   void mark(GlobalThesis& method, MarkedRegions& regions, const TruthFrame& frame, Clicks clicks,
-            gpu::Commands& commands, const std::function<void()>& show,
+            const std::function<void()>& show,
             std::map<std::string, std::vector<double>>& figures) const {
     const TrueSlots true_slots(frame.reflectance, frame.mask, method.colors().colors());
-    const std::vector<int> assigned = slots(commands, method, regions);
+    const std::vector<int> assigned = slots(method, regions);
     const int width = frame.input.width;
     std::vector<Component> where = wrong_components(
         assigned, true_slots.wrong(assigned), true_slots.nearest(), width, frame.input.height);
@@ -182,7 +163,7 @@ class FoundColors {
     constexpr int kMaxDecisions = 2 * MarkedRegions::kMaxRegions * BaseColors::kMaxColors;
     for (int k = 0; undecided() && k < kMaxDecisions; ++k) {
       std::uint64_t number = 0;
-      run(commands, [&](gpu::Commands& c) { number = correction.record(c, method, regions); });
+      lab_.run([&](gpu::Commands& c) { number = correction.record(c, method, regions); });
       correction.collect(number, regions);
       for (const int region : correction.take_hopeless()) regions.remove(region);
     }
@@ -195,6 +176,7 @@ class FoundColors {
   }
 
   DeviceSession& session_;
+  const Lab lab_{session_.device()};
   std::vector<float> frame_;
   std::map<Clicks, Found> found_;
 };

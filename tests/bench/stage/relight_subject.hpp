@@ -11,6 +11,7 @@
 #include "kernels/relight/relighting.hpp"
 #include "olat_set.hpp"
 #include "tests/bench/support/timing.hpp"
+#include "tests/lab.hpp"
 
 namespace inverse::bench {
 
@@ -113,12 +114,9 @@ class Subject {
     return std::make_shared<Plane>(Plane{extent_, buffer});
   }
   Image picture() {
-    const auto host =
-        gpu::Buffer::create(device_, gpu::Element::vec4, extent_.pixels(), gpu::Memory::readback);
-    run([&] { commands_.copy(target_->buffer, host, host->bytes()); });
+    const Pixels pixels = Lab(device_).download(target_->buffer);
     Image image(static_cast<int>(extent_.width), static_cast<int>(extent_.height), 3);
-    for (size_t i = 0; i < image.data.size(); ++i)
-      image.data[i] = host->map_as<float>()[i / 3 * 4 + i % 3];
+    for (size_t i = 0; i < image.data.size(); ++i) image.data[i] = pixels[i / 3 * 4 + i % 3];
     return image;
   }
 

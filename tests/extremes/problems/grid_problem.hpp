@@ -4,7 +4,6 @@
 #pragma once
 #include <vector>
 
-#include "tests/extremes/support/lab.hpp"
 #include "tests/extremes/support/problem.hpp"
 
 namespace inverse::extremes {

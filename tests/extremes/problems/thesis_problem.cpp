@@ -105,11 +105,7 @@ void ThesisLab::set_solution(const reference::Plane& x) {
 }
 
 reference::Plane ThesisLab::solution() const {
-  const Pixels pixels = lab_.download(solution_);
-  reference::Plane x(static_cast<int>(extent_.width), static_cast<int>(extent_.height));
-  for (size_t n = 0; n < x.size(); ++n)
-    for (size_t c = 0; c < 4; ++c) x.data[n][c] = static_cast<double>(pixels[4 * n + c]);
-  return x;
+  return to_reference(extent_, lab_.download(solution_));
 }
 
 void ThesisLab::conjugate_gradients(gpu::Commands& commands, int iterations) const {

@@ -10,7 +10,6 @@
 #include "kernels/thesis_chapter3_setup.spv.hpp"
 #include "kernels/thesis_chapter3_update.spv.hpp"
 #include "kernels/thesis_shared_scalars.spv.hpp"
-#include "tests/extremes/support/lab.hpp"
 #include "tests/extremes/support/problem.hpp"
 #include "tests/reference/thesis/intrinsic_thesis_energy.hpp"
 

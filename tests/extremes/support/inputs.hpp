@@ -7,7 +7,6 @@
 #include "kernels/intrinsic/intrinsic_decomposition.hpp"
 #include "kernels/thesis/chapter3/thesis_params.hpp"
 #include "kernels/thesis/chapter5/global_thesis_params.hpp"
-#include "lab.hpp"
 #include "shrink.hpp"
 
 namespace inverse::extremes {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "dense.hpp"
-#include "lab.hpp"
+#include "tests/lab.hpp"
 
 namespace inverse::extremes {
 

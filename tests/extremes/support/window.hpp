@@ -5,7 +5,6 @@
 #include <cstring>
 
 #include "inputs.hpp"
-#include "lab.hpp"
 
 namespace inverse::extremes {
 

@@ -75,9 +75,6 @@ reference::RecolorSpec spec_of(const RecolorParams& params) {
 
 class EditTest : public GpuTest {
  protected:
-  PlanePtr shared_plane(Extent extent, const Pixels& pixels) {
-    return std::make_shared<Plane>(plane(extent, pixels));
-  }
   Layers layers(Extent extent, const Pixels& intrinsic) {
     Layers result;
     result.extent = extent;

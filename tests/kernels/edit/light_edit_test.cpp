@@ -39,9 +39,6 @@ class LightEditTest : public GpuTest {
     std::vector<Pixels> shares;
     Layers layers;
   };
-  PlanePtr shared_plane(Extent extent, const Pixels& pixels) {
-    return std::make_shared<Plane>(plane(extent, pixels));
-  }
   /// Random layers with `count` base colors.
   Frame frame(Extent extent, uint32_t count, unsigned seed, bool evil = false) {
     const auto random = [&](Extent size, float high) {

@@ -35,12 +35,7 @@ Pixels random_layers(Extent extent, unsigned seed, float range) {
 
 }  // namespace
 
-class LayersTest : public GpuTest {
- protected:
-  PlanePtr shared(Extent extent, const Pixels& pixels) {
-    return std::make_shared<Plane>(plane(extent, pixels));
-  }
-};
+class LayersTest : public GpuTest {};
 
 TEST_F(LayersTest, OutputScaleAgreesWithReference) {
   using Shader = shaders::intrinsic_output_layers;
@@ -99,13 +94,14 @@ TEST_F(LayersTest, FadeAgreesWithReference) {
       LayerFade fade(device, size);
       double share = 1;
       run([&](gpu::Commands& commands) {
-        fade.start(commands, shared(size, frame), shared(size, shown), shared(size, now));
+        fade.start(commands, shared_plane(size, frame), shared_plane(size, shown),
+                   shared_plane(size, now));
       });
       for (int k = 0; k < 2; ++k) {
         share *= double(LayerFade::kShare);
         PlanePtr got;
         run([&](gpu::Commands& commands) {
-          got = fade.record(commands, shared(size, later), shared(size, solution));
+          got = fade.record(commands, shared_plane(size, later), shared_plane(size, solution));
         });
         const reference::Plane first = to_reference(size, frame), old = to_reference(size, shown),
                                base = to_reference(size, now), rgb = to_reference(size, later),

@@ -11,6 +11,8 @@
 
 namespace inverse::testing {
 
+using inverse::to_reference;  // which a member hides
+
 using Rgb = GlobalThesis::Rgb;
 
 /// A red and a blue wall and a light floor between, lit from above; each wall's light falls on the

@@ -1,21 +1,24 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A device with transfer functions, for tests and for the report.
+// A device with transfer functions, for tests, reports and benchmarks.
 #pragma once
 #include <cstring>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
+#include "tests/reference/plane.hpp"
 
-namespace inverse::extremes {
+namespace inverse {
 
 using Pixels = std::vector<float>;  ///< vec4 pixels, row by row
 
 /// INVERSE_PORTABLE and INVERSE_WORKGROUP choose the variant.
 class Lab {
  public:
-  Lab() : device_(gpu::Device::open()) {}
+  explicit Lab(std::shared_ptr<gpu::Device> device = gpu::Device::open())
+      : device_(std::move(device)) {}
 
   const std::shared_ptr<gpu::Device>& device() const { return device_; }
 
@@ -53,4 +56,12 @@ class Lab {
   std::shared_ptr<gpu::Device> device_;
 };
 
-}  // namespace inverse::extremes
+/// The same for the double-precision references.
+inline reference::Plane to_reference(Extent extent, const Pixels& pixels) {
+  reference::Plane plane(static_cast<int>(extent.width), static_cast<int>(extent.height));
+  for (size_t n = 0; n < plane.size(); ++n)
+    for (size_t c = 0; c < 4; ++c) plane.data[n][c] = static_cast<double>(pixels[4 * n + c]);
+  return plane;
+}
+
+}  // namespace inverse
