@@ -2,7 +2,7 @@
 // Number and time of the clicks that the thesis' misclustering correction (5.5.2, Table 5.1) needs,
 // and the accuracy of its automatic mode.
 //
-//   clicks-bench SCENE... [--least SHARE] [--frames N] [--json FILE] [--png FOLDER]
+//   clicks-bench SCENE... [--least SHARE] [--frames N]
 //
 // SCENE are flat dumps of rendered sequences (import-scenes, own-scenes, edit-scenes). Their true
 // reflectance shows which clusters are wrong (truth_clicks.hpp): a component of equal cluster of
@@ -36,7 +36,6 @@ constexpr size_t kMeasured = 2;  // frames of a video with a full solve
 struct Options {
   double min_share = kMinShare;
   size_t frames = 24;
-  std::string png, json;
 };
 
 enum class Way { none, clicks, named, proposals, sparse_proposals };
@@ -78,10 +77,6 @@ class Run {
     const Clusters clusters = stage_.clusters(first());
     look_at_regions(clusters);
     if (quality) *quality = judge(clusters);
-    if (!options_.png.empty() && way_ != Way::none)
-      stage_.write(options_.png + "/" + scene_.set + "-" + scene_.name + "-" +
-                       kWays[static_cast<size_t>(way_)] + ".png",
-                   first(), clusters);
     outcome_.wrong_first = share(clusters.wrong);
     const size_t count = scene_.video ? std::min(scene_.frames.size(), options_.frames) : 1;
     const size_t measured = std::min(count, kMeasured);
@@ -204,8 +199,8 @@ class Run {
   int decided_ = 0;
 };
 
-void measure(const std::shared_ptr<gpu::Device>& device, const Scene& scene, const Options& options,
-             FILE* json) {
+void measure(const std::shared_ptr<gpu::Device>& device, const Scene& scene,
+             const Options& options) {
   const Image& first = scene.frames.front().input;
   ClicksStage stage(device,
                     {static_cast<uint32_t>(first.width), static_cast<uint32_t>(first.height)});
@@ -222,27 +217,12 @@ void measure(const std::shared_ptr<gpu::Device>& device, const Scene& scene, con
         "%d + %d clicks (%d refused), %.1f frames each; %d of %d regions right\n",
         name, 100 * o.wrong_first, 100 * o.wrong, o.lmse, o.color_lmse, o.clicks, o.later,
         o.refused, o.frames, o.right, o.marked);
-    if (json)
-      fprintf(json,
-              "{\"set\": \"%s\", \"scene\": \"%s\", \"colors\": %zu, \"way\": \"%s\", "
-              "\"wrong_first\": %.5f, \"wrong\": %.5f, \"lmse\": %.5f, \"color_lmse\": %.5f, "
-              "\"clicks\": %d, \"later\": %d, \"frames\": %.1f, \"right\": %d, \"marked\": %d}\n",
-              scene.set.c_str(), scene.name.c_str(), stage.colors(), name, o.wrong_first, o.wrong,
-              o.lmse, o.color_lmse, o.clicks, o.later, o.frames, o.right, o.marked);
   }
   printf(
       "  proposed %d regions, %d rightly (pixels %.0f, %.0f); wrong %d, found %d (pixels %.0f, "
       "%.0f); the host %.1f ms in all\n",
       quality.proposed, quality.rightly, quality.pixels, quality.rightly_pixels, quality.wrong,
       quality.found, quality.wrong_pixels, quality.found_pixels, stage.proposal_ms());
-  if (json)
-    fprintf(json,
-            "{\"set\": \"%s\", \"scene\": \"%s\", \"proposed\": %d, \"rightly\": %d, "
-            "\"proposed_pixels\": %.0f, \"rightly_pixels\": %.0f, \"wrong\": %d, \"found\": %d, "
-            "\"wrong_pixels\": %.0f, \"found_pixels\": %.0f}\n",
-            scene.set.c_str(), scene.name.c_str(), quality.proposed, quality.rightly,
-            quality.pixels, quality.rightly_pixels, quality.wrong, quality.found,
-            quality.wrong_pixels, quality.found_pixels);
   fflush(stdout);
 }
 
@@ -257,26 +237,15 @@ int main(int argc, char** argv) {
       options.min_share = std::atof(argv[++i]);
     else if (word == "--frames" && i + 1 < argc)
       options.frames = static_cast<size_t>(std::max(std::atoi(argv[++i]), 1));
-    else if (word == "--json" && i + 1 < argc)
-      options.json = argv[++i];
-    else if (word == "--png" && i + 1 < argc)
-      options.png = argv[++i];
     else
       scenes.push_back(word);
   }
-  FILE* json = options.json.empty() ? nullptr : fopen(options.json.c_str(), "w");
-  if (!options.json.empty() && !json) {
-    fprintf(stderr, "clicks-bench: cannot write %s\n", options.json.c_str());
-    return 1;
-  }
-  int status = 0;
   try {
     const auto device = gpu::Device::open();
-    for (const std::string& path : scenes) measure(device, read_scene(path), options, json);
+    for (const std::string& path : scenes) measure(device, read_scene(path), options);
   } catch (const std::exception& failure) {
     fprintf(stderr, "clicks-bench: %s\n", failure.what());
-    status = 1;
+    return 1;
   }
-  if (json) fclose(json);
-  return status;
+  return 0;
 }

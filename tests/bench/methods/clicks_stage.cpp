@@ -3,8 +3,6 @@
 
 #include <chrono>
 
-#include "tests/bench/metrics/png_file.hpp"
-
 namespace inverse::bench {
 
 ClicksStage::ClicksStage(const std::shared_ptr<gpu::Device>& device, Extent extent)
@@ -99,32 +97,6 @@ Image ClicksStage::reflectance() const {
   for (size_t n = 0; n < extent_.pixels(); ++n)
     for (size_t c = 0; c < 3; ++c) result.data[3 * n + c] = pixel[4 * n + c];
   return result;
-}
-
-void ClicksStage::write(const std::string& path, const TruthFrame& truth,
-                        const Clusters& clusters) const {
-  const int w = static_cast<int>(extent_.width), h = static_cast<int>(extent_.height);
-  Image picture(6 * w, h, 3);
-  const auto color = [&](int slot) {
-    for (const auto& c : colors_)
-      if (c.slot == slot) return c.color;
-    return GlobalThesis::Rgb{};
-  };
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
-      const auto n = static_cast<size_t>(y * w + x);
-      for (int c = 0; c < 3; ++c) {
-        const auto channel = static_cast<size_t>(c);
-        const float gray = 0.25F * truth.input.data[3 * n + channel];
-        picture.at(x, y, c) = truth.input.data[3 * n + channel];
-        picture.at(w + x, y, c) = color(clusters.raw[n])[channel];
-        picture.at(2 * w + x, y, c) = color(clusters.corrected[n])[channel];
-        picture.at(3 * w + x, y, c) = color(clusters.truth[n])[channel];
-        picture.at(4 * w + x, y, c) = clusters.raw_wrong[n] ? 1 : gray;
-        picture.at(5 * w + x, y, c) = clusters.region[n] > 0 ? 1 : gray;
-      }
-    }
-  write_png(path, picture);
 }
 
 void ClicksStage::upload(const Image& frame) {

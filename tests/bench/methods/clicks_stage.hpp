@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "kernels/thesis/chapter5/correction/misclustering_correction.hpp"
@@ -39,8 +38,6 @@ class ClicksStage {
   Clusters clusters(const TruthFrame& truth) const;
   /// Of the last frame, 3 channels.
   Image reflectance() const;
-  /// Input, clusters, corrected ones, true ones, wrong pixels and marked regions, side by side.
-  void write(const std::string& path, const TruthFrame& truth, const Clusters& clusters) const;
 
   MarkedRegions& regions() { return regions_; }
   bool deciding() const { return correction_.busy(); }

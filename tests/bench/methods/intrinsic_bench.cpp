@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Time and memory of IntrinsicDecomposition by stage and size.
 //
-//   intrinsic-bench [--frames N] [--size WxH]… [--dump IN [--out OUT]] [--warm N] [--cycles N]
-//   [--adaptive 0|1] [--tolerance T] [--kernels 0|1]
+//   intrinsic-bench [--frames N] [--size WxH]… [--adaptive 0|1] [--kernels 0|1]
 //
-// Without a dump the frames are synthetic. With one (int32 width, int32 height, then frames of
-// width × height float RGBA, linear light), its frames are used in turn, and --out writes the last
-// frame's intrinsic plane (R.rgb, S) in the same format. `cold` frames have no history, `warm` ones
-// continue the frame before. With --kernels 1 times are per kernel, summed over its dispatches,
-// instead of per stage; the frame as a whole then takes longer.
+// Frames are synthetic. `cold` ones have no history, `warm` ones continue the frame before. With
+// --kernels 1 times are per kernel, summed over its dispatches, instead of per stage; the frame as
+// a whole then takes longer.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <map>
 #include <string>
 #include <vector>
@@ -48,7 +44,7 @@ void print(const char* name, Extent extent, const Run& run) {
 
 Run measure(const std::shared_ptr<gpu::Device>& device, IntrinsicDecomposition& method,
             const IntrinsicDecomposition::Params& params, const std::vector<PlanePtr>& inputs,
-            int count, bool warm, bool kernels, PlanePtr& last) {
+            int count, bool warm, bool kernels) {
   Run run;
   gpu::Commands commands(device);
   commands.stage_every_dispatch(kernels);
@@ -56,12 +52,10 @@ Run measure(const std::shared_ptr<gpu::Device>& device, IntrinsicDecomposition& 
     const double processor = bench::processor_ms();
     const auto start = Clock::now();
     commands.begin();
-    const Layers layers =
-        method.record(commands, inputs[static_cast<size_t>(i) % inputs.size()], params, {!warm});
+    method.record(commands, inputs[static_cast<size_t>(i) % inputs.size()], params, {!warm});
     commands.submit();
     commands.wait();
     const double wall = milliseconds(Clock::now() - start);
-    last = layers[Role::intrinsic];
     run.tiles.push_back(100.0 * method.findings().tiles_evaluated /
                         method.stats(method.recorded() - 1).tiles);
     if (i == 0) continue;
@@ -83,23 +77,12 @@ Run measure(const std::shared_ptr<gpu::Device>& device, IntrinsicDecomposition& 
 int main(int argc, char** argv) try {
   int count = 15;
   std::vector<Extent> sizes;
-  std::string dump, out;
   bool kernels = false;
   IntrinsicDecomposition::Params params;
   for (int i = 1; i + 1 < argc; i += 2) {
     const std::string option = argv[i], value = argv[i + 1];
     if (option == "--frames")
       count = std::max(1, std::atoi(value.c_str()));
-    else if (option == "--dump")
-      dump = value;
-    else if (option == "--out")
-      out = value;
-    else if (option == "--warm")
-      params.warm_cycles = static_cast<uint32_t>(std::atoi(value.c_str()));
-    else if (option == "--cycles")
-      params.cycles = static_cast<uint32_t>(std::atoi(value.c_str()));
-    else if (option == "--tolerance")
-      params.tolerances.edge = static_cast<float>(std::atof(value.c_str()));
     else if (option == "--adaptive")
       params.adaptive = value != "0";
     else if (option == "--kernels")
@@ -115,20 +98,11 @@ int main(int argc, char** argv) try {
   }
   const auto device = gpu::Device::open();
   std::printf("%s\n", device->name().c_str());
-  std::vector<std::vector<bench::RgbaFrame>> sets;
-  if (!dump.empty()) {
-    sets.push_back(bench::read_frames(dump));
-  } else {
-    if (sizes.empty()) sizes = {{320, 240}, {640, 480}, {1280, 720}, {1920, 1080}};
-    for (const Extent extent : sizes) {
-      sets.emplace_back();
-      for (int i = 0; i < 4; ++i) sets.back().push_back(bench::synthetic_frame(extent, i));
-    }
-  }
-  for (const auto& frames : sets) {
-    const Extent extent = frames[0].extent;
+  if (sizes.empty()) sizes = {{320, 240}, {640, 480}, {1280, 720}, {1920, 1080}};
+  for (const Extent extent : sizes) {
     std::vector<PlanePtr> inputs;
-    for (const bench::RgbaFrame& frame : frames) {
+    for (int i = 0; i < 4; ++i) {
+      const bench::RgbaFrame frame = bench::synthetic_frame(extent, i);
       auto buffer =
           gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels(), gpu::Memory::upload);
       std::memcpy(buffer->map(), frame.pixels.data(), frame.pixels.size() * sizeof(float));
@@ -137,26 +111,14 @@ int main(int argc, char** argv) try {
     const uint64_t before = device->memory_bytes();
     const auto start = Clock::now();
     IntrinsicDecomposition method(device, extent);
-    PlanePtr last;
-    measure(device, method, params, inputs, 0, false, kernels, last);
-    measure(device, method, params, inputs, 0, true, kernels, last);
+    measure(device, method, params, inputs, 0, false, kernels);
+    measure(device, method, params, inputs, 0, true, kernels);
     std::printf("%5ux%-5u first frames %.0f ms, %.0f bytes/pixel\n", extent.width, extent.height,
                 milliseconds(Clock::now() - start),
                 static_cast<double>(device->memory_bytes() - before) /
                     static_cast<double>(extent.pixels()));
-    print("warm", extent, measure(device, method, params, inputs, count, true, kernels, last));
-    print("cold", extent, measure(device, method, params, inputs, count, false, kernels, last));
-    if (!out.empty()) {
-      auto host =
-          gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels(), gpu::Memory::readback);
-      gpu::Commands commands(device);
-      commands.begin();
-      commands.copy(last->buffer, host, host->bytes());
-      commands.submit();
-      commands.wait();
-      std::ofstream file(out, std::ios::binary);
-      bench::write_frame(file, extent, host->map_as<float>());
-    }
+    print("warm", extent, measure(device, method, params, inputs, count, true, kernels));
+    print("cold", extent, measure(device, method, params, inputs, count, false, kernels));
   }
   return 0;
 } catch (const std::exception& error) {

@@ -3,13 +3,11 @@
 // on every pyramid level, for pcg and schwarz, with the double-precision reference at the same
 // iterations and the converged energy. Ends with the difference from the reference.
 //
-//   thesis-convergence [--dump FILE] [--size WxH] [--irls N] [--pcg N] [--levels N]
-//   [--no-converged]
-//                      [--epsilon E] [--p P] [--svg FILE]
+//   thesis-convergence [--dump FILE] [--size WxH] [--irls N] [--pcg N] [--levels N] [--svg FILE]
 //
 // Prints one comma-separated line per step; --svg also draws the curves. Each solver is compared at
 // its own clusters, also for the converged energy: they differ slightly. The reference computes the
-// converged solve on the processor: seconds at 80×60, minutes at 160×120; skip it for larger sizes.
+// converged solve on the processor: seconds at 80×60, minutes at 160×120.
 //
 // The last lines give the difference of r from the reference after removing the common scale (99 %
 // of pixels, and maximum), and the change of the reference itself in single precision: sparsity
@@ -23,6 +21,7 @@
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
 #include "tests/bench/support/command_line.hpp"
 #include "tests/bench/support/frames.hpp"
+#include "tests/lab.hpp"
 #include "tests/reference/thesis/thesis_params.hpp"
 
 namespace {
@@ -31,7 +30,6 @@ using namespace inverse;
 
 struct Options {
   ThesisParams params;
-  bool converged = true;
   std::string svg;
 };
 
@@ -58,25 +56,6 @@ struct Curve {
 
 /// (level, step) → energy; of a converged solve only step 0, with its last energy.
 using Energies = std::map<std::pair<int, int>, double>;
-
-std::vector<float> download(gpu::Commands& commands, const gpu::BufferPtr& buffer) {
-  const auto host = gpu::Buffer::create(commands.device(), buffer->element(), buffer->count(),
-                                        gpu::Memory::readback);
-  commands.begin();
-  commands.copy(buffer, host, buffer->bytes());
-  commands.submit();
-  commands.wait();
-  const auto* values = host->map_as<float>();
-  return {values, values + buffer->bytes() / sizeof(float)};
-}
-
-reference::Plane to_reference(Extent extent, const std::vector<float>& pixels) {
-  reference::Plane plane(static_cast<int>(extent.width), static_cast<int>(extent.height));
-  for (size_t n = 0; n < plane.size(); ++n) {
-    for (size_t c = 0; c < 4; ++c) plane.data[n][c] = static_cast<double>(pixels[4 * n + c]);
-  }
-  return plane;
-}
 
 /// The reference at the device's samples and clusters; all default weights are the same.
 struct Reference {
@@ -117,39 +96,32 @@ Difference difference(const reference::Plane& got, const reference::Plane& expec
   return {differences[(differences.size() - 1) * 99 / 100], differences.back()};
 }
 
-Curve solve(const std::shared_ptr<gpu::Device>& device, const bench::RgbaFrame& frame,
-            const Options& options, ThesisParams::Solver solver) {
+Curve solve(const Lab& lab, const bench::RgbaFrame& frame, const Options& options,
+            ThesisParams::Solver solver) {
   ThesisParams params = options.params;
   params.solver = solver;
   params.trace = true;
-  ThesisDecomposition method(device, frame.extent);
+  ThesisDecomposition method(lab.device(), frame.extent);
   method.set_params(params);
-  const auto input =
-      gpu::Buffer::create(device, gpu::Element::vec4, frame.extent.pixels(), gpu::Memory::upload);
-  std::memcpy(input->map(), frame.pixels.data(), input->bytes());
-  gpu::Commands commands(device);
-  commands.begin();
-  Layers layers;
-  const uint64_t number = method.record(commands, {frame.extent, input}, layers);
-  commands.submit();
-  commands.wait();
+  const PlanePtr input = lab.plane(frame.extent, frame.pixels);
+  uint64_t number = 0;
+  lab.run([&](gpu::Commands& commands) {
+    Layers layers;
+    number = method.record(commands, *input, layers);
+  });
   const auto stats = method.stats(number);
 
   std::vector<reference::Plane> samples;
   for (int n = 0; n < stats.levels; ++n) {
     const Plane level = method.sample_frame(n);
-    std::vector<float> pixels = download(commands, level.buffer);
-    samples.push_back(to_reference(level.extent, pixels));
+    samples.push_back(to_reference(level.extent, lab.download(level.buffer)));
   }
   reference::Plane clusters;
   if (stats.clustered) {
-    clusters = to_reference(frame.extent, download(commands, method.clusters().buffer));
+    clusters = to_reference(frame.extent, lab.download(method.clusters().buffer));
   }
   const Reference expected(frame, params, samples, clusters, false);
-  Energies converged;
-  if (options.converged) {
-    converged = Reference(frame, params, samples, clusters, true).energies;
-  }
+  const Energies converged = Reference(frame, params, samples, clusters, true).energies;
 
   Curve curve;
   curve.name = solver == ThesisParams::Solver::pcg ? "pcg" : "schwarz";
@@ -158,12 +130,11 @@ Curve solve(const std::shared_ptr<gpu::Device>& device, const bench::RgbaFrame& 
     const Extent extent = method.sample_frame(energy.level).extent;
     const auto pixels = static_cast<double>(extent.pixels());
     if (energy.step >= 0) iteration += params.pcg_iterations;
-    const double limit = options.converged ? converged.at({energy.level, 0}) / pixels : 0;
     curve.points.push_back({iteration, extent, energy, energy.total() / pixels,
-                            expected.energies.at({energy.level, energy.step}) / pixels, limit});
+                            expected.energies.at({energy.level, energy.step}) / pixels,
+                            converged.at({energy.level, 0}) / pixels});
   }
-  const reference::Plane got =
-      to_reference(frame.extent, download(commands, method.solution().buffer));
+  const reference::Plane got = to_reference(frame.extent, lab.download(method.solution().buffer));
   curve.device = difference(got, expected.solution);
   curve.single = difference(Reference(frame, params, samples, clusters, false, true).solution,
                             expected.solution);
@@ -172,7 +143,7 @@ Curve solve(const std::shared_ptr<gpu::Device>& device, const bench::RgbaFrame& 
   return curve;
 }
 
-void print(const std::vector<Curve>& curves, bool converged) {
+void print(const std::vector<Curve>& curves) {
   printf(
       "solver,iteration,level,width,height,irls step,energy/pixel,reference,converged,"
       "data+chromaticity,sparsity,smoothness,samples+clusters\n");
@@ -180,34 +151,31 @@ void print(const std::vector<Curve>& curves, bool converged) {
     for (const Point& point : curve.points) {
       const auto pixels = static_cast<double>(point.extent.pixels());
       const auto& energy = point.energy;
-      printf("%s,%d,%d,%u,%u,%d,%.6f,%.6f,", curve.name, point.iteration, energy.level,
-             point.extent.width, point.extent.height, energy.step + 1, point.total,
-             point.reference);
-      if (converged) printf("%.6f", point.converged);
-      printf(",%.6f,%.6f,%.6f,%.6f\n", energy.data_and_chromaticity / pixels,
+      printf("%s,%d,%d,%u,%u,%d,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f\n", curve.name, point.iteration,
+             energy.level, point.extent.width, point.extent.height, energy.step + 1, point.total,
+             point.reference, point.converged, energy.data_and_chromaticity / pixels,
              energy.sparsity / pixels, energy.smoothness / pixels,
              energy.samples_and_clusters / pixels);
     }
   }
   for (const Curve& curve : curves) {
-    printf("# %s: energy %.6g, reference %.6g (%+.4f %%)", curve.name, curve.energy,
-           curve.reference, 100 * (curve.energy / curve.reference - 1));
-    if (converged)
-      printf(", converged %.6g", curve.points.back().converged *
-                                     static_cast<double>(curve.points.back().extent.pixels()));
-    printf("\n#   |dr| 99 %% %.1e, max %.1e; reference in single precision 99 %% %.1e, max %.1e\n",
+    const Point& last = curve.points.back();
+    printf("# %s: energy %.6g, reference %.6g (%+.4f %%), converged %.6g\n", curve.name,
+           curve.energy, curve.reference, 100 * (curve.energy / curve.reference - 1),
+           last.converged * static_cast<double>(last.extent.pixels()));
+    printf("#   |dr| 99 %% %.1e, max %.1e; reference in single precision 99 %% %.1e, max %.1e\n",
            curve.device.most, curve.device.worst, curve.single.most, curve.single.worst);
   }
 }
 
 /// Energy over iterations, logarithmic; dashed: the converged energy of each level.
-void draw(const std::vector<Curve>& curves, bool converged, const std::string& path) {
+void draw(const std::vector<Curve>& curves, const std::string& path) {
   constexpr double kWidth = 720, kHeight = 360, kMargin = 48;
   double low = 1e300, high = 0;
   int last = 1;
   for (const Curve& curve : curves) {
     for (const Point& point : curve.points) {
-      low = std::min({low, point.total, converged ? point.converged : point.total});
+      low = std::min({low, point.total, point.converged});
       high = std::max(high, point.total);
       last = std::max(last, point.iteration);
     }
@@ -239,7 +207,7 @@ void draw(const std::vector<Curve>& curves, bool converged, const std::string& p
       svg << x(point.iteration) << ',' << y(point.total) << ' ';
     svg << "'/>\n<text x='" << kWidth / 2 << "' y='" << 40 + 16 * k << "' fill='" << colors[k]
         << "'>" << curves[k].name << "</text>\n";
-    for (size_t n = 1; converged && n < curves[k].points.size(); ++n) {
+    for (size_t n = 1; n < curves[k].points.size(); ++n) {
       const Point &from = curves[k].points[n - 1], &to = curves[k].points[n];
       if (from.energy.level != to.energy.level) continue;
       svg << "<path stroke-dasharray='3 3' stroke='" << colors[k] << "' d='M" << x(from.iteration)
@@ -247,8 +215,9 @@ void draw(const std::vector<Curve>& curves, bool converged, const std::string& p
     }
   }
   svg << "<text x='" << kWidth / 2 - 120 << "' y='" << kHeight - 8
-      << "'>conjugate-gradient iterations, coarse to fine</text>\n<text x='4' y='14'>energy a pixel"
-      << (converged ? " (dashed: converged)" : "") << "</text>\n</svg>\n";
+      << "'>conjugate-gradient iterations, coarse to fine</text>\n<text x='4' y='14'>energy a "
+         "pixel "
+         "(dashed: converged)</text>\n</svg>\n";
   if (!svg) throw std::runtime_error("cannot write " + path);
 }
 
@@ -260,31 +229,25 @@ int main(int argc, char** argv) {
   options.params.levels = 5;
   Extent extent{160, 120};
   std::string dump;
-  const bench::Options known{
-      {"--dump", bench::text(dump)},
-      {"--size",
-       {true,
-        [&extent](const char* value) {
-          return sscanf(value, "%ux%u", &extent.width, &extent.height) == 2;
-        }}},
-      {"--irls", bench::integer(options.params.irls_iterations)},
-      {"--pcg", bench::integer(options.params.pcg_iterations)},
-      {"--levels", bench::integer(options.params.levels)},
-      {"--residual-tolerance", bench::number(options.params.residual_tolerance)},
-      {"--epsilon", bench::number(options.params.epsilon)},
-      {"--p", bench::number(options.params.p)},
-      {"--svg", bench::text(options.svg)},
-      {"--no-converged", bench::flag([&] { options.converged = false; })}};
+  const bench::Options known{{"--dump", bench::text(dump)},
+                             {"--size",
+                              {true,
+                               [&extent](const char* value) {
+                                 return sscanf(value, "%ux%u", &extent.width, &extent.height) == 2;
+                               }}},
+                             {"--irls", bench::integer(options.params.irls_iterations)},
+                             {"--pcg", bench::integer(options.params.pcg_iterations)},
+                             {"--levels", bench::integer(options.params.levels)},
+                             {"--svg", bench::text(options.svg)}};
   if (!bench::read(known, argc, argv, "thesis_convergence.cpp")) return 2;
   try {
     const bench::RgbaFrame frame =
         dump.empty() ? bench::synthetic_frame(extent, 0) : bench::read_frames(dump).front();
-    const auto device = gpu::Device::open();
-    const std::vector<Curve> curves = {
-        solve(device, frame, options, ThesisParams::Solver::pcg),
-        solve(device, frame, options, ThesisParams::Solver::schwarz)};
-    print(curves, options.converged);
-    if (!options.svg.empty()) draw(curves, options.converged, options.svg);
+    const Lab lab;
+    const std::vector<Curve> curves = {solve(lab, frame, options, ThesisParams::Solver::pcg),
+                                       solve(lab, frame, options, ThesisParams::Solver::schwarz)};
+    print(curves);
+    if (!options.svg.empty()) draw(curves, options.svg);
   } catch (const std::exception& error) {
     fprintf(stderr, "%s\n", error.what());
     return 1;

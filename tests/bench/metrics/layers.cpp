@@ -81,18 +81,4 @@ LayerScores score_layers(const Image& direct, const Image& indirect, const Image
           relative_error(indirect, true_indirect, mask, joint), tint_error(total, truth, mask)};
 }
 
-LayerError score_layer(const Image& estimate, const Image& truth, const Image& mask,
-                       bool color_counts) {
-  if (!color_counts)
-    return {lmse(estimate, truth, mask), scale_invariant_mse(estimate, truth, mask),
-            dssim(estimate, truth, mask)};
-  double peak = 1;
-  fitted(estimate, truth, mask, &peak);
-  Image e = estimate, t = truth;
-  const double scale = best_scale(estimate, truth, mask) / peak;
-  for (float& v : e.data) v = float(scale * v);
-  for (float& v : t.data) v = float(v / peak);
-  return {color_lmse(estimate, truth, mask), mse(e, t, mask), (1 - ssim(e, t, mask)) / 2};
-}
-
 }  // namespace inverse::bench

@@ -98,33 +98,5 @@ TEST(Layers, ScoreLmseIsThatOfScore) {
                    score(estimate, shading, truth, true_shading, {}).lmse20);
 }
 
-TEST(Layers, OneLayersScaleIsFreeAndItsKnownColorCounts) {
-  // A ramp in two colors: the same at twice the scale is perfect either way.
-  Image truth(40, 40, 3), twice = truth, tinted = truth;
-  for (int y = 0; y < 40; ++y)
-    for (int x = 0; x < 40; ++x)
-      for (int c = 0; c < 3; ++c) {
-        truth.at(x, y, c) = 0.2F + 0.01F * float(x) + 0.005F * float(y);
-        twice.at(x, y, c) = 2 * truth.at(x, y, c);
-        tinted.at(x, y, c) = float(c + 1) * truth.at(x, y, c);
-      }
-  for (const bool color : {false, true}) {
-    const LayerError none = score_layer(twice, truth, {}, color);
-    EXPECT_NEAR(none.lmse20, 0, kNear);
-    EXPECT_NEAR(none.mse, 0, kNear);
-    EXPECT_NEAR(none.dssim, 0, kNear);
-  }
-  // A scale for each channel forgives the color that one for all does not: at the best, 3/7, it
-  // leaves ((4/7)² + (1/7)² + (2/7)²)/3 of the truth's squares.
-  EXPECT_NEAR(score_layer(tinted, truth, {}, false).mse, 0, kNear);
-  const LayerError colored = score_layer(tinted, truth, {}, true);
-  double squares = 0;
-  for (const float v : truth.data) squares += double(v) * double(v);
-  double peak = 0;
-  for (const float v : truth.data) update_max(peak, double(v));
-  EXPECT_NEAR(colored.mse, squares / double(truth.data.size()) / (peak * peak) / 7, 1e-5);
-  EXPECT_GT(colored.dssim, 0.01);
-}
-
 }  // namespace
 }  // namespace inverse::bench

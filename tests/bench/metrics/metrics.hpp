@@ -156,16 +156,6 @@ inline constexpr std::array<std::pair<const char*, double LayerScores::*>, 4> kL
 LayerScores score_layers(const Image& direct, const Image& indirect, const Image& true_direct,
                          const Image& true_indirect, const Image& mask);
 
-/// Of one layer, reflectance or shading. Where its color counts, one factor for all channels stands
-/// in for one for each, in LMSE (k = 20), scale-invariant MSE and DSSIM alike.
-struct LayerError {
-  double lmse20 = 0, mse = 0, dssim = 0;
-};
-inline constexpr std::array<std::pair<const char*, double LayerError::*>, 3> kLayerErrorFields{
-    {{"lmse20", &LayerError::lmse20}, {"mse", &LayerError::mse}, {"dssim", &LayerError::dssim}}};
-LayerError score_layer(const Image& estimate, const Image& truth, const Image& mask,
-                       bool color_counts);
-
 /// LMSE (k = 20) alone, the mean of reflectance and shading: score() for many frames that are
 /// alike.
 double score_lmse(const Image& reflectance, const Image& shading, const Image& true_reflectance,

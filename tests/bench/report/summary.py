@@ -8,8 +8,7 @@ import random
 import statistics
 
 PIXELS = 320 * 240  # times are given for frames of this size
-ERRORS = ["lmse20", "lmse10", "mse", "dssim", "ms_ssim", "psnr", "whdr", "ind", "dirJ", "indJ", "tint", "lmse20_R", "lmse20_S",
-          "lmse20_dir", "mse_R", "mse_S", "dssim_R", "dssim_S"]
+ERRORS = ["lmse20", "lmse10", "mse", "dssim", "ms_ssim", "psnr", "whdr", "ind", "dirJ", "indJ", "tint", "lmse20_R", "lmse20_S"]
 # What a method tells of a frame beside its layers: errors of base colors, clicks, how many layers there are.
 FIGURES = ["base_before", "base_after", "clicks", "clicks_right", "misclustered", "refining_frames", "layers"]
 TIMES = ["wall_ms", "processor_ms", "device_ms"]

@@ -55,12 +55,4 @@ inline std::vector<RgbaFrame> read_frames(const std::string& path) {
   return frames;
 }
 
-/// Appends a frame in the same form.
-inline void write_frame(std::ofstream& file, Extent extent, const float* pixels) {
-  const int32_t size[2] = {static_cast<int32_t>(extent.width), static_cast<int32_t>(extent.height)};
-  file.write(reinterpret_cast<const char*>(size), sizeof size);
-  file.write(reinterpret_cast<const char*>(pixels),
-             static_cast<std::streamsize>(extent.pixels() * 4 * sizeof(float)));
-}
-
 }  // namespace inverse::bench

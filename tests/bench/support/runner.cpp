@@ -330,20 +330,9 @@ class Bench {
     const bool colored = !truth.direct.empty();
     const Image shading = colored ? colored_shading(d) : d.shading;
     const Image true_shading = colored ? sum(truth.direct, truth.indirect) : truth.shading;
-    if (row.scene->video || !colored) {
-      const auto error = colored ? color_lmse : lmse;
-      note("lmse20_R", error(d.reflectance, truth.reflectance, truth.mask, 20));
-      note("lmse20_S", error(shading, true_shading, truth.mask, 20));
-    } else {
-      const LayerError r = score_layer(d.reflectance, truth.reflectance, truth.mask, colored);
-      const LayerError s = score_layer(shading, true_shading, truth.mask, colored);
-      for (const auto& [name, field] : kLayerErrorFields) {
-        note((std::string(name) + "_R").c_str(), r.*field);
-        note((std::string(name) + "_S").c_str(), s.*field);
-      }
-    }
-    if (colored && !d.direct.empty())
-      note("lmse20_dir", color_lmse(d.direct, truth.direct, truth.mask));
+    const auto error = colored ? color_lmse : lmse;
+    note("lmse20_R", error(d.reflectance, truth.reflectance, truth.mask, 20));
+    note("lmse20_S", error(shading, true_shading, truth.mask, 20));
     if (row.setting->layers_only) return;
     if (row.scene->video) return add_lmse();
     const Scores scores =
