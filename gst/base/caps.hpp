@@ -8,7 +8,7 @@ namespace inverse {
 
 /// What flows through a pad of a filter.
 enum class Flow {
-  pixels,            ///< ordinary video in system memory or, where the build knows them, images
+  pixels,            ///< ordinary video in system memory or, if built with them, images
                      ///< in memory:VulkanImage
   layers,            ///< buffers with GstInverseLayersMeta
   pixels_or_layers,  ///< either, pixels first

@@ -8,8 +8,8 @@
 
 #include "filter.hpp"
 #include "gst/base/frames/frame_io.hpp"
-#include "gst/base/frames/repeats.hpp"
 #include "gst/base/vulkan/device_context.hpp"
+#include "kernels/reuse/repeats.hpp"
 
 namespace inverse {
 

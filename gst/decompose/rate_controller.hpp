@@ -17,7 +17,7 @@ namespace inverse {
 /// slowly: one level, once the level above had room for a while for all but the slowest of them.
 /// Where a level that it went up to turns out too slow it waits twice as long before it tries
 /// that one again, so that it converges below what does not fit instead of oscillating around it. A
-/// single slow frame moves nothing. Knows neither clock nor GStreamer: times come from the caller,
+/// single slow frame moves nothing. Uses neither clock nor GStreamer: times come from the caller,
 /// in seconds that never go back. Not thread-safe.
 class RateController {
  public:

@@ -195,12 +195,12 @@ class CloneElement final : public Filter {
     const PlanePtr& plane = frame.layers[Role::input];  // nobody else's: it goes no further
     insertion_->record(frame.commands, *plane, placed(frame, params), *sphere_);
     frame.picture = {plane};
-    reported_[frame.number] = {*shown_, material_from_, light_.from(), insertion_->drawn(),
-                               insertion_->shadows()};
+    drawn_[frame.number] = {*shown_, material_from_, light_.from(), insertion_->drawn(),
+                            insertion_->shadows()};
   }
 
   void describe(GstStructure* stats, uint64_t number) const override {
-    const Drawn& drawn = reported_[number];
+    const Drawn& drawn = drawn_[number];
     const Surface& surface = drawn.surface;
     const auto real = [](float v) { return static_cast<gdouble>(v); };
     gst_structure_set(stats, "triangles", G_TYPE_UINT64,
@@ -267,7 +267,7 @@ class CloneElement final : public Filter {
   const char* material_from_ = "properties";
   std::optional<LitSphere> sphere_;
   std::optional<Insertion> insertion_;
-  gpu::FrameRing<Drawn> reported_;  // by the frame's number
+  gpu::FrameRing<Drawn> drawn_;  // by the frame's number
 };
 
 }  // namespace

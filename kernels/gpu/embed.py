@@ -110,26 +110,26 @@ class Interface:
 
 def glsl_constants(files):
     """The `#define`s and constants at file scope whose values are plain numbers, as (name, type, value)."""
-    told = {}  # name -> {(type, value as written)}
+    defined = {}  # name -> {(type, value as written)}
     for file in files:
         for line in pathlib.Path(file).read_text().splitlines():
             line = line.split("//")[0].rstrip()
             if define := re.fullmatch(r"#define (\w+) +(.+)", line):
-                told.setdefault(define[1], set()).add(("uint32_t", define[2]))
+                defined.setdefault(define[1], set()).add(("uint32_t", define[2]))
             elif constant := re.fullmatch(r"const (u?int|float) (.+);", line):
                 kind = {"int": "int32_t", "uint": "uint32_t", "float": "float"}[constant[1]]
                 for item in constant[2].split(","):
                     name, _, value = item.partition("=")
-                    told.setdefault(name.strip(), set()).add((kind, value))
+                    defined.setdefault(name.strip(), set()).add((kind, value))
     known = {}
     for _ in range(3):  # what others are made of comes first, wherever it stands
-        for name, written in told.items():
+        for name, written in defined.items():
             kind, value = next(iter(written))
             value = re.sub(r"[A-Za-z_]\w*", lambda m: str(known.get(m[0], ("", m[0]))[1]), re.sub(r"\b(\d+)u\b", r"\1", value))
             if len(written) == 1 and re.fullmatch(r"[-+*/() .\de]+" if kind == "float" else r"[-+*() \d]+", value):
                 value = eval(value)  # numbers and operators alone
                 known[name] = kind, float(value) if kind == "float" else value
-    return [(name, *known[name]) for name in told if name in known]
+    return [(name, *known[name]) for name in defined if name in known]
 
 
 def header(name, shader, constants):

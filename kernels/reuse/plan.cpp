@@ -11,7 +11,7 @@ bool Planner::old_enough() const { return since_restart_ >= gpu::kFramesInFlight
 
 void Planner::learn(const Params& params, const Found& found) {
   if (found.plan.edges == Plan::Edges::compare && found.plan.history)
-    most_edges_change_ = 2 * found.tiles_evaluated > found.tiles;
+    many_edges_change_ = 2 * found.tiles_evaluated > found.tiles;
   if (found.plan.measures_bins)
     bins_matter_ = found.cut || !(found.binding < params.tolerances.chroma);
   if (found.plan.measures_gate) gate_matters_ = !(found.gate < params.tolerances.gate);
@@ -57,7 +57,7 @@ std::string_view Planner::choose_mode(Plan& plan, const Params& params, const Fr
 Plan Planner::next(const Params& params, const Frame& frame, const std::optional<Found>& found) {
   if (since_restart_ == 0) {
     bins_matter_ = gate_matters_ = true;
-    most_edges_change_ = false;
+    many_edges_change_ = false;
   } else if (old_enough() && found) {
     learn(params, *found);
   }
@@ -78,7 +78,7 @@ Plan Planner::next(const Params& params, const Frame& frame, const std::optional
   plan.all_tiles = tile_frames_ % kAllEvery == kAllEvery - 1;
   if (plan.tiles())
     plan.edges = Plan::Edges::tiles;
-  else if (params.adaptive && (!most_edges_change_ || since_restart_ % kCompareEvery == 0))
+  else if (params.adaptive && (!many_edges_change_ || since_restart_ % kCompareEvery == 0))
     plan.edges = Plan::Edges::compare;
   else if (params.adaptive && (since_restart_ + 1) % kCompareEvery == 0)
     plan.edges = Plan::Edges::all_save;

@@ -111,7 +111,7 @@ class Planner {
   bool old_enough() const;
 
   uint64_t since_restart_ = 0;  // frames
-  bool bins_matter_ = true, gate_matters_ = true, most_edges_change_ = false;
+  bool bins_matter_ = true, gate_matters_ = true, many_edges_change_ = false;
   uint64_t static_frames_ = 0;  // in a row, watched or tiles
   uint64_t tile_frames_ = 0;    // Mode::tiles since the last other one
   bool compared_pixels_ = false, bins_ = true, repeated_ = false;  // the frame before

@@ -9,10 +9,10 @@
 namespace inverse::testing {
 namespace {
 
-constexpr unsigned kPatience = 120;  // seconds
+constexpr unsigned kTimeout = 120;  // seconds
 
 int launch(const char* line) {
-  const auto result = run_line(line, kPatience);
+  const auto result = run_line(line, kTimeout);
   for (const auto& error : result.errors) fprintf(stderr, "%s\n", error.c_str());
   return result.eos && result.errors.empty() ? 0 : 1;
 }
@@ -85,8 +85,7 @@ Ended run_self(const std::map<std::string, std::string>& environment,
 
 int serve(int count, char** arguments) {
   const std::string option = count > 1 ? arguments[1] : "";
-  if (option == kLaunchOption || option == kRestartOption || option == kMarkOption)
-    alarm(kPatience);
+  if (option == kLaunchOption || option == kRestartOption || option == kMarkOption) alarm(kTimeout);
   if (option == kLaunchOption && count == 3) return launch(arguments[2]);
   if (option == kMarkOption && count == 3) return mark(arguments[2]);
   if (option == kRestartOption && count == 4) return restart(arguments[2], arguments[3]);

@@ -161,9 +161,9 @@ Media read_media(const std::string& path, unsigned seconds) {
   return std::move(reader.media);
 }
 
-void expect_video(const Media& media, int width, int height, size_t frames_at_least) {
+void expect_video(const Media& media, int width, int height, size_t min_frames) {
   EXPECT_TRUE(media.errors.empty()) << media.errors.front();
-  ASSERT_GE(media.frames.size(), frames_at_least);
+  ASSERT_GE(media.frames.size(), min_frames);
   for (size_t i = 0; i < media.frames.size(); ++i) {
     const Image& frame = media.frames[i];
     ASSERT_EQ(frame.width, width) << "frame " << i;

@@ -37,7 +37,7 @@ Media read_media(const std::string& path, unsigned seconds = 60);
 
 /// Fails the test if the video has another size, fewer frames, times that do not increase, or
 /// images that are black or uniform.
-void expect_video(const Media& media, int width, int height, size_t frames_at_least);
+void expect_video(const Media& media, int width, int height, size_t min_frames);
 
 /// Writes a file with a launch line that ends in a muxer; "name" of the sink is filled in.
 void make_media(const std::string& path, const std::string& line);

@@ -11,7 +11,7 @@ namespace {
 constexpr int kWidth = 240;
 constexpr size_t kMoments = 12;
 constexpr GstClockTime kSpacing = GST_SECOND / 4;
-constexpr GstClockTime kPatience = 20 * GST_SECOND;  // for a file that decodes slowly
+constexpr GstClockTime kTimeout = 20 * GST_SECOND;  // for a file that decodes slowly
 
 using Color = std::array<double, 3>;
 
@@ -97,7 +97,7 @@ void Paint::choose_for(const std::string& uri) {
   gst_element_set_state(line, GST_STATE_PLAYING);
   GstBus* bus = gst_element_get_bus(line);
   GstMessage* message = gst_bus_timed_pop_filtered(
-      bus, kPatience, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
+      bus, kTimeout, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
   if (message) gst_message_unref(message);
   gst_object_unref(bus);
   gst_element_set_state(line, GST_STATE_NULL);

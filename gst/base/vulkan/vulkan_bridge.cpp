@@ -49,7 +49,7 @@ class Registry {
     return wrapped;
   }
 
-  /// Null where GStreamer does not know the device.
+  /// Null if GStreamer did not make the device.
   HandlesPtr handles_of(const gpu::Device& device) {
     std::lock_guard lock(mutex_);
     for (const Entry& entry : entries_)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-// Between the files of the Vulkan bridge: what GStreamer knows an adopted device by.
+// Between the files of the Vulkan bridge: the GStreamer objects of an adopted device.
 #include <gst/video/video.h>
 extern "C" {  // 1.22 forgets to say so in gstvkqueue.h
 #include <gst/vulkan/vulkan.h>
@@ -34,7 +34,7 @@ struct Handles {
 /// cannot run on it.
 std::shared_ptr<gpu::Device> adopt(GstElement* element, GstVulkanDevice* device);
 
-/// Null where GStreamer does not know the device.
+/// Null if GStreamer did not make the device.
 std::shared_ptr<Handles> handles_of(const gpu::Device& device);
 
 }  // namespace inverse::bridge

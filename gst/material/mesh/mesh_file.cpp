@@ -46,7 +46,7 @@ void check_file(const std::string& path) {
     if (const std::string fault = ply_length_fault(path); !fault.empty()) fail(path, fault);
 }
 
-/// Of the many formats that Assimp knows, only ours: fewer surprises.
+/// Of the many formats of Assimp, only ours: fewer surprises.
 void keep_our_formats(Assimp::Importer& importer) {
   for (size_t i = importer.GetImporterCount(); i-- > 0;) {
     Assimp::BaseImporter* format = importer.GetImporter(i);

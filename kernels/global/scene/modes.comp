@@ -218,16 +218,16 @@ void main() {
   barrier();
   EVERY_BIN(b) {
     int peak = LOAD(work, kPeak + b), best = -1, nearest = 0;
-    float least = 3e38;
-    float least_here = 3e38;
+    float min_distance = 3e38;
+    float min_here = 3e38;
     for (int m = 0; m < mode_count; ++m) {
       vec2 off = modes[m].xy - bin_center(b);
-      if (mode_peaks[m] == peak && dot(off, off) < least_here) {
-        least_here = dot(off, off);
+      if (mode_peaks[m] == peak && dot(off, off) < min_here) {
+        min_here = dot(off, off);
         best = m;
       }
-      if (dot(off, off) < least) {
-        least = dot(off, off);
+      if (dot(off, off) < min_distance) {
+        min_distance = dot(off, off);
         nearest = m;
       }
     }

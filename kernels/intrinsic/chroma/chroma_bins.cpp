@@ -22,7 +22,7 @@ ChromaBins::ChromaBins(const std::shared_ptr<gpu::Device>& device, Extent cells)
       splat_(device, {.tables = tables_}, tables_ > 1 ? kTableLanes : 0),
       mean_(device, {.tables = static_cast<int32_t>(tables_)}),
       slice_(device),
-      pull_(device, {.has_bins = false}),
+      without_bins_(device, {.has_bins = false}),
       source_term_(device),
       measuring_source_term_(device, {.measure = true}),
       total_(device),
@@ -40,11 +40,11 @@ gpu::Items ChromaBins::splat_items() const {
 }
 
 void ChromaBins::record_weights(gpu::Commands& commands, const Guide& guide,
-                                const gpu::BufferPtr& terms, float most_weight) {
-  on_ = most_weight > 0;
+                                const gpu::BufferPtr& terms, float max_weight) {
+  on_ = max_weight > 0;
   if (!on_) return;
   // The largest for which a frame of one chroma does not overflow 31 bits.
-  scale_ = 2.0e9F / std::max(static_cast<float>(cells_.pixels()) * most_weight, 1e-20F);
+  scale_ = 2.0e9F / std::max(static_cast<float>(cells_.pixels()) * max_weight, 1e-20F);
   commands.fill(weights_);
   commands.fill(totals_);
   commands.dispatch(weigh_,
@@ -67,7 +67,7 @@ void ChromaBins::record(gpu::Commands& commands, const Guide& guide, const State
                       {.size = cells_, .scale = scale_}, splat_items());
     commands.dispatch(mean_, {.weights = weights_, .totals = totals_, .means = means_}, {kBins});
   }
-  commands.dispatch(on_ ? slice_ : pull_,
+  commands.dispatch(on_ ? slice_ : without_bins_,
                     {.cells = guide.cells(),
                      .terms = state.terms,
                      .mean = state.means,

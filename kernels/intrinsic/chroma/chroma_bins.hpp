@@ -19,10 +19,10 @@ class ChromaBins {
   /// `cells` is the size of guide level 2.
   ChromaBins(const std::shared_ptr<gpu::Device>& device, Extent cells);
 
-  /// Records the weights of the bins, which are constant for a frame. `most_weight` bounds the g in
+  /// Records the weights of the bins, which are constant for a frame. `max_weight` bounds the g in
   /// `terms`; if it is 0, the frame has no bins.
   void record_weights(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& terms,
-                      float most_weight);
+                      float max_weight);
   /// Buffers of the solution that the means are taken of, and of the right-hand side that follows.
   struct State {
     gpu::BufferPtr terms, means, correction, far, system, source_term;
@@ -46,7 +46,7 @@ class ChromaBins {
   bool on_ = true;
   gpu::Program<shaders::intrinsic_chroma_bin_splat> weigh_, splat_;
   gpu::Program<shaders::intrinsic_chroma_bin_means> mean_;
-  gpu::Program<shaders::intrinsic_chroma_bin_slice> slice_, pull_;
+  gpu::Program<shaders::intrinsic_chroma_bin_slice> slice_, without_bins_;
   gpu::Program<shaders::intrinsic_chroma_source_term> source_term_, measuring_source_term_;
   gpu::Program<shaders::solve_total> total_;
   gpu::BufferPtr weights_, totals_, means_, wanted_, sums_, binding_;

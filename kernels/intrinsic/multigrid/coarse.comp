@@ -17,13 +17,13 @@ layout(push_constant) uniform Push {
 } push;
 
 #define SYNC memoryBarrierBuffer(); barrier()
-#define EVERY_QUAD(i, packs, height) for (uint i = gl_LocalInvocationID.x; i < (packs) * (height); i += gl_WorkGroupSize.x)
+#define EVERY_PACK(i, packs, height) for (uint i = gl_LocalInvocationID.x; i < (packs) * (height); i += gl_WorkGroupSize.x)
 #define SYSTEM(at, slot) LOAD(system, 4u * (at) + slot)
 
 // Half a block Gauss-Seidel pass over the level of `size` that starts at pack `base`.
 void smooth_color(uint base, uvec2 size, uint color) {
   uint packs = PACK4(size.x), pairs = (packs + 1u) / 2u;
-  EVERY_QUAD(i, pairs, size.y) {
+  EVERY_PACK(i, pairs, size.y) {
     uint y = i / pairs, x = 2u * (i - y * pairs) + ((y + color) & 1u);
     if (x < packs) {
       uint at = base + y * packs + x;
@@ -115,7 +115,7 @@ void main() {
     uvec2 half_size = (size + 1u) / 2u;
     uint packs = PACK4(size.x), half_packs = PACK4(half_size.x), coarse = base + packs * size.y;
     if (up) {
-      EVERY_QUAD(i, packs, size.y) {
+      EVERY_PACK(i, packs, size.y) {
         uint y = i / packs, x = i - y * packs;
         vec4 pairs = LOAD(field, coarse + (y / 2u) * half_packs + x / 2u);
         vec4 correction = (x & 1u) == 0u ? pairs.xxyy : pairs.zzww;
@@ -127,7 +127,7 @@ void main() {
       for (uint color = 0u; color < 2u; ++color) smooth_color(base, size, up ? 1u - color : color);
     bool single = size.x == 1u && size.y == 1u;
     if (!up && !single) {
-      EVERY_QUAD(i, half_packs, half_size.y) {
+      EVERY_PACK(i, half_packs, half_size.y) {
         uint y = i / half_packs;
         aggregate(base, size, i - y * half_packs, y, coarse + i);
       }

@@ -64,7 +64,7 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   for (auto& start : starts_) start = buffer(pack4_count(levels_[0].extent));
   cell_means_ = buffer(pack4_count(levels_[kCells].extent));
   cell_residual_ = buffer(pack4_count(levels_[kCells].extent));
-  cell_source_term_ = buffer(pack4_count(levels_[kCells].extent) * kForceStride);
+  cell_source_term_ = buffer(pack4_count(levels_[kCells].extent) * kSourceStride);
 }
 
 void Multigrid::smooth(gpu::Commands& commands, size_t i, const TileList* listed) const {
@@ -167,7 +167,7 @@ void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k,
   const float ratio = slowest / (2 - slowest);
   float w = 1;
   for (uint32_t i = 0; i < k; ++i) w = 1 / (1 - ratio * ratio * w * (i == 0 ? 0.5F : 0.25F));
-  // Only the device knows how many slots a list of tiles fills.
+  // How many slots a list of tiles fills is found on the device.
   if (!cleared_ || (listed && progress.measured)) commands.fill(sums_);
   cleared_ = true;
   const Extent extent = levels_[0].extent;

@@ -43,7 +43,7 @@ class Multigrid {
     float tolerance = 0;       ///< rms change by a cycle, log units, below which no other is needed
   };
   static constexpr uint64_t kFineStride = 3;  ///< vec4 a pack of the system on levels 0 and 1
-  static constexpr uint64_t kForceStride =
+  static constexpr uint64_t kSourceStride =
       shaders::intrinsic_multigrid_smooth::SOURCE_STRIDE;  ///< vec4 a pack of cells of
                                                            ///< `cell_source_term`
   static constexpr uint64_t kTermsStride =
@@ -56,7 +56,7 @@ class Multigrid {
   const gpu::BufferPtr& system() const { return levels_[0].system; }
   /// The unknown, one vec4 a pack; cycles improve it in place.
   const gpu::BufferPtr& field() const { return levels_[0].field; }
-  /// The source_term with which the cells' terms data at the pixels, their screen, and a mass of
+  /// The source_term with which the cells' terms data at the pixels, their screening, and a mass of
   /// each of their pixels, three vec4 a pack of cells; set before the operators are made, and the
   /// source_term renewed by every cycle's `after`.
   const gpu::BufferPtr& cell_source_term() const { return cell_source_term_; }

@@ -15,7 +15,7 @@ ActiveTiles::ActiveTiles(const std::shared_ptr<gpu::Device>& device, Extent exte
       drawn_(device, extent),
       active_(device),
       dilate_tiles_(device),
-      look_(device, {}, 1, 1),
+      measure_activity_(device, {}, 1, 1),
       activity_(gpu::Buffer::create(device, gpu::Element::vec4, tiles())),
       moving_(gpu::Buffer::create(device, gpu::Element::word, 1)) {
   for (auto& changed : changed_)
@@ -59,17 +59,17 @@ void ActiveTiles::record_activity(gpu::Commands& commands, const gpu::BufferPtr&
                                   const gpu::BufferPtr& now, const TileList* listed,
                                   float tolerance) {
   commands.fill(moving_);
-  look_.dispatch(commands, listed,
-                 {.changed = changed_[frame_],
-                  .before = before,
-                  .now = now,
-                  .activity = activity_,
-                  .moving = moving_},
-                 {.tiles = {lists_[0].columns(), lists_[0].rows()},
-                  .packs = {pack4_count(extent_.width), extent_.height},
-                  .size = extent_,
-                  .tolerance = tolerance},
-                 line_of(tiles()));
+  measure_activity_.dispatch(commands, listed,
+                             {.changed = changed_[frame_],
+                              .before = before,
+                              .now = now,
+                              .activity = activity_,
+                              .moving = moving_},
+                             {.tiles = {lists_[0].columns(), lists_[0].rows()},
+                              .packs = {pack4_count(extent_.width), extent_.height},
+                              .size = extent_,
+                              .tolerance = tolerance},
+                             line_of(tiles()));
 }
 
 }  // namespace inverse

@@ -53,7 +53,7 @@ class ActiveTiles {
   bool listed_before_ = false;
   gpu::Program<shaders::intrinsic_tiles_active> active_;
   gpu::Program<shaders::intrinsic_tiles_dilate_tiles> dilate_tiles_;
-  TileProgram<shaders::intrinsic_tiles_activity> look_;
+  TileProgram<shaders::intrinsic_tiles_activity> measure_activity_;
   gpu::FrameRing<gpu::BufferPtr> changed_;
   uint64_t frame_ = 0;
   gpu::BufferPtr activity_, moving_;

@@ -458,7 +458,7 @@ uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame
     start(commands, n);
     if (n == 0 && current_->clustered) find_clusters(commands);
     solve(commands, n);
-    commands.stage(n == 0 ? "finest level" : "coarser level");
+    commands.stage(n == 0 ? "finest-level" : "coarser-level");
   }
   if (!current_->clustered) palette_.record_update(commands, {extent_, levels_[0].solution});
   if (current_->store_keyframe) store_keyframe(commands);

@@ -34,7 +34,7 @@ inline Setting adaptive_setting(const std::string& name, double order,
           .stills = false,
           .video = true,
           .frames = kFrames,
-          .least_samples = whole ? kPairs : 0,
+          .min_samples = whole ? kPairs : 0,
           .effort = whole ? Setting::Effort::brief : Setting::Effort::full,
           .against = off ? "" : "adaptive/off"};
 }

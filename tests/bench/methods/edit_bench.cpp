@@ -40,9 +40,9 @@ struct Pair {
   std::string name;
   bool despill = false;
   Image before, after;
-  Image matte;       ///< 0…1: repainted share of a pixel
-  Color paint, aim;  ///< reflectance of the repainted surface before and after
-  Image perfect;     ///< R after times light before; empty if unknown
+  Image matte;          ///< 0…1: repainted share of a pixel
+  Color paint, target;  ///< reflectance of the repainted surface before and after
+  Image perfect;        ///< R after times light before; empty if unknown
 };
 
 Color mean_where(const Image& image, const Image& matte) {
@@ -81,7 +81,7 @@ Pair rendered_pair(const Scene& scene) {
   for (std::size_t i = 0; i < pair.matte.data.size(); ++i)
     pair.matte.data[i] = std::min(1.0F, change(i) / changes[changes.size() / 2]);
   pair.paint = mean_where(before.reflectance, pair.matte);
-  pair.aim = mean_where(after.reflectance, pair.matte);
+  pair.target = mean_where(after.reflectance, pair.matte);
   pair.perfect = after.reflectance;
   for (std::size_t i = 0; i < pair.perfect.data.size(); ++i)
     pair.perfect.data[i] *= before.direct.data[i] + before.indirect.data[i];
@@ -180,8 +180,8 @@ class Editor {
     layers[Role::mask] = matte;
     return made(layers, [&](Layers& l) { recolor_.record(commands_, l, params); });
   }
-  Image relit(Layers layers, const LightEdit::Key& key, const Color& aim) {
-    return made(layers, [&](Layers& l) { light_.change(commands_, l, key, aim, 1, nullptr); });
+  Image relit(Layers layers, const LightEdit::Key& key, const Color& target) {
+    return made(layers, [&](Layers& l) { light_.change(commands_, l, key, target, 1, nullptr); });
   }
 
  private:
@@ -255,7 +255,7 @@ struct Edit {
 RecolorParams from_layer(Editor& editor, const Pair& pair, const Layers& layers,
                          RecolorParams params) {
   params.key = mean_where(editor.reflectance(layers), pair.matte);
-  params.target = mean(params.key) / mean(pair.paint) * pair.aim;
+  params.target = mean(params.key) / mean(pair.paint) * pair.target;
   return params;
 }
 
@@ -310,7 +310,7 @@ std::vector<Edit> recolored(Editor& editor, const Pair& pair) {
 std::vector<Edit> despilled(Editor& editor, const Pair& pair) {
   const Layers layers = editor.all_layers();
   const LightEdit::Key key = spill_key(editor, pair, layers);
-  const float ratio = mean(pair.aim) / mean(pair.paint);
+  const float ratio = mean(pair.target) / mean(pair.paint);
   const Color gray{ratio, ratio, ratio};
   std::vector<Edit> edits{{"nothing", pair.before},
                           {"ffmpeg despill", ffmpeg_despill(pair.before)},

@@ -18,7 +18,7 @@ using Params = GlobalThesisParams;
 using Effort = Setting::Effort;
 
 /// Minimum number of pixels of a base color: a thousandth of 320 × 240.
-constexpr std::size_t kFewestPixels = 77;
+constexpr std::size_t kMinPixels = 77;
 
 /// The default of the element.
 Params default_params() {
@@ -82,9 +82,9 @@ class FoundColors {
     const PlanePtr input = session_.upload(frame.input);
     GlobalThesis method(session_.device(), extent);
     MarkedRegions regions(session_.device(), extent);
-    Params params = still_params(), look = params;
-    look.refine_rounds = 0;
-    look.steps = look.pcg_iterations = 1;  // clusters need no solve
+    Params params = still_params(), brief = params;
+    brief.refine_rounds = 0;
+    brief.steps = brief.pcg_iterations = 1;  // clusters need no solve
     const auto show = [&] {
       std::uint64_t number = 0;
       Layers layers;
@@ -96,7 +96,7 @@ class FoundColors {
       method.collect(number);
       regions.collect(regions.last());
     };
-    method.set_params(look);
+    method.set_params(brief);
     lab_.run([&](gpu::Commands& c) { method.record_colors(c, *input); });
     method.collect_colors();
     show();
@@ -122,7 +122,7 @@ class FoundColors {
     for (const bool initial : {true, false})
       found.figures[initial ? "base_before" : "base_after"] = base_color_errors(
           frame.reflectance, assigned, initial ? found.initial.colors() : found.refined.colors(),
-          initial, kFewestPixels);
+          initial, kMinPixels);
     found.figures["refining_frames"] = {double(frames)};
     const TrueSlots truth(frame.reflectance, frame.mask, found.initial.colors());
     const std::vector<std::uint8_t> wrong = truth.wrong(assigned);
@@ -153,7 +153,7 @@ class FoundColors {
     // Candidates are decomposed with the method's own settings.
     Params params = still_params();
     params.refine_rounds = 0;
-    const Params look = method.params();
+    const Params own = method.params();
     method.set_params(params);
     MisclusteringCorrection correction(session_.device(), method.extent());
     const auto undecided = [&] {
@@ -167,7 +167,7 @@ class FoundColors {
       correction.collect(number, regions);
       for (const int region : correction.take_hopeless()) regions.remove(region);
     }
-    method.set_params(look);
+    method.set_params(own);
     double right = 0;
     for (const auto& region : regions.regions())
       right += region.number > 0 && truth.count(region.number) > 0 &&
@@ -187,7 +187,7 @@ class StillSolver final : public Solver {
   struct Options {
     FoundColors::Clicks clicks = FoundColors::Clicks::none;
     bool refined = true;
-    bool tells = false;  ///< report statistics of the base colors
+    bool reports = false;  ///< report statistics of the base colors
   };
   StillSolver(DeviceSession& session, std::shared_ptr<FoundColors> palette, Size size,
               const Params& params, const Options& options)
@@ -215,7 +215,7 @@ class StillSolver final : public Solver {
           return layers;
         },
         cost);
-    if (options_.tells) d.figures = found.figures;
+    if (options_.reports) d.figures = found.figures;
     d.figures["layers"] = {double(method_.stats(number).layers)};
     return d;
   }
@@ -299,7 +299,7 @@ Method globalintrinsicthesis(DeviceSession& session) {
       if (table.top(quality) == k) s.preset = name;
     s.base = k == table.top(Quality::medium);
     const bool base = s.base;
-    add(std::move(s), params, {.tells = base});
+    add(std::move(s), params, {.reports = base});
   }
   const struct {
     const char* curve;

@@ -320,7 +320,7 @@ void cheap(DeviceSession& session, const Scene& scene, size_t frames) {
   struct Candidate {
     size_t halvings;
     uint32_t cycles, warm;
-    float tolerance, settled;
+    float edge, cycle;
   };
   constexpr Candidate kCandidates[] = {
       {0, 4, 2, 0.05F, 0.01F}, {1, 4, 2, 0.05F, 0.01F},  {1, 3, 1, 0.1F, 0.01F},
@@ -331,7 +331,7 @@ void cheap(DeviceSession& session, const Scene& scene, size_t frames) {
     Params params;
     params.tolerances.half = 0, params.set_halvings(c.halvings);
     params.cycles = c.cycles, params.warm_cycles = c.warm;
-    params.tolerances.edge = c.tolerance, params.tolerances.cycle = c.settled;
+    params.tolerances.edge = c.edge, params.tolerances.cycle = c.cycle;
     runs.push_back(std::make_unique<Run>(session, extent, params));
   }
   const size_t count = scene.video ? frames : scene.frames.size();

@@ -5,7 +5,7 @@ import statistics
 
 OURS = ("intrinsicdecomp", "medium")
 THESIS = ("thesis PCG", "medium")
-LEAST_SCENES = 3  # of fewer an interval says too little for a verdict
+MIN_SCENES = 3  # of fewer an interval says too little to decide
 
 
 def bootstrap_mean(values, rounds=4000):
@@ -26,7 +26,7 @@ def differences(ours, theirs):
         return None
     interval = bootstrap_mean(pairs)
     return {"mean": statistics.fmean(pairs), "interval": interval, "scenes": len(pairs), "better": sum(d < 0 for d in pairs),
-            "separated": interval[0] > 0 or interval[2] < 0 if len(pairs) >= LEAST_SCENES else None}
+            "separated": interval[0] > 0 or interval[2] < 0 if len(pairs) >= MIN_SCENES else None}
 
 
 def by_scene(rows, error):

@@ -76,7 +76,7 @@ struct Setting {
   std::size_t frames = 0;
   /// With --full a video repeats until this number of frames was timed, for accurate comparisons of
   /// time. 0: once, or twice.
-  std::size_t least_samples = 0;
+  std::size_t min_samples = 0;
   enum class Effort : std::uint8_t {
     brief,  ///< in every run, on all data
     usual,  ///< in every run, on the project's own data; with --full on all

@@ -281,7 +281,7 @@ class Bench {
     const Setting& setting = *row.setting;
     if (setting.lmse_only) return false;
     if (options_.full && !options_.brief && row.scene->video && row.shown() > kUntimed &&
-        row.wall.size() < setting.least_samples)
+        row.wall.size() < setting.min_samples)
       return true;
     if (row.slow || round >= options_.rounds) return false;
     if (!row.scene->video) return true;

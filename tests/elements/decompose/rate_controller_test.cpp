@@ -9,8 +9,6 @@
 #include <functional>
 #include <random>
 
-#include "gst/base/frames/repeats.hpp"
-
 namespace inverse {
 namespace {
 
@@ -242,24 +240,6 @@ TEST(RateController, ReportsItsExpectedTime) {
   EXPECT_NEAR(controller.report().predicted_ms, 30 * kCosts[controller.level()], 0.1);
   EXPECT_NEAR(controller.report().budget_ms, 33.3, 0.1);
   EXPECT_EQ(controller.report().reason, "down: took 90.0 ms of 33.3 ms");
-}
-
-TEST(Repeats, GoOnForAWhile) {
-  Repeats repeats;
-  EXPECT_FALSE(repeats.going_on());
-  repeats.next(false);
-  EXPECT_FALSE(repeats.going_on());
-  repeats.next(true);
-  EXPECT_TRUE(repeats.going_on());
-  for (unsigned i = 1; i < Repeats::kMemory; ++i) {
-    repeats.next(false);
-    EXPECT_TRUE(repeats.going_on());
-  }
-  repeats.next(false);
-  EXPECT_FALSE(repeats.going_on());
-  repeats.next(true);
-  repeats.reset();
-  EXPECT_FALSE(repeats.going_on());
 }
 
 }  // namespace

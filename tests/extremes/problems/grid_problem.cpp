@@ -71,7 +71,7 @@ std::vector<std::vector<double>> cycles_on_device(const Lab& lab, const GridSyst
   ChromaBins bins(lab.device(), cells);
   const uint32_t packs = pack4_count(extent.width), cell_packs = pack4_count(cells.width);
   Pixels pixels(pack4_count(extent) * 12, 0.0F), terms(pack4_count(cells) * 16, 0.0F);
-  Pixels forces(pack4_count(cells) * 12, 0.0F);
+  Pixels source(pack4_count(cells) * 12, 0.0F);
   for (uint32_t y = 0; y < extent.height; ++y)
     for (uint32_t x = 0; x < extent.width; ++x) {
       float* pack = &pixels[12 * (static_cast<size_t>(y) * packs + x / 4) + x % 4];
@@ -84,13 +84,13 @@ std::vector<std::vector<double>> cycles_on_device(const Lab& lab, const GridSyst
     for (uint32_t x = 0; x < cells.width; ++x) {
       const size_t n = static_cast<size_t>(y) * cells.width + x;
       const size_t pack = static_cast<size_t>(y) * cell_packs + x / 4;
-      terms[16 * pack + x % 4] = forces[12 * pack + 4 + x % 4] = system.screen[n];
+      terms[16 * pack + x % 4] = source[12 * pack + 4 + x % 4] = system.screen[n];
       terms[16 * pack + 4 + x % 4] = system.pull[n];  // no chroma term: the bins have no say
-      forces[12 * pack + 8 + x % 4] = system.anchor[n];
+      source[12 * pack + 8 + x % 4] = system.anchor[n];
     }
   const auto frame = lab.upload(Pixels(4 * extent.pixels(), 0.5F));
   const auto system_buffer = lab.upload(pixels), terms_buffer = lab.upload(terms),
-             force_buffer = lab.upload(forces);
+             source_buffer = lab.upload(source);
   const Multigrid::Params params;
   const ChromaBins::State state{terms_buffer,
                                 multigrid.cell_means(),
@@ -102,7 +102,7 @@ std::vector<std::vector<double>> cycles_on_device(const Lab& lab, const GridSyst
     guide.record(commands, frame);
     commands.fill(multigrid.field());
     commands.copy(system_buffer, multigrid.system(), system_buffer->bytes());
-    commands.copy(force_buffer, multigrid.cell_source_term(), force_buffer->bytes());
+    commands.copy(source_buffer, multigrid.cell_source_term(), source_buffer->bytes());
     multigrid.record_operators(commands, params);
     bins.record_weights(commands, guide, terms_buffer, 1);
   });

@@ -126,25 +126,25 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
     const auto system_buffer = upload(gpu::Element::vec4, system.data(), system.size() / 4);
     const auto field_buffer = upload(gpu::Element::vec4, field.data(), field.size() / 4);
     const auto terms_buffer = upload(gpu::Element::vec4, terms.data(), terms.size() / 4);
-    Pixels forces(pack4_count(cells) * 12);
+    Pixels source(pack4_count(cells) * 12);
     for (size_t pack = 0; pack < pack4_count(cells); ++pack)
-      std::copy_n(&terms[16 * pack], 4, &forces[12 * pack + 4]);  // screen; no force yet
+      std::copy_n(&terms[16 * pack], 4, &source[12 * pack + 4]);  // screen; no source term yet
     for (uint32_t y = 0; y < cells.height; ++y)
       for (uint32_t x = 0; x < cells.width; ++x) {
         const float mass = unit(random) < 0.3 ? 0.0F : static_cast<float>(unit(random));
-        forces[12 * (static_cast<size_t>(y) * cell_packs + x / 4) + 8 + x % 4] = mass;
+        source[12 * (static_cast<size_t>(y) * cell_packs + x / 4) + 8 + x % 4] = mass;
         for (uint32_t v = 4 * y; v < std::min(extent.height, 4 * y + 4); ++v)
           for (uint32_t u = 4 * x; u < std::min(extent.width, 4 * x + 4); ++u)
             finest.mass[finest.at(static_cast<int>(u), static_cast<int>(v))] +=
                 static_cast<double>(mass);
       }
-    const auto force_buffer = upload(gpu::Element::vec4, forces.data(), forces.size() / 4);
+    const auto source_buffer = upload(gpu::Element::vec4, source.data(), source.size() / 4);
     Multigrid::Params params;
     run([&](gpu::Commands& commands) {
       guide.record(commands, frame.buffer);
       commands.copy(system_buffer, multigrid.system(), system_buffer->bytes());
       commands.copy(field_buffer, multigrid.field(), field_buffer->bytes());
-      commands.copy(force_buffer, multigrid.cell_source_term(), force_buffer->bytes());
+      commands.copy(source_buffer, multigrid.cell_source_term(), source_buffer->bytes());
       multigrid.record_operators(commands, params);
       bins.record_weights(commands, guide, terms_buffer, 1);
       const ChromaBins::State state{terms_buffer,
@@ -160,7 +160,7 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
             [&] { bins.record_source_term(commands, state, false); });
     });
     auto levels = grid::hierarchy(finest, screen, static_cast<double>(params.scale));
-    std::vector<double> force(cells.pixels());
+    std::vector<double> source_term(cells.pixels());
     const grid::CellTerms cell_terms{
         [&](const std::vector<double>& far, const std::vector<double>& means, grid::Level& level) {
           for (size_t i = 0; i < far.size(); ++i)
@@ -175,7 +175,7 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
     grid::Extrapolation extrapolation(static_cast<double>(params.slowest));
     for (int k = 0; k < 3; ++k) {
       const std::vector<double> before = levels[0].s;
-      grid::cycle(levels, static_cast<int>(params.cell_cycles), cell_terms, screen, force);
+      grid::cycle(levels, static_cast<int>(params.cell_cycles), cell_terms, screen, source_term);
       extrapolation.apply(k, before, levels[0].s);
     }
     const Pixels got = download(multigrid.field());

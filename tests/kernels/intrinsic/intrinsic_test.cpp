@@ -282,7 +282,7 @@ TEST_F(IntrinsicTest, AbsurdParametersStayFinite) {
   for (const float v : decompose(extent, pixels, params)) ASSERT_TRUE(std::isfinite(v));
 }
 
-// Skipped cycles must show in the stats, and cost no more than `settled`
+// Skipped cycles must show in the stats, and cost no more than the tolerance
 // bounds: a cycle leaves up to 85 % of an error, so six times what the last one changed.
 TEST_F(IntrinsicTest, CyclesEndWhenLittleChanges) {
   constexpr uint32_t kMaxCycles = 16;
@@ -292,15 +292,15 @@ TEST_F(IntrinsicTest, CyclesEndWhenLittleChanges) {
   IntrinsicDecomposition::Params params, all;
   params.cycles = params.warm_cycles = all.cycles = all.warm_cycles = kMaxCycles;
   all.adaptive = false;
-  IntrinsicDecomposition settling(device, extent), patient(device, extent);
-  const Pixels complete = decompose(patient, still, all);
-  EXPECT_EQ(patient.findings().cycles, kMaxCycles);
+  IntrinsicDecomposition ending(device, extent), full(device, extent);
+  const Pixels complete = decompose(full, still, all);
+  EXPECT_EQ(full.findings().cycles, kMaxCycles);
   uint32_t smallest_count = kMaxCycles;
-  for (const float settled : {0.01F, 0.03F, 0.1F}) {
-    params.tolerances.cycle = settled;
-    const Pixels got = decompose(settling, still, params);
-    const uint32_t cycles = settling.findings().cycles;
-    EXPECT_LT(settling.findings().change, settled);
+  for (const float tolerance : {0.01F, 0.03F, 0.1F}) {
+    params.tolerances.cycle = tolerance;
+    const Pixels got = decompose(ending, still, params);
+    const uint32_t cycles = ending.findings().cycles;
+    EXPECT_LT(ending.findings().change, tolerance);
     EXPECT_LE(cycles, smallest_count);
     smallest_count = cycles;
     double sum = 0;
@@ -309,19 +309,19 @@ TEST_F(IntrinsicTest, CyclesEndWhenLittleChanges) {
       sum += d * d;
     }
     const double distance = std::sqrt(sum / static_cast<double>(extent.pixels()));
-    std::printf("settled %g: %u of %u cycles, %.4f from all\n", static_cast<double>(settled),
+    std::printf("tolerance %g: %u of %u cycles, %.4f from all\n", static_cast<double>(tolerance),
                 cycles, kMaxCycles, distance);
-    EXPECT_LT(distance, 6 * settled);
+    EXPECT_LT(distance, 6 * tolerance);
   }
   EXPECT_LT(smallest_count, skips ? 5 : kMaxCycles + 1);
   // A static scene converges: one cycle a frame.
   params.tolerances.cycle = 0.01F;
-  for (int k = 0; k < 5; ++k) decompose(settling, still, params, false);
-  EXPECT_EQ(settling.findings().cycles, skips ? 1 : kMaxCycles);
+  for (int k = 0; k < 5; ++k) decompose(ending, still, params, false);
+  EXPECT_EQ(ending.findings().cycles, skips ? 1 : kMaxCycles);
   // 0 asks for all of them.
   params.tolerances.cycle = 0;
-  decompose(settling, still, params, false);
-  EXPECT_EQ(settling.findings().cycles, kMaxCycles);
+  decompose(ending, still, params, false);
+  EXPECT_EQ(ending.findings().cycles, kMaxCycles);
 }
 
 }  // namespace inverse::testing

@@ -182,7 +182,7 @@ TEST_F(SkipTest, AnotherResolutionStartsFromTheFirstsResult) {
     ScaledIntrinsic::Params params;
     params.tolerances.half = 0;
     Pixels before[2];
-    double largest = 0, most_anew = 0;
+    double largest = 0, max_anew = 0;
     for (int i = 0; i < 40; ++i) {
       const int at = i / 10;  // full, half, a quarter, full
       params.half_resolution = at == 1 || at == 2;
@@ -199,7 +199,7 @@ TEST_F(SkipTest, AnotherResolutionStartsFromTheFirstsResult) {
       for (const float value : now[0]) ASSERT_TRUE(std::isfinite(value));
       if (i >= 10) {
         update_max(largest, apart(now[0], before[0]));
-        update_max(most_anew, apart(now[1], before[1]));
+        update_max(max_anew, apart(now[1], before[1]));
         if (crosses) {
           EXPECT_LT(apart(now[0], before[0]), 0.01) << name_of(extent) << " at " << i;
         }
@@ -208,8 +208,8 @@ TEST_F(SkipTest, AnotherResolutionStartsFromTheFirstsResult) {
       before[1] = now[1];
     }
     std::printf("%s: largest step of log shading %.3f, history forgotten %.3f\n",
-                name_of(extent).c_str(), largest, most_anew);
-    EXPECT_LT(largest, 0.4 * most_anew) << name_of(extent);
+                name_of(extent).c_str(), largest, max_anew);
+    EXPECT_LT(largest, 0.4 * max_anew) << name_of(extent);
   }
 }
 

@@ -6,6 +6,8 @@
 
 #include <vector>
 
+#include "kernels/reuse/repeats.hpp"
+
 namespace inverse::testing {
 namespace {
 
@@ -85,6 +87,24 @@ TEST(RepeatPlanner, NothingIsReusedThatIsNotThereOrNotWanted) {
   for (int k = 0; k < 6; ++k) video.next(k > 0);
   video.planner.reset();
   EXPECT_FALSE(video.next(true).reuse) << "a flush";
+}
+
+TEST(Repeats, GoOnForAWhile) {
+  Repeats repeats;
+  EXPECT_FALSE(repeats.going_on());
+  repeats.next(false);
+  EXPECT_FALSE(repeats.going_on());
+  repeats.next(true);
+  EXPECT_TRUE(repeats.going_on());
+  for (unsigned i = 1; i < Repeats::kMemory; ++i) {
+    repeats.next(false);
+    EXPECT_TRUE(repeats.going_on());
+  }
+  repeats.next(false);
+  EXPECT_FALSE(repeats.going_on());
+  repeats.next(true);
+  repeats.reset();
+  EXPECT_FALSE(repeats.going_on());
 }
 
 }  // namespace inverse::testing

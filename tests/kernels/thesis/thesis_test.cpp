@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
+#include "tests/expect_error.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
 #include "tests/reference/thesis/thesis_params.hpp"
 #include "tests/update_max.hpp"
@@ -389,6 +390,10 @@ TEST_F(ThesisTest, DividedSampleFramesGiveTheSameBits) {
     results.push_back(download(layers[Role::intrinsic]->buffer));
     EXPECT_EQ(results.back(), results.front()) << slots;
   }
+  setenv("INVERSE_SAMPLE_SLOTS", "4", 1);
+  expect_error(ErrorKind::unsupported, "INVERSE_SAMPLE_SLOTS is 4; set 6, 3, 2 or 1",
+               [&] { ThesisDecomposition(device, extent); });
+  unsetenv("INVERSE_SAMPLE_SLOTS");
 }
 
 TEST_F(ThesisTest, ResetForgetsThePast) {

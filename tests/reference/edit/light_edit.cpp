@@ -114,7 +114,7 @@ double chosen(const Rgb& base, const Rgb& key, double tolerance, double softness
   return 1 - t * t * (3 - 2 * t);
 }
 
-Rgb repainted(const Rgb& base, const Rgb& key, const Rgb& aim, double w) {
+Rgb repainted(const Rgb& base, const Rgb& key, const Rgb& target, double w) {
   double along = 0, length2 = 0;
   for (size_t c = 0; c < 3; ++c) {
     along += base[c] * key[c];
@@ -122,13 +122,13 @@ Rgb repainted(const Rgb& base, const Rgb& key, const Rgb& aim, double w) {
   }
   Rgb result = base;
   for (size_t c = 0; c < 3; ++c)
-    result[c] += w * (along / std::max(length2, kLightFloor) * aim[c] - base[c]);
+    result[c] += w * (along / std::max(length2, kLightFloor) * target[c] - base[c]);
   return result;
 }
 
-Rgb changed(const Rgb& base, const Rgb& aim, double w) {
+Rgb changed(const Rgb& base, const Rgb& target, double w) {
   Rgb result = base;
-  for (size_t c = 0; c < 3; ++c) result[c] += w * (mean(base) * aim[c] - base[c]);
+  for (size_t c = 0; c < 3; ++c) result[c] += w * (mean(base) * target[c] - base[c]);
   return result;
 }
 

@@ -37,9 +37,9 @@ std::vector<size_t> light_sample(size_t width, size_t height);
 /// Selection of a base color by a key's chromaticity.
 double chosen(const Rgb& base, const Rgb& key, double tolerance, double softness);
 
-/// b + w (scale · aim − b); scale = b·key / key·key for repainted surfaces, else the mean of b.
-Rgb repainted(const Rgb& base, const Rgb& key, const Rgb& aim, double w);
-Rgb changed(const Rgb& base, const Rgb& aim, double w);
+/// b + w (scale · target − b); scale = b·key / key·key for repainted surfaces, else the mean of b.
+Rgb repainted(const Rgb& base, const Rgb& key, const Rgb& target, double w);
+Rgb changed(const Rgb& base, const Rgb& target, double w);
 
 /// The light of a pixel (L, direct share) whose shares of base colors are `shares`.
 Rgba retinted(const Rgba& light, const std::vector<double>& shares, const std::vector<Rgb>& change,

@@ -57,21 +57,21 @@ Residual residual_field(const std::vector<Chroma>& raw, const std::vector<double
   std::vector<double> c(n);
   for (std::size_t i = 0; i < n; ++i) c[i] = belief(raw[i], fraction[i], statistics, params);
   const auto windows = box(width, height, radius, [](std::size_t) { return 1.0; });
-  const auto believed = box(width, height, radius, [&](std::size_t i) { return c[i]; });
+  const auto confidence = box(width, height, radius, [&](std::size_t i) { return c[i]; });
   Residual out;
   out.slope.resize(n), out.offset.resize(n), out.smooth.resize(n);
   for (std::size_t d = 0; d < 2; ++d) {
     const auto sum = box(width, height, radius, [&](std::size_t i) { return c[i] * raw[i][d]; });
     std::vector<double> e(n), slope(n), offset(n);
     for (std::size_t i = 0; i < n; ++i) {
-      out.smooth[i][d] = sum[i] / (believed[i] + kMinConfidence * windows[i]);
+      out.smooth[i][d] = sum[i] / (confidence[i] + kMinConfidence * windows[i]);
       e[i] = c[i] * raw[i][d] + (1 - c[i]) * out.smooth[i][d];
     }
     const auto first = box(width, height, radius, [&](std::size_t i) { return c[i] * e[i]; });
     const auto second =
         box(width, height, radius, [&](std::size_t i) { return c[i] * e[i] * e[i]; });
     for (std::size_t i = 0; i < n; ++i) {
-      const double all = believed[i] + 1e-6, middle = first[i] / all;
+      const double all = confidence[i] + 1e-6, middle = first[i] / all;
       const double variance = std::max(0.0, second[i] / all - middle * middle);
       slope[i] = variance / (variance + params.edge);
       offset[i] = (1 - slope[i]) * middle;
@@ -80,8 +80,8 @@ Residual residual_field(const std::vector<Chroma>& raw, const std::vector<double
     const auto offsets =
         box(width, height, radius, [&](std::size_t i) { return c[i] * offset[i]; });
     for (std::size_t i = 0; i < n; ++i) {
-      out.slope[i][d] = slopes[i] / (believed[i] + 1e-6);
-      out.offset[i][d] = offsets[i] / (believed[i] + 1e-6);
+      out.slope[i][d] = slopes[i] / (confidence[i] + 1e-6);
+      out.offset[i][d] = offsets[i] / (confidence[i] + 1e-6);
     }
   }
   return out;

@@ -8,7 +8,7 @@ import torch
 
 from . import encoding
 
-LEAST_SHARE = 0.005  # of a picture, that an object has to cover to count: kMinShare of object_tracker.cpp
+MIN_SHARE = 0.005  # of a picture, that an object has to cover to count: kMinShare of object_tracker.cpp
 LOG_CENTERS = torch.log10(torch.tensor(encoding.CENTERS))
 
 
@@ -113,7 +113,7 @@ def score(items, predictions):
     empty = [not i.mask.any() for i in items]
     out = {"count": len(items)}
     if any(empty):
-        out["found_in_empty"] = float(np.mean([largest_part(p["found"][0] > 0.5) >= LEAST_SHARE
+        out["found_in_empty"] = float(np.mean([largest_part(p["found"][0] > 0.5) >= MIN_SHARE
                                                for p, e in zip(predictions, empty) if e]))
     items, predictions = ([a for a, e in zip(list_, empty) if not e] for list_ in (items, predictions))
     if items[0].shininess is not None:
