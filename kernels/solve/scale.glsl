@@ -6,18 +6,22 @@
 
 // The state from frame to frame, three vec4:
 #define SCALE_NOW 0     // ln c, 1 once it is known, offset, offset that the frame alone would get
-#define SCALE_MOTION 1  // the points' common motion (cells a frame), mean share of bright points, 1 if the points go on
-#define SCALE_SHIFT 2   // last change of the offset, which the references still need, -, -, -
+#define SCALE_MOTION 1  // the points' common motion: of the frame's center (cells a frame), zoom and turn (1 a frame)
+#define SCALE_STATE 2   // sum of the shifts of the references, mean share of bright points, 1 if the points go on, -
 #define SCALE_SIZE 3
 
-// Of a point, two vec4: place (cells), its log reflectance in the output less ln(white level), frames since it began (-1: lost);
-// and its chroma when it began.
-#define POINT_PLACE 0
-#define POINT_COLOR 1
-#define POINT_STRIDE 2
+// Of a point, a vec4: place (cells), frames since it began (-1: lost), -.
 
-// Measurement of a point, two vec4: the offset that keeps its reflectance, its weight, the weight of its motion, 1 if it is
-// bright; and its motion, 1 if it was found again.
+// The last log reflectances of a point in the output, less ln(white level) and the shifts up to then: some two seconds of 30 frames
+// a second. A frame is compared with the mean of the oldest few: the noise of a single one would come again and add up.
+#define HISTORY_SPAN 64u
+#define HISTORY_OLDEST 4u
+
+// Measurement of a point, two vec4: the offset that gives it its reflectance of two seconds before, its weight, its texture, 1 if it
+// is bright; and its motion, 1 if it was found again.
 #define SAMPLE_OFFSET 0
 #define SAMPLE_MOTION 1
 #define SAMPLE_STRIDE 2
+
+// Common motion at a place, `from` the frame's center (cells): a similarity.
+vec2 common_motion(vec4 motion, vec2 from) { return motion.xy + motion.z * from + motion.w * vec2(-from.y, from.x); }

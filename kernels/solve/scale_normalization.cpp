@@ -13,7 +13,7 @@ constexpr uint32_t kLanes = 64;  // of scale_update.comp
 
 ScaleNormalization::ScaleNormalization(const std::shared_ptr<gpu::Device>& device, Extent cells)
     : cells_(cells),
-      spacing_(std::max(2.0F, std::round(std::sqrt(static_cast<float>(cells.pixels()) / kPoints)))),
+      spacing_(std::max(1.0F, std::sqrt(static_cast<float>(cells.pixels()) / kPoints))),
       track_(device),
       update_(device, {}, kLanes) {
   const auto along = [&](uint32_t length) {
@@ -27,13 +27,16 @@ ScaleNormalization::ScaleNormalization(const std::shared_ptr<gpu::Device>& devic
   before_ = buffer(cells.pixels());
   now_ = buffer(cells.pixels());
   scale_ = buffer(Update::SCALE_SIZE);
-  points_ = buffer(uint64_t{columns_} * rows_ * Update::POINT_STRIDE);
+  points_ = buffer(uint64_t{columns_} * rows_);
+  moved_points_ = buffer(uint64_t{columns_} * rows_);
+  history_ = gpu::Buffer::create(device, gpu::Element::scalar,
+                                 uint64_t{columns_} * rows_ * Update::HISTORY_SPAN);
   samples_ = buffer(uint64_t{columns_} * rows_ * Update::SAMPLE_STRIDE);
 }
 
 void ScaleNormalization::clear_once(gpu::Commands& commands) {
   if (!cleared_)
-    for (const auto& state : {scale_, points_}) commands.fill(state);
+    for (const auto& state : {scale_, points_, moved_points_, history_}) commands.fill(state);
   cleared_ = true;
 }
 
@@ -47,21 +50,33 @@ void ScaleNormalization::record(gpu::Commands& commands, const Frame& frame) {
   clear_once(commands);
   const bool follows = followed_ && frame.history != History::none;
   const uint32_t points = columns_ * rows_;
-  if (follows)
+  if (follows) {
     commands.dispatch(
         track_,
-        {.before = before_, .now = now_, .scale = scale_, .points = points_, .samples = samples_},
-        {.size = cells_, .grid = {columns_, rows_}, .spacing = spacing_}, {points});
+        {.before = before_,
+         .now = now_,
+         .scale = scale_,
+         .points = points_,
+         .moved_points = moved_points_,
+         .history = history_,
+         .samples = samples_},
+        {.size = cells_, .grid = {columns_, rows_}, .spacing = spacing_, .frame = frames_},
+        {points});
+    points_.swap(moved_points_);
+  }
   commands.dispatch(update_,
                     {.samples = samples_,
+                     .points = points_,
                      .wanted = frame.wanted,
                      .decision = frame.decision ? frame.decision : frame.wanted,
                      .scale = scale_},
-                    {.points = follows ? points : 0,
+                    {.size = cells_,
+                     .count = follows ? points : 0,
                      .log_white = std::log(frame.white_level),
                      .history = static_cast<uint32_t>(frame.history),
                      .frozen = frame.frozen},
                     {});
+  if (follows) ++frames_;
   before_.swap(now_);
   followed_ = true;
 }

@@ -53,7 +53,8 @@ class ScaleNormalization {
   float spacing_;            // cells from point to point
   gpu::Program<shaders::solve_scale_track> track_;
   gpu::Program<shaders::solve_scale_update> update_;
-  gpu::BufferPtr before_, now_, scale_, points_, samples_;
+  gpu::BufferPtr before_, now_, scale_, points_, moved_points_, history_, samples_;
+  uint32_t frames_ = 0;  // that points were followed through
   bool cleared_ = false;
   bool followed_ = false;  // `before_` is of the frame before
 };

@@ -4,18 +4,21 @@
 #include "gpu/common.glsl"
 #include "solve/scale.glsl"
 
-// Tracks points from the last frame's cells to this one's (Lucas and Kanade 1981, one level, windows of 5 x 5 cells; the mean of
-// log intensity is removed, so that light may change). A lost point starts again at its place on the grid. One point an
-// invocation.
+// Tracks points from the last frame's cells to this one's (Lucas and Kanade 1981, one level, windows of 5 x 5 cells; their mean
+// is removed, so that light and its color may change), and compares their reflectance with that of two seconds before. A lost
+// point starts again where points are sparse. One point an invocation.
 PLANE_IN(0, before);
 PLANE_IN(1, now);
 PLANE_IN(2, scale);
-PLANE_INOUT(3, points);
-PLANE_OUT(4, samples);
+PLANE_IN(3, points);
+PLANE_OUT(4, moved_points);
+SCALAR_INOUT(5, history);
+PLANE_OUT(6, samples);
 layout(push_constant) uniform Push {
   uvec2 size;     // of the cells
   uvec2 grid;     // of the points
   float spacing;  // cells from point to point
+  uint frame;     // number of the last frame
 } push;
 
 const int kReach = 2;             // cells from a window's center to its border
@@ -23,11 +26,10 @@ const int kIterations = 3;
 const float kCommonMotion = 0.1;  // weight of the common motion, squared log units; points without texture follow it
 const float kMismatch = 0.1;      // rms log units by which a window may change
 const float kSteep = 0.05;        // max share of the gradients' mean square that may remain
-const float kColorChange = 0.3;   // log units by which a point's chroma may change
-const float kTexture = 0.1;       // min eigenvalue of the gradients' squares that halves a point's weight
-const float kTrusted = 10.0;      // frames until a point has its whole weight
 const float kRenew = 0.003;       // share of the frame's own offset that a new point takes
-const float kDarkest = -3.9;      // ln of 2 % of full scale
+const float kDarkest = -3.9;      // ln of 2 % of full scale: of bright points
+const float kBlack = -5.3;        // ln of .5 %: darker points do not count
+const uint kCandidates = 8u;      // places for a new point
 
 ivec2 last = ivec2(push.size) - 1;
 vec4 before_at(ivec2 p) {
@@ -51,31 +53,66 @@ vec4 before_between(vec2 p) {
              mix(before_at(low + ivec2(0, 1)), before_at(low + ivec2(1, 1)), part.x), part.y);
 }
 
-void main() {
-  uint i = gl_GlobalInvocationID.x;
-  if (i >= push.grid.x * push.grid.y) return;
-  vec4 scale_now = FETCH(scale, SCALE_NOW), motion = FETCH(scale, SCALE_MOTION);
-  vec4 place = LOAD(points, POINT_STRIDE * i + POINT_PLACE), color = LOAD(points, POINT_STRIDE * i + POINT_COLOR);
-  place.z += FETCH(scale, SCALE_SHIFT).x;
-  if (!(motion.w > 0.0) || !(place.w >= 0.0)) {
-    vec2 home = min((vec2(i % push.grid.x, i / push.grid.x) + 0.5) * push.spacing - 0.5, vec2(last));
-    vec4 cell = before_between(home);
-    place = vec4(home, cell.w + mix(scale_now.z, scale_now.w, kRenew), 0.0);
-    color = vec4(cell.yz, 0.0, 0.0);
+// Two numbers in 0...1: pcg3d (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").
+uvec3 mixed(uvec3 v) {
+  v.x += v.y * v.z;
+  v.y += v.z * v.x;
+  v.z += v.x * v.y;
+  return v;
+}
+vec2 random_pair(uvec3 v) {
+  v = mixed(v * 1664525u + 1013904223u);
+  return vec2(mixed(v ^ (v >> 16u)).xy >> 8u) / 16777216.0;
+}
+
+// Of random places the one farthest from all points that go on.
+vec2 sparse_place(uint i, uint count) {
+  vec2 best = vec2(0.0);
+  float farthest = -1.0;
+  for (uint k = 0u; k < kCandidates; ++k) {
+    vec2 candidate = random_pair(uvec3(i, push.frame, k)) * vec2(last);
+    float nearest = 1e9;
+    for (uint j = 0u; j < count; ++j) {
+      vec4 other = FETCH(points, int(j));
+      vec2 apart = other.xy - candidate;
+      if (other.z >= 0.0) nearest = min(nearest, dot(apart, apart));
+    }
+    if (nearest > farthest) {
+      farthest = nearest;
+      best = candidate;
+    }
   }
+  return best;
+}
+
+void main() {
+  uint i = gl_GlobalInvocationID.x, count = push.grid.x * push.grid.y;
+  if (i >= count) return;
+  vec4 scale_now = FETCH(scale, SCALE_NOW), state = FETCH(scale, SCALE_STATE);
+  vec4 place = FETCH(points, int(i));
+  float offset = scale_now.z;
+  bool goes_on = state.z > 0.0;
+  if (!goes_on || !(place.z >= 0.0)) {
+    place.xy = goes_on ? sparse_place(i, count)
+                       : min((vec2(i % push.grid.x, i / push.grid.x) + 0.5) * push.spacing - 0.5, vec2(last));
+    place.z = 0.0;
+    offset = mix(scale_now.z, scale_now.w, kRenew);
+  }
+  STORE(history, HISTORY_SPAN * i + push.frame % HISTORY_SPAN, before_between(place.xy).w + offset - state.x);
 
   // The window as it was, with a border for gradients.
   const int across = 2 * kReach + 3;
   vec3 window[across * across];
   for (int k = 0; k < across * across; ++k)
     window[k] = before_between(place.xy + vec2(k % across - kReach - 1, k / across - kReach - 1)).xyz;
-  const float count = float((2 * kReach + 1) * (2 * kReach + 1));
+  const float cells = float((2 * kReach + 1) * (2 * kReach + 1));
   vec3 squares;  // sums of gx^2, gy^2, gx gy
-  vec2 moved = motion.xy;
+  vec2 expected = common_motion(FETCH(scale, SCALE_MOTION), place.xy - 0.5 * vec2(last)), moved = expected;
   float mismatch;
   for (int pass = 0; pass <= kIterations; ++pass) {
-    vec2 sum = vec2(0.0), slope = vec2(0.0);  // slope: of m
-    float brighter = 0.0, differ = 0.0;
+    vec2 sum = vec2(0.0);
+    vec3 slope_x = vec3(0.0), slope_y = vec3(0.0), change = vec3(0.0);
+    float differ = 0.0;
     squares = vec3(0.0);
     for (int k = 0; k < (2 * kReach + 1) * (2 * kReach + 1); ++k) {
       ivec2 p = ivec2(k % (2 * kReach + 1), k / (2 * kReach + 1));
@@ -83,14 +120,15 @@ void main() {
       vec3 gx = 0.5 * (window[at + 1] - window[at - 1]), gy = 0.5 * (window[at + across] - window[at - across]);
       vec3 step = window[at] - now_between(place.xy + vec2(p - kReach) + moved).xyz;
       squares += vec3(dot(gx, gx), dot(gy, gy), dot(gx, gy));
-      slope += vec2(gx.x, gy.x);
+      slope_x += gx;
+      slope_y += gy;
       sum += vec2(dot(step, gx), dot(step, gy));
-      brighter += step.x;
+      change += step;
       differ += dot(step, step);
     }
-    mismatch = (differ - brighter * brighter / count) / count;
+    mismatch = (differ - dot(change, change) / cells) / cells;
     if (pass == kIterations) break;
-    vec2 pull = sum - slope * brighter / count + kCommonMotion * (motion.xy - moved);
+    vec2 pull = sum - vec2(dot(slope_x, change), dot(slope_y, change)) / cells + kCommonMotion * (expected - moved);
     vec2 diagonal = squares.xy + kCommonMotion;
     vec2 step = vec2(diagonal.y * pull.x - squares.z * pull.y, diagonal.x * pull.y - squares.z * pull.x) /
                 (diagonal.x * diagonal.y - squares.z * squares.z);
@@ -98,18 +136,20 @@ void main() {
   }
   place.xy += moved;
   vec4 cell = now_between(place.xy);
-  vec2 change = abs(cell.yz - color.xy);
   bool found = all(greaterThanEqual(place.xy, vec2(1.0))) && all(lessThanEqual(place.xy, vec2(last - 1))) &&
-               mismatch <= kMismatch * kMismatch + kSteep * (squares.x + squares.y) / count &&
-               max(change.x, change.y) <= kColorChange;
-  bool bright = cell.x > kDarkest;
+               mismatch <= kMismatch * kMismatch + kSteep * (squares.x + squares.y) / cells;
   float half_sum = 0.5 * (squares.x + squares.y), half_difference = 0.5 * (squares.x - squares.y);
-  float texture = max(half_sum - sqrt(half_difference * half_difference + squares.z * squares.z), 0.0);
-  place.w = found ? min(place.w + 1.0, 1e6) : -1.0;
-  float weight = found && bright ? min(place.w / kTrusted, 1.0) * texture / (texture + kTexture) : 0.0;
-  STORE(points, POINT_STRIDE * i + POINT_PLACE, place);
-  STORE(points, POINT_STRIDE * i + POINT_COLOR, color);
+  float texture = half_sum - sqrt(half_difference * half_difference + squares.z * squares.z);
+  if (!(texture > 0.0)) texture = 0.0;  // or NaN
+  place.z = found ? min(place.z + 1.0, 1e6) : -1.0;
+  uint age = uint(clamp(place.z, 1.0, float(HISTORY_SPAN))), newest = max(age, HISTORY_OLDEST) - HISTORY_OLDEST + 1u;
+  float reference = 0.0;
+  for (uint k = newest; k <= age; ++k)  // the last frame is 1 old
+    reference += LOAD(history, HISTORY_SPAN * i + (push.frame + HISTORY_SPAN + 1u - k) % HISTORY_SPAN);
+  reference = reference / float(age - newest + 1u) + state.x;
+  float weight = found && cell.x > kBlack ? float(age) / float(HISTORY_SPAN) : 0.0;
+  STORE(moved_points, i, place);
   STORE(samples, SAMPLE_STRIDE * i + SAMPLE_OFFSET,
-        vec4(place.z - cell.w, weight, found ? texture : 0.0, bright ? 1.0 : 0.0));
-  STORE(samples, SAMPLE_STRIDE * i + SAMPLE_MOTION, vec4(moved, found && bright ? 1.0 : 0.0, 0.0));
+        vec4(reference - cell.w, weight, texture, cell.x > kDarkest ? 1.0 : 0.0));
+  STORE(samples, SAMPLE_STRIDE * i + SAMPLE_MOTION, vec4(moved, weight > 0.0 ? 1.0 : 0.0, 0.0));
 }

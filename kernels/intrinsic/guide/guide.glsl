@@ -25,3 +25,9 @@ vec4 guide_of(vec3 rgb) {
   return vec4(m, 0.8660254 * log(color.r / color.g), log(sqrt(color.r * color.g) / color.b),
               log(max(max(light.r, light.g), light.b)) - m);
 }
+
+// ln of the mean channel less the mean of the channels' logs, of a color (c0, c1).
+float mean_channel(vec2 color) {
+  float red = color.y / 3.0 + 0.57735027 * color.x, green = color.y / 3.0 - 0.57735027 * color.x, blue = color.y / -1.5;
+  return log((exp(red) + exp(green) + exp(blue)) / 3.0);
+}

@@ -28,7 +28,8 @@ void main() {
   }
   uint at = cell.y * packs + cell.x;
   vec4 guide = FETCH(cells, int(CELL_STRIDE * at));
-  STORE(scale_cells, at, vec4(guide.xyz, guide.x - mean));
+  // The mean channel is what is visible; a tint that a caller divides the frame by moves m farther.
+  STORE(scale_cells, at, vec4(guide.xyz, guide.x + mean_channel(guide.yz) - mean));
   float brightest = guide.x + guide.w;
   if (brightest > kDarkest) atomicAdd(counts_data[brightness_bin(brightest - mean)], 1u);
 }

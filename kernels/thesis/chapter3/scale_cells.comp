@@ -20,8 +20,10 @@ void main() {
   for (uint y = 0u; y < count.y; ++y)
     for (uint x = 0u; x < count.x; ++x) sum += FETCH(solution, int((first.y + y) * push.size.x + first.x + x));
   sum /= float(count.x * count.y);
-  float reflectance = (sum.r + sum.g + sum.b) / 3.0;
+  // What is visible of a color is its mean channel.
+  vec3 reflectance = exp(sum.rgb);
   STORE(cells, cell.y * columns + cell.x,
-        vec4(reflectance + sum.a, 0.8660254 * (sum.r - sum.g), 0.5 * (sum.r + sum.g) - sum.b, reflectance));
+        vec4((sum.r + sum.g + sum.b) / 3.0 + sum.a, 0.8660254 * (sum.r - sum.g), 0.5 * (sum.r + sum.g) - sum.b,
+             log((reflectance.r + reflectance.g + reflectance.b) / 3.0)));
   if (cell.x + cell.y == 0u) STORE(wanted, 0, vec4(FETCH1(palette_scale, 0), 1.0, 0.0, 0.0));
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Reflectance of what a moving camera keeps in view: its common change over a second or two is the
-// camera's, not the decomposition's.
+// Reflectance of what stays in view, while a camera moves or a bright thing comes and goes: its
+// common change over a second or two.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -15,9 +15,18 @@ namespace {
 
 constexpr Extent kWorld{640, 480}, kView{160, 120};
 constexpr int kFrames = 48, kSpan = 40;
+constexpr float kBright = 1;
 
 struct Camera {
   double x, y, step;  ///< upper left corner in the world, and world pixels a view's pixel
+};
+
+/// A bright disk in the view, pixels.
+struct Disk {
+  double x, y, radius;
+  bool covers(double at_x, double at_y, double margin) const {
+    return std::hypot(at_x - x, at_y - y) < radius + margin;
+  }
 };
 
 /// R.rgb, S of every frame of a video, of views of one picture.
@@ -30,13 +39,15 @@ class DriftTest : public IntrinsicTest {
     return pixels;
   }
   /// Means of step x step world pixels would do; bilinear samples of a picture of large tiles do.
-  static Pixels view(const Camera& camera) {
+  static Pixels view(const Camera& camera, const Disk& disk) {
     Pixels pixels;
     for (uint32_t y = 0; y < kView.height; ++y)
       for (uint32_t x = 0; x < kView.width; ++x)
         for (size_t c = 0; c < 4; ++c)
-          pixels.push_back(
-              sample(world(), kWorld, camera.x + camera.step * x, camera.y + camera.step * y, c));
+          pixels.push_back(disk.covers(x, y, 0)
+                               ? kBright
+                               : sample(world(), kWorld, camera.x + camera.step * x,
+                                        camera.y + camera.step * y, c));
     return pixels;
   }
   static float sample(const Pixels& pixels, Extent extent, double x, double y, size_t c) {
@@ -51,11 +62,22 @@ class DriftTest : public IntrinsicTest {
                               (at(x, y + 1) * (1 - fx) + at(x + 1, y + 1) * fx) * fy);
   }
 
+  /// Whether the disk covers a point of the world in a frame of a span.
+  static bool covered(const std::function<Camera(int)>& camera,
+                      const std::function<Disk(int)>& disk, int first, double x, double y) {
+    for (int k = first; k <= first + kSpan; ++k) {
+      const Camera now = camera(k);
+      if (disk(k).covers((x - now.x) / now.step, (y - now.y) / now.step, 3)) return true;
+    }
+    return false;
+  }
+
   /// |median| over points that both frames show of the change of ln mean R, kSpan frames apart.
-  double drift(const std::function<Camera(int)>& camera, const Decompose& decompose) {
+  double drift(const std::function<Camera(int)>& camera, const std::function<Disk(int)>& disk,
+               const Decompose& decompose) {
     std::vector<Pixels> layers;
     for (int k = 0; k < kFrames; ++k)
-      layers.push_back(decompose(input(kView, view(camera(k))), k == 0));
+      layers.push_back(decompose(input(kView, view(camera(k), disk(k))), k == 0));
     double sum = 0;
     int count = 0;
     for (int k = 4; k + kSpan < kFrames; ++k, ++count) {
@@ -68,7 +90,7 @@ class DriftTest : public IntrinsicTest {
           const auto inside = [](const double* p) {
             return p[0] > 3 && p[1] > 3 && p[0] < kView.width - 4 && p[1] < kView.height - 4;
           };
-          if (!inside(from) || !inside(to)) continue;
+          if (!inside(from) || !inside(to) || covered(camera, disk, k, x, y)) continue;
           const auto brightness = [&](const Pixels& pixels, const double* p) {
             double mean = 0;
             for (size_t c = 0; c < 3; ++c)
@@ -85,49 +107,61 @@ class DriftTest : public IntrinsicTest {
     return sum / count;
   }
 
-  /// Bounds: of the common drift of a zoom and of a pan; without the tracked scale a case of each
-  /// method exceeds one.
-  void check(const char* name, const std::function<Decompose()>& method, double zoom_bound = 0.02) {
+  void check(const char* name, const std::function<Decompose()>& method, double bound) {
+    const auto still = [](int) { return Camera{100, 80, 2}; };
+    const auto nothing = [](int) { return Disk{0, 0, -9}; };
+    const auto enters = [](int k) { return Disk{std::max(100.0, 260.0 - 8 * k), 60, 35}; };
     const struct {
       const char* name;
-      double bound;
       std::function<Camera(int)> camera;
-    } shots[] = {{"zoom", zoom_bound,
+      std::function<Disk(int)> disk;
+    } shots[] = {{"zoom",
                   [](int k) {
-                    return Camera{60.0 + 1.6 * k, 40.0 + 1.2 * k, 3.0 - 0.02 * k};
-                  }},
-                 {"pan", 0.02, [](int k) {
-                    return Camera{20.0 + 3.0 * k, 40.0 + 1.0 * k, 2.0};
-                  }}};
+                    return Camera{60 + 1.6 * k, 40 + 1.2 * k, 3 - 0.02 * k};
+                  },
+                  nothing},
+                 {"pan",
+                  [](int k) {
+                    return Camera{20.0 + 3 * k, 40.0 + k, 2};
+                  },
+                  nothing},
+                 {"a bright thing enters", still, enters},
+                 {"a bright thing leaves", still, [&](int k) { return enters(kFrames - 1 - k); }}};
     for (const auto& shot : shots) {
-      const double found = drift(shot.camera, method());
+      const double found = drift(shot.camera, shot.disk, method());
       std::printf("%s, %s: common drift of ln R over %d frames %.4f\n", name, shot.name, kSpan,
                   found);
-      EXPECT_LT(found, shot.bound) << name << ", " << shot.name;
+      EXPECT_LT(found, bound) << name << ", " << shot.name;
     }
   }
 };
 
 TEST_F(DriftTest, IntrinsicDecomposition) {
-  check("intrinsicdecomp", [&] {
-    auto method = std::make_shared<IntrinsicDecomposition>(device, kView);
-    return [this, method](const PlanePtr& frame, bool first) {
-      return decompose_scaled(*method, frame, {}, first);
-    };
-  });
+  check(
+      "intrinsicdecomp",
+      [&] {
+        auto method = std::make_shared<IntrinsicDecomposition>(device, kView);
+        return [this, method](const PlanePtr& frame, bool first) {
+          return decompose_scaled(*method, frame, {}, first);
+        };
+      },
+      0.02);
 }
 
 TEST_F(DriftTest, GlobalIntrinsic) {
-  check("globalintrinsic", [&] {
-    auto method = std::make_shared<GlobalIntrinsic>(device, kView);
-    return [this, method](const PlanePtr& frame, bool first) {
-      Layers layers;
-      run([&](gpu::Commands& commands) {
-        layers = method->record(commands, frame, {}, {.reset = first});
-      });
-      return download(layers[Role::intrinsic]->buffer);
-    };
-  });
+  check(
+      "globalintrinsic",
+      [&] {
+        auto method = std::make_shared<GlobalIntrinsic>(device, kView);
+        return [this, method](const PlanePtr& frame, bool first) {
+          Layers layers;
+          run([&](gpu::Commands& commands) {
+            layers = method->record(commands, frame, {}, {.reset = first});
+          });
+          return download(layers[Role::intrinsic]->buffer);
+        };
+      },
+      0.02);
 }
 
 TEST_F(DriftTest, ThesisDecomposition) {
@@ -141,7 +175,7 @@ TEST_F(DriftTest, ThesisDecomposition) {
           return download(layers[Role::intrinsic]->buffer);
         };
       },
-      0.04);  // measured .032
+      0.045);  // half of the cells that the points lie on contain a border of tiles
 }
 
 }  // namespace

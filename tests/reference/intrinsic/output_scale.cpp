@@ -35,8 +35,14 @@ double OutputScale::update(const Guide& guide, const std::vector<double>& log_sh
     if (const double light = cells.m[i] + cells.u[i]; light > kDarkest)
       brightest.push_back(std::clamp(light - mean[i], -kBrightnessReach, kBrightnessReach));
   std::vector<ScaleCell> states;
-  for (std::size_t i = 0; i < cells.m.size(); ++i)
-    states.push_back({cells.m[i], cells.c0[i], cells.c1[i], cells.m[i] - mean[i]});
+  for (std::size_t i = 0; i < cells.m.size(); ++i) {
+    // The mean channel, of logs of the channels less their mean.
+    const double green = cells.c1[i] / 3 - cells.c0[i] / std::sqrt(3);
+    const double red = cells.c1[i] / 3 + cells.c0[i] / std::sqrt(3), blue = -2 * cells.c1[i] / 3;
+    const double brightness =
+        cells.m[i] + std::log((std::exp(red) + std::exp(green) + std::exp(blue)) / 3);
+    states.push_back({cells.m[i], cells.c0[i], cells.c1[i], brightness - mean[i]});
+  }
   if (!normalization_) normalization_.emplace(cells.width, cells.height);
   wanted_ = {0, brightest.empty()};
   if (!wanted_.dark) {

@@ -10,19 +10,33 @@ constexpr double kPoints = 400;  // about as many
 constexpr int kReach = 2;        // cells from a window's center to its border
 constexpr int kIterations = 3;
 constexpr double kCommonMotion = 0.1;  // weight of the common motion
-constexpr double kMismatch = 0.1, kSteep = 0.05, kColorChange = 0.3;
-constexpr double kTexture = 0.1, kTrusted = 10, kRenew = 0.003, kDarkest = -3.9;
-constexpr int kRounds = 6;
-constexpr double kWidth = 0.1, kFewest = 0.05, kFollow = 0.1, kMoreLight = 0.25;
-constexpr double kRemember = 1.0 / 64;
+constexpr double kMismatch = 0.1, kSteep = 0.05, kRenew = 0.003, kDarkest = -3.9, kBlack = -5.3;
+constexpr std::size_t kSpan = 64, kOldest = 4;
+constexpr uint32_t kCandidates = 8;
+constexpr int kRounds = 10;
+constexpr double kWidth = 0.02, kNoZoom = 0.1, kFewest = 0.05, kSameScene = 0.5, kFollow = 0.1,
+                 kMoreLight = 0.25, kRemember = 1.0 / 64;
 
 double mix(double a, double b, double share) { return a + share * (b - a); }
+
+/// Two numbers in 0…1: pcg3d of Jarzynski and Olano (2020), "Hash Functions for GPU Rendering".
+std::array<double, 2> random_pair(uint32_t x, uint32_t y, uint32_t z) {
+  std::array<uint32_t, 3> v{x, y, z};
+  const auto mix_in = [&v] {
+    v[0] += v[1] * v[2];
+    v[1] += v[2] * v[0];
+    v[2] += v[0] * v[1];
+  };
+  for (uint32_t& word : v) word = word * 1664525U + 1013904223U;
+  mix_in();
+  for (uint32_t& word : v) word ^= word >> 16;
+  mix_in();
+  return {(v[0] >> 8) / 16777216.0, (v[1] >> 8) / 16777216.0};
+}
 }  // namespace
 
 ScaleNormalization::ScaleNormalization(int width, int height)
-    : width_(width),
-      height_(height),
-      spacing_(std::max(2.0, std::round(std::sqrt(width * height / kPoints)))) {
+    : width_(width), height_(height), spacing_(std::max(1.0, std::sqrt(width * height / kPoints))) {
   columns_ = std::max(1, static_cast<int>(width / spacing_));
   rows_ = std::max(1, static_cast<int>(height / spacing_));
   points_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
@@ -44,23 +58,52 @@ ScaleCell ScaleNormalization::between(const std::vector<ScaleCell>& cells, doubl
   return result;
 }
 
-ScaleNormalization::Sample ScaleNormalization::track(Point& point, int index,
-                                                     const std::vector<ScaleCell>& cells) const {
-  point.reflectance += shift_;
-  if (!goes_on_ || point.frames < 0) {
-    point.x = std::min((index % columns_ + 0.5) * spacing_ - 0.5, width_ - 1.0);
-    point.y = std::min((index / columns_ + 0.5) * spacing_ - 0.5, height_ - 1.0);
-    const ScaleCell cell = between(before_, point.x, point.y);
-    point.reflectance = cell[3] + mix(offset_, wanted_, kRenew);
-    point.color[0] = cell[1];
-    point.color[1] = cell[2];
-    point.frames = 0;
+std::array<double, 2> ScaleNormalization::sparse_place(uint32_t index,
+                                                       const std::vector<Point>& others) const {
+  std::array<double, 2> best{};
+  double farthest = -1;
+  for (uint32_t k = 0; k < kCandidates; ++k) {
+    std::array<double, 2> place = random_pair(index, frames_, k);
+    place[0] *= width_ - 1;
+    place[1] *= height_ - 1;
+    double nearest = 1e9;
+    for (const Point& other : others)
+      if (!other.history.empty())
+        nearest =
+            std::min(nearest, std::pow(other.x - place[0], 2) + std::pow(other.y - place[1], 2));
+    if (nearest <= farthest) continue;
+    farthest = nearest;
+    best = place;
   }
-  // Lucas and Kanade, the mean of log intensity removed.
-  double dx = motion_[0], dy = motion_[1], xx = 0, yy = 0, xy = 0, mismatch = 0;
+  return best;
+}
+
+ScaleNormalization::Sample ScaleNormalization::track(Point& point, uint32_t index,
+                                                     const std::vector<Point>& others,
+                                                     const std::vector<ScaleCell>& cells) const {
+  double offset = offset_;
+  if (!goes_on_ || point.history.empty()) {
+    const auto columns = static_cast<uint32_t>(columns_);
+    const std::array<double, 2> place =
+        goes_on_ ? sparse_place(index, others)
+                 : std::array{std::min((index % columns + 0.5) * spacing_ - 0.5, width_ - 1.0),
+                              std::min((index / columns + 0.5) * spacing_ - 0.5, height_ - 1.0)};
+    point = {place[0], place[1], {}};
+    offset = mix(offset_, wanted_, kRenew);
+  }
+  point.history.push_back(between(before_, point.x, point.y)[3] + offset);
+  if (point.history.size() > kSpan) point.history.pop_front();
+
+  // Lucas and Kanade, the means of the windows removed.
+  Sample sample{};
+  sample.from[0] = point.x - (width_ - 1) / 2.0;
+  sample.from[1] = point.y - (height_ - 1) / 2.0;
+  const std::array<double, 2> common = motion_.at(sample.from[0], sample.from[1]);
+  double dx = common[0], dy = common[1], xx = 0, yy = 0, xy = 0, mismatch = 0;
   constexpr double kCount = (2 * kReach + 1) * (2 * kReach + 1);
   for (int pass = 0; pass <= kIterations; ++pass) {
-    double sum_x = 0, sum_y = 0, slope_x = 0, slope_y = 0, brighter = 0, differ = 0;
+    double sum_x = 0, sum_y = 0, differ = 0;
+    std::array<double, 3> slope_x{}, slope_y{}, change{};
     xx = yy = xy = 0;
     for (int j = -kReach; j <= kReach; ++j)
       for (int i = -kReach; i <= kReach; ++i) {
@@ -77,85 +120,116 @@ ScaleNormalization::Sample ScaleNormalization::track(Point& point, int index,
           sum_x += step * gx;
           sum_y += step * gy;
           differ += step * step;
-          if (k > 0) continue;
-          slope_x += gx;
-          slope_y += gy;
-          brighter += step;
+          slope_x[k] += gx;
+          slope_y[k] += gy;
+          change[k] += step;
         }
       }
-    mismatch = (differ - brighter * brighter / kCount) / kCount;
+    const auto dot = [](const std::array<double, 3>& a, const std::array<double, 3>& b) {
+      return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    };
+    mismatch = (differ - dot(change, change) / kCount) / kCount;
     if (pass == kIterations) break;
-    const double pull_x = sum_x - slope_x * brighter / kCount + kCommonMotion * (motion_[0] - dx);
-    const double pull_y = sum_y - slope_y * brighter / kCount + kCommonMotion * (motion_[1] - dy);
+    const double toward_x =
+        sum_x - dot(slope_x, change) / kCount + kCommonMotion * (common[0] - dx);
+    const double toward_y =
+        sum_y - dot(slope_y, change) / kCount + kCommonMotion * (common[1] - dy);
     const double a = xx + kCommonMotion, b = yy + kCommonMotion, det = a * b - xy * xy;
-    dx += std::clamp((b * pull_x - xy * pull_y) / det, -1.0, 1.0);
-    dy += std::clamp((a * pull_y - xy * pull_x) / det, -1.0, 1.0);
+    dx += std::clamp((b * toward_x - xy * toward_y) / det, -1.0, 1.0);
+    dy += std::clamp((a * toward_y - xy * toward_x) / det, -1.0, 1.0);
   }
   point.x += dx;
   point.y += dy;
-  const ScaleCell cell = between(cells, point.x, point.y);
-  Sample sample{};
-  sample.found = point.x >= 1 && point.y >= 1 && point.x <= width_ - 2 && point.y <= height_ - 2 &&
-                 mismatch <= kMismatch * kMismatch + kSteep * (xx + yy) / kCount &&
-                 std::abs(cell[1] - point.color[0]) <= kColorChange &&
-                 std::abs(cell[2] - point.color[1]) <= kColorChange;
-  sample.bright = cell[0] > kDarkest;
-  const double difference = (xx - yy) / 2;
-  const double texture =
-      std::max((xx + yy) / 2 - std::sqrt(difference * difference + xy * xy), 0.0);
-  point.frames = sample.found ? point.frames + 1 : -1;
-  sample.offset = point.reflectance - cell[3];
-  sample.weight = sample.found && sample.bright
-                      ? std::min(point.frames / kTrusted, 1.0) * texture / (texture + kTexture)
-                      : 0;
-  sample.texture = sample.found ? texture : 0;
   sample.motion[0] = dx;
   sample.motion[1] = dy;
-  sample.found = sample.found && sample.bright;
+  const ScaleCell cell = between(cells, point.x, point.y);
+  const bool found = point.x >= 1 && point.y >= 1 && point.x <= width_ - 2 &&
+                     point.y <= height_ - 2 &&
+                     mismatch <= kMismatch * kMismatch + kSteep * (xx + yy) / kCount;
+  sample.found = found && cell[0] > kBlack;
+  sample.bright = cell[0] > kDarkest;
+  const double difference = (xx - yy) / 2, texture = (xx + yy) / 2 - std::hypot(difference, xy);
+  sample.texture = texture > 0 ? texture : 0;
+  const std::size_t count = std::min(point.history.size(), kOldest);
+  double reference = 0;
+  for (std::size_t k = 0; k < count; ++k)
+    reference += point.history[k] / static_cast<double>(count);
+  sample.offset = reference - cell[3];
+  sample.weight = sample.found ? static_cast<double>(point.history.size()) / kSpan : 0;
+  if (!found) point.history.clear();
   return sample;
+}
+
+void ScaleNormalization::fit(Motion& motion, const std::vector<Sample>& samples,
+                             double weight_of_none) {
+  double weights = 0, mean[4] = {}, square = 0, along = 0, across = 0;
+  for (const Sample& s : samples) {
+    if (!s.found) continue;
+    const std::array<double, 2> common = motion.at(s.from[0], s.from[1]);
+    const double weight = s.texture / (1 + std::pow(s.motion[0] - common[0], 2) +
+                                       std::pow(s.motion[1] - common[1], 2));
+    weights += weight;
+    for (std::size_t k : {0U, 1U}) {
+      mean[k] += weight * s.motion[k];
+      mean[2 + k] += weight * s.from[k];
+    }
+    square += weight * (s.from[0] * s.from[0] + s.from[1] * s.from[1]);
+    along += weight * (s.from[0] * s.motion[0] + s.from[1] * s.motion[1]);
+    across += weight * (s.from[0] * s.motion[1] - s.from[1] * s.motion[0]);
+  }
+  if (!(weights > 1e-6)) return;
+  for (double& m : mean) m /= weights;
+  const double spread = square - weights * (mean[2] * mean[2] + mean[3] * mean[3]) + weight_of_none;
+  motion.zoom = (along - weights * (mean[2] * mean[0] + mean[3] * mean[1])) / spread;
+  motion.turn = (across - weights * (mean[2] * mean[1] - mean[3] * mean[0])) / spread;
+  const std::array<double, 2> rest = Motion{0, 0, motion.zoom, motion.turn}.at(mean[2], mean[3]);
+  motion.x = mean[0] - rest[0];
+  motion.y = mean[1] - rest[1];
 }
 
 double ScaleNormalization::update(const std::vector<ScaleCell>& cells, const Wanted& wanted,
                                   bool carries, double white_level, bool frozen) {
   const double log_white = std::log(white_level);
   std::vector<Sample> samples;
-  if (!before_.empty())
+  if (!before_.empty()) {
+    const std::vector<Point> others = points_;
     for (std::size_t i = 0; i < points_.size(); ++i)
-      samples.push_back(track(points_[i], static_cast<int>(i), cells));
-  double offset = offset_, motion[2] = {motion_[0], motion_[1]}, bright = 0;
+      samples.push_back(track(points_[i], static_cast<uint32_t>(i), others, cells));
+    ++frames_;
+  }
+  double bright = 0, found_texture = 0, texture = 0;
   found_ = 0;
   for (const Sample& sample : samples) {
     bright += sample.bright;
     found_ += sample.found;
+    found_texture += sample.found ? sample.texture : 0;
+    texture += sample.texture;
   }
   bright /= static_cast<double>(points_.size());
   found_ /= static_cast<double>(points_.size());
+  const bool known = known_ && (carries || found_texture > kSameScene * texture);
+
+  // A pseudo-Huber mean of the offsets, and the common motion.
+  double offset = offset_;
+  Motion motion = motion_;
+  const double center = ((width_ - 1.0) * (width_ - 1) + (height_ - 1.0) * (height_ - 1)) / 4;
   for (int round = 0; round < kRounds; ++round) {
-    double sum = 0, weights = 0, moved[2] = {}, steady = 0;
+    double sum = 0, weights = 0;
     for (const Sample& sample : samples) {
       if (!sample.found) continue;
-      const double away = (sample.offset - offset) / kWidth;
-      const double weight = sample.weight / (1 + away * away);
+      const double weight = sample.weight / std::hypot(1, (sample.offset - offset) / kWidth);
       sum += weight * sample.offset;
       weights += weight;
-      const double apart[2] = {sample.motion[0] - motion[0], sample.motion[1] - motion[1]};
-      const double share = sample.texture / (1 + apart[0] * apart[0] + apart[1] * apart[1]);
-      moved[0] += share * sample.motion[0];
-      moved[1] += share * sample.motion[1];
-      steady += share;
     }
     if (weights > 1e-6) offset = sum / weights;
-    if (steady > 1e-6)
-      for (int k : {0, 1}) motion[k] = moved[k] / steady;
+    fit(motion, samples, kNoZoom * center);
   }
   before_ = cells;
-  shift_ = 0;
-  const bool known = carries && known_;
   if (wanted.dark) {
     if (!known) offset_ = 0;
     known_ = known;
     wanted_ = offset_;
-    motion_[0] = motion_[1] = 0;
+    motion_ = {};
     goes_on_ = false;
     return known ? log_white + offset_ : 0;
   }
@@ -169,11 +243,13 @@ double ScaleNormalization::update(const std::vector<ScaleCell>& cells, const Wan
   } else if (bright > bright_ && bright_ > 0) {
     const double growth =
         std::max((bright - bright_) / bright - kMoreLight, 0.0) / (1 - kMoreLight);
-    shift_ = kFollow * growth * (wanted.offset - offset);
-    offset += shift_;
+    const double shift = kFollow * growth * (wanted.offset - offset);
+    offset += shift;
+    for (Point& point : points_)
+      for (double& value : point.history) value += shift;
   }
   bright_ = known && bright_ > 0 ? mix(bright_, bright, kRemember) : bright;
-  for (int k : {0, 1}) motion_[k] = follows ? motion[k] : 0;
+  motion_ = follows ? motion : Motion{};
   goes_on_ = follows;
   known_ = true;
   offset_ = offset;

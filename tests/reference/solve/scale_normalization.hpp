@@ -4,6 +4,8 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <deque>
 #include <vector>
 
 namespace inverse::reference {
@@ -24,26 +26,40 @@ class ScaleNormalization {
   /// ln c of a frame. `carries`: it continues the one before. `frozen`: the scale stays.
   double update(const std::vector<ScaleCell>& cells, const Wanted& wanted, bool carries,
                 double white_level, bool frozen = false);
-  /// Shares of the points that were tracked, and of those that are bright.
+  /// Share of the points that were found again.
   double found() const { return found_; }
 
  private:
   struct Point {
-    double x = 0, y = 0, reflectance = 0, frames = -1, color[2] = {};
+    double x = 0, y = 0;
+    std::deque<double> history;  // of log reflectance in the output, the oldest first; empty: lost
   };
   struct Sample {
-    double offset, weight, texture, motion[2];
+    double offset, weight, texture, from[2], motion[2];
     bool bright, found;
   };
+  struct Motion {
+    double x = 0, y = 0, zoom = 0, turn = 0;
+    /// Of a place `from` the frame's center.
+    std::array<double, 2> at(double from_x, double from_y) const {
+      return {x + zoom * from_x - turn * from_y, y + zoom * from_y + turn * from_x};
+    }
+  };
   ScaleCell between(const std::vector<ScaleCell>& cells, double x, double y) const;
-  Sample track(Point& point, int index, const std::vector<ScaleCell>& cells) const;
+  std::array<double, 2> sparse_place(uint32_t index, const std::vector<Point>& others) const;
+  Sample track(Point& point, uint32_t index, const std::vector<Point>& others,
+               const std::vector<ScaleCell>& cells) const;
+  /// Takes one step of least squares from `motion`, with robust weights.
+  static void fit(Motion& motion, const std::vector<Sample>& samples, double weight_of_none);
 
   int width_, height_, columns_, rows_;
   double spacing_;
   std::vector<ScaleCell> before_;
   std::vector<Point> points_;
   bool known_ = false, goes_on_ = false;
-  double offset_ = 0, wanted_ = 0, motion_[2] = {}, bright_ = 0, shift_ = 0, found_ = 0;
+  Motion motion_;
+  uint32_t frames_ = 0;  // that points were followed through
+  double offset_ = 0, wanted_ = 0, bright_ = 0, found_ = 0;
 };
 
 }  // namespace inverse::reference
