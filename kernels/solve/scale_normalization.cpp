@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/image/pack4.hpp"
+
 namespace inverse {
 namespace {
 using Update = shaders::solve_scale_update;
@@ -14,6 +16,7 @@ constexpr uint32_t kLanes = 64;  // of scale_update.comp
 ScaleNormalization::ScaleNormalization(const std::shared_ptr<gpu::Device>& device, Extent cells)
     : cells_(cells),
       spacing_(std::max(1.0F, std::sqrt(static_cast<float>(cells.pixels()) / kPoints))),
+      smooth_(device),
       track_(device),
       update_(device, {}, kLanes) {
   const auto along = [&](uint32_t length) {
@@ -24,6 +27,7 @@ ScaleNormalization::ScaleNormalization(const std::shared_ptr<gpu::Device>& devic
   const auto buffer = [&](uint64_t count) {
     return gpu::Buffer::create(device, gpu::Element::vec4, count);
   };
+  input_ = buffer(cells.pixels());
   before_ = buffer(cells.pixels());
   now_ = buffer(cells.pixels());
   scale_ = buffer(Update::SCALE_SIZE);
@@ -50,6 +54,8 @@ void ScaleNormalization::record(gpu::Commands& commands, const Frame& frame) {
   clear_once(commands);
   const bool follows = followed_ && frame.history != History::none;
   const uint32_t points = columns_ * rows_;
+  commands.dispatch(smooth_, {.cells = input_, .smoothed = now_}, {.size = cells_},
+                    line_of(cells_.pixels()));
   if (follows) {
     commands.dispatch(
         track_,

@@ -4,6 +4,7 @@
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
+#include "kernels/solve_scale_smooth.spv.hpp"
 #include "kernels/solve_scale_track.spv.hpp"
 #include "kernels/solve_scale_update.spv.hpp"
 
@@ -36,7 +37,7 @@ class ScaleNormalization {
 
   /// The plane that a solver writes before `record`: vec4 a cell, mean log intensity, two log
   /// ratios of its color, mean log reflectance in the solver's scale.
-  const gpu::BufferPtr& cells() const { return now_; }
+  const gpu::BufferPtr& cells() const { return input_; }
   /// Records the scale of the frame whose cells were just written.
   void record(gpu::Commands& commands, const Frame& frame);
   /// Records taking over the scale of another size.
@@ -51,9 +52,10 @@ class ScaleNormalization {
   Extent cells_;
   uint32_t columns_, rows_;  // of points
   float spacing_;            // cells from point to point
+  gpu::Program<shaders::solve_scale_smooth> smooth_;
   gpu::Program<shaders::solve_scale_track> track_;
   gpu::Program<shaders::solve_scale_update> update_;
-  gpu::BufferPtr before_, now_, scale_, points_, moved_points_, history_, samples_;
+  gpu::BufferPtr input_, before_, now_, scale_, points_, moved_points_, history_, samples_;
   uint32_t frames_ = 0;  // that points were followed through
   bool cleared_ = false;
   bool followed_ = false;  // `before_` is of the frame before

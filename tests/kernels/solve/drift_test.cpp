@@ -175,7 +175,7 @@ TEST_F(DriftTest, ThesisDecomposition) {
           return download(layers[Role::intrinsic]->buffer);
         };
       },
-      0.045);  // half of the cells that the points lie on contain a border of tiles
+      0.05);  // half of the cells that the points lie on contain a border of tiles
 }
 
 }  // namespace

@@ -42,6 +42,25 @@ ScaleNormalization::ScaleNormalization(int width, int height)
   points_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
 }
 
+std::vector<ScaleCell> ScaleNormalization::smoothed(const std::vector<ScaleCell>& cells) const {
+  const auto at = [&](int x, int y) {
+    return static_cast<std::size_t>(std::clamp(y, 0, height_ - 1) * width_ +
+                                    std::clamp(x, 0, width_ - 1));
+  };
+  constexpr double kWeights[] = {1 / 16.0, 4 / 16.0, 6 / 16.0, 4 / 16.0, 1 / 16.0};
+  std::vector<ScaleCell> result = cells;
+  for (int y = 0; y < height_; ++y)
+    for (int x = 0; x < width_; ++x)
+      for (std::size_t k = 0; k < 3; ++k) {
+        double sum = 0;
+        for (int j = -2; j <= 2; ++j)
+          for (int i = -2; i <= 2; ++i)
+            sum += kWeights[i + 2] * kWeights[j + 2] * cells[at(x + i, y + j)][k];
+        result[at(x, y)][k] = sum;
+      }
+  return result;
+}
+
 ScaleCell ScaleNormalization::between(const std::vector<ScaleCell>& cells, double x,
                                       double y) const {
   const auto at = [&](int column, int row) {
@@ -187,9 +206,10 @@ void ScaleNormalization::fit(Motion& motion, const std::vector<Sample>& samples,
   motion.y = mean[1] - rest[1];
 }
 
-double ScaleNormalization::update(const std::vector<ScaleCell>& cells, const Wanted& wanted,
+double ScaleNormalization::update(const std::vector<ScaleCell>& input, const Wanted& wanted,
                                   bool carries, double white_level, bool frozen) {
   const double log_white = std::log(white_level);
+  const std::vector<ScaleCell> cells = smoothed(input);
   std::vector<Sample> samples;
   if (!before_.empty()) {
     const std::vector<Point> others = points_;

@@ -45,6 +45,8 @@ class ScaleNormalization {
       return {x + zoom * from_x - turn * from_y, y + zoom * from_y + turn * from_x};
     }
   };
+  /// Log intensity and chroma by binomial weights over 5 x 5 cells.
+  std::vector<ScaleCell> smoothed(const std::vector<ScaleCell>& cells) const;
   ScaleCell between(const std::vector<ScaleCell>& cells, double x, double y) const;
   std::array<double, 2> sparse_place(uint32_t index, const std::vector<Point>& others) const;
   Sample track(Point& point, uint32_t index, const std::vector<Point>& others,
