@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Accuracy of limematerial's light and material: light-bench [--scenes N] [--models FOLDER]. Round
+// Accuracy of limematerial's light: light-bench [--scenes N] [--models FOLDER]. Round
 // objects with known normals, in rooms of training/lime, through LimeMaterial: light from true
 // layers and from the networks', with true normals and with normals inflated from the outline.
 // Needs a Vulkan device.
