@@ -225,7 +225,6 @@ void Commands::run(const KernelPtr& kernel, std::span<const Binding> buffers,
                     " workgroups, more than maxComputeWorkGroupCount; use a smaller frame");
   prepare(kernel, buffers, push);
   vkCmdDispatch(buffer_, groups, items.y, items.z);
-  if (stage_every_dispatch_) stage(kernel->name());
 }
 
 void Commands::build(const KernelPtr& kernel) {
@@ -244,7 +243,6 @@ void Commands::run_indirect(const KernelPtr& kernel, std::span<const Binding> bu
   kept_.push_back(arguments);
   prepare(kernel, buffers, push);
   vkCmdDispatchIndirect(buffer_, arguments->handle(), offset);
-  if (stage_every_dispatch_) stage(kernel->name());
 }
 
 void Commands::begin_when(const BufferPtr& condition, uint64_t offset) {

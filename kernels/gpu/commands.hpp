@@ -109,9 +109,6 @@ class Commands {
   /// timed.
   void stage(const char* name);
   static constexpr uint32_t kMaxStages = 127;
-  /// Whether every dispatch is a stage of its own, named as its kernel: for benchmarks, as every
-  /// mark waits.
-  void stage_every_dispatch(bool every) { stage_every_dispatch_ = every; }
 
   /// Hands the recorded work to the device.
   void submit();
@@ -166,7 +163,6 @@ class Commands {
   bool in_when_ = false;
   bool in_flight_ = false;
   bool timed_out_ = false;
-  bool stage_every_dispatch_ = false;
 };
 
 /// Builds all kernels that were made on the device and not yet recorded, so that no frame waits for

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Accuracy of limematerial's light and material: light-bench [--scenes N] [--models FOLDER]. Round
+// Accuracy of limematerial's light: light-bench [--scenes N] [--models FOLDER]. Round
 // objects with known normals, in rooms of training/lime, through LimeMaterial: light from true
-// layers and from the networks', with true normals and with normals inflated from the outline; then
-// single and fused estimates of the material on noisy frames of one object. Needs a Vulkan device.
+// layers and from the networks', with true normals and with normals inflated from the outline.
+// Needs a Vulkan device.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -306,79 +305,6 @@ void light_table(const std::shared_ptr<gpu::Device>& device, const LimeModels& m
   }
 }
 
-struct Spread {
-  double sum = 0, squares = 0;
-  int count = 0;
-  void add(double v) { sum += v, squares += v * v, ++count; }
-  double deviation() const {
-    return std::sqrt(std::max(squares - sum * sum / count, 0.0) / std::max(count - 1, 1));
-  }
-};
-
-/// Errors of an object's diffuse albedo (mean of its channels), alpha and log2 of the shininess.
-struct Spreads {
-  std::array<Spread, 3> of;
-  void add(const Material& m) {
-    of[0].add(static_cast<double>(m.diffuse[0] + m.diffuse[1] + m.diffuse[2]) / 3);
-    of[1].add(static_cast<double>(m.specular));
-    of[2].add(std::log2(static_cast<double>(m.shininess())));
-  }
-};
-
-/// Plays noisy clips of one static object; adds the variation of single and of fused estimates
-/// within a clip, and of fused ones after kFused frames between clips.
-struct NoiseStudy {
-  static constexpr uint64_t kFused = 34, kFrames = 64;
-  static constexpr uint64_t kClips = 8;
-  Spreads single, fused, clips;
-
-  NoiseStudy(const std::shared_ptr<gpu::Device>& device, const LimeModels& models,
-             const Scene& scene, float noise) {
-    LimeMaterial::Params params;
-    params.adaptive = false;
-    Video video(device, scene);
-    for (uint64_t clip = 0; clip < kClips; ++clip) {
-      LimeMaterial lime(device, {kSide, kSide}, models);
-      for (uint64_t frame = 0; frame < (clip ? kFused : kFrames); ++frame) {
-        video.play(lime, params, noise, kFrames * clip + frame);
-        if (!lime.object().known()) continue;
-        if (frame + 1 == kFused) clips.add(lime.object().material);
-        if (frame < kFused) continue;
-        single.add(lime.object().latest);
-        fused.add(lime.object().material);
-      }
-    }
-  }
-};
-
-void noise_table(const std::shared_ptr<gpu::Device>& device, const LimeModels& models, int scenes) {
-  std::printf(
-      "\nStandard deviations of estimates of a resting object in noise (means over %d objects):\n"
-      "of single ones and of fused ones, both of frames %d to %d of a clip, and of the fused\n"
-      "ones of frame %d of %d clips.\n\n"
-      "| noise of white | | m_d | alpha | log2 s |\n|---|---|---|---|---|\n",
-      scenes, static_cast<int>(NoiseStudy::kFused + 1), static_cast<int>(NoiseStudy::kFrames),
-      static_cast<int>(NoiseStudy::kFused), static_cast<int>(NoiseStudy::kClips));
-  for (const float noise : {0.01F, 0.03F}) {
-    std::array<std::array<double, 3>, 3> sums{};
-    int found = 0;
-    for (int i = 0; i < scenes; ++i) {
-      const Scene scene = make_scene(Shape::sphere, static_cast<uint64_t>(100 + i));
-      const NoiseStudy study(device, models, scene, noise);
-      const std::array rows{&study.single, &study.fused, &study.clips};
-      if (!study.single.of[0].count || study.clips.of[0].count < 2) continue;
-      ++found;
-      for (size_t row = 0; row < 3; ++row)
-        for (size_t k = 0; k < 3; ++k) sums[row][k] += rows[row]->of[k].deviation();
-    }
-    const std::array names{"single", "fused, within a clip", "fused, from clip to clip"};
-    for (size_t row = 0; row < 3; ++row)
-      std::printf("| %.0f %% | %s | %.5f | %.5f | %.5f |\n", 100 * static_cast<double>(noise),
-                  names[row], sums[row][0] / std::max(found, 1), sums[row][1] / std::max(found, 1),
-                  sums[row][2] / std::max(found, 1));
-  }
-}
-
 }  // namespace
 
 int main(int count, char** words) {
@@ -393,7 +319,6 @@ int main(int count, char** words) {
     const auto device = gpu::Device::open();
     const LimeModels networks = LimeModels::load(models + "/lime");
     light_table(device, networks, scenes);
-    noise_table(device, networks, scenes);
   } catch (const inverse::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

@@ -11,10 +11,9 @@
 // of it, one after another, until none is left. Then the video plays for up to N frames (default
 // 24), and new wrong components are clicked.
 //
-// Modes: no correction; clicks; clicks with the true color given; proposals; proposals whose color
-// is chosen by sparsity (5.11), as for clicks. Reports wrong pixels and the error of reflectance
-// for each. For proposals, on the first frame: precision and recall by region and by pixel, against
-// the wrong regions.
+// Modes: no correction; clicks; clicks with the true color given; proposals. Reports wrong pixels
+// and the error of reflectance for each. For proposals, on the first frame: precision and recall by
+// region and by pixel, against the wrong regions.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -38,8 +37,8 @@ struct Options {
   size_t frames = 24;
 };
 
-enum class Way { none, clicks, named, proposals, sparse_proposals };
-constexpr const char* kWays[] = {"none", "clicks", "named", "proposals", "sparse"};
+enum class Way { none, clicks, named, proposals };
+constexpr const char* kWays[] = {"none", "clicks", "named", "proposals"};
 
 struct Outcome {
   int clicks = 0, later = 0, refused = 0;  ///< on the first frame; on those after it
@@ -63,9 +62,8 @@ class Run {
       : stage_(stage), scene_(scene), options_(options), way_(way) {}
 
   Outcome play(Quality* quality) {
-    const bool proposes = way_ == Way::proposals || way_ == Way::sparse_proposals;
     using Mode = ClicksStage::Mode;
-    stage_.begin(first().input, proposes ? Mode::correct : Mode::off);
+    stage_.begin(first().input, way_ == Way::proposals ? Mode::correct : Mode::off);
     int idle = 0;
     for (int frame = 0; frame < kMaxFrames && idle < 20; ++frame) {
       stage_.run(first().input, false);
@@ -206,10 +204,8 @@ void measure(const std::shared_ptr<gpu::Device>& device, const Scene& scene,
                     {static_cast<uint32_t>(first.width), static_cast<uint32_t>(first.height)});
   printf("%s %s\n", scene.set.c_str(), scene.name.c_str());
   Quality quality;
-  for (const Way way :
-       {Way::none, Way::clicks, Way::named, Way::proposals, Way::sparse_proposals}) {
+  for (const Way way : {Way::none, Way::clicks, Way::named, Way::proposals}) {
     const char* name = kWays[static_cast<size_t>(way)];
-    if (way == Way::sparse_proposals) stage.choose_by_sparsity();
     const Outcome o =
         Run(stage, scene, options, way).play(way == Way::proposals ? &quality : nullptr);
     printf(

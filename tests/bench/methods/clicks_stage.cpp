@@ -65,10 +65,8 @@ void ClicksStage::run(const Image& frame, bool whole) {
   for (const int hopeless : correction_.take_hopeless())
     regions_.remove(hopeless, MarkedRegions::Loss::no_candidates);
   const auto start = std::chrono::steady_clock::now();
-  for (const auto& proposal : proposals_.collect(proposed, regions_)) {
+  for (const auto& proposal : proposals_.collect(proposed, regions_))
     proposals_made_.push_back(proposal);
-    if (sparsity_ && proposal.region > 0) regions_.set_color(proposal.region, -1);
-  }
   proposal_ms_ +=
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }

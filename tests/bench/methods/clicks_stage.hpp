@@ -43,8 +43,6 @@ class ClicksStage {
   bool deciding() const { return correction_.busy(); }
   /// All proposals since `begin`.
   const std::vector<RegionProposals::Proposal>& proposals() const { return proposals_made_; }
-  /// Gives proposed regions the base color that the correction chooses, not the proposed one.
-  void choose_by_sparsity() { sparsity_ = true; }
   size_t colors() const { return colors_.size(); }
   /// Total host time of proposals, milliseconds.
   double proposal_ms() const { return proposal_ms_; }
@@ -64,7 +62,6 @@ class ClicksStage {
   std::vector<BaseColors::Color> colors_;
   std::vector<RegionProposals::Proposal> proposals_made_;
   Mode mode_ = Mode::off;
-  bool sparsity_ = false;
   double proposal_ms_ = 0;
 };
 

@@ -2,21 +2,18 @@
 // Edits against the truth: a frame is decomposed, edited and composed, and compared with the same
 // scene rendered again with other paint.
 //
-//   edit-bench EDITS [--data FOLDER] [--png FOLDER]
+//   edit-bench EDITS [--png FOLDER]
 //
-// EDITS is the output of edit-scenes; FOLDER has the rendered sequences, of which edits/*_recolour
-// and their originals are used. Prints two tables; --png writes a strip of images for each pair:
-// before, truth, then the edits in the order of the table. Strips of despill show the subject over
-// the true background and end with the unedited frame.
+// EDITS is the output of edit-scenes. Prints two tables; --png writes a strip of images for each
+// pair: before, truth, then the edits in the order of the table. Strips of despill show the subject
+// over the true background and end with the unedited frame.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <map>
-#include <sstream>
 #include <stdexcept>
 
 #include "kernels/edit/compose.hpp"
@@ -86,48 +83,6 @@ Pair rendered_pair(const Scene& scene) {
   for (std::size_t i = 0; i < pair.perfect.data.size(); ++i)
     pair.perfect.data[i] *= before.direct.data[i] + before.indirect.data[i];
   return pair;
-}
-
-/// The three numbers of a name in a JSON file.
-Color color_in(const std::string& path, const std::string& name) {
-  std::ifstream stream(path);
-  std::stringstream text;
-  text << stream.rdbuf();
-  const std::size_t at = text.str().find('"' + name + '"');
-  Color color{};
-  if (at == std::string::npos ||
-      std::sscanf(text.str().c_str() + text.str().find('[', at), "[ %f , %f , %f", color.data(),
-                  &color[1], &color[2]) != 3)
-    throw std::runtime_error(path + " has no color " + name);
-  return color;
-}
-
-/// Frames of a sequence and of its repainted copy.
-std::vector<Pair> given_pairs(const std::string& data) {
-  namespace fs = std::filesystem;
-  constexpr const char* kKind = "_recolour";
-  std::vector<Pair> pairs;
-  std::vector<fs::path> folders;
-  for (const auto& entry : fs::directory_iterator(data + "/edits"))
-    if (entry.path().filename().string().ends_with(kKind)) folders.push_back(entry.path());
-  std::sort(folders.begin(), folders.end());
-  for (const fs::path& folder : folders) {
-    std::string base = folder.filename().string();
-    base.resize(base.size() - std::string(kKind).size());
-    std::vector<fs::path> frames;
-    for (const auto& entry : fs::directory_iterator(folder / "I8")) frames.push_back(entry.path());
-    std::sort(frames.begin(), frames.end());
-    for (const fs::path& frame : frames)
-      pairs.push_back({base + " " + frame.stem().string(),
-                       false,
-                       read_png(data + "/" + base + "/I8/" + frame.filename().string(), true),
-                       read_png(frame.string(), true),
-                       read_png((folder / "mask" / frame.filename()).string(), false),
-                       color_in((folder / "edit.json").string(), "old_albedo"),
-                       color_in((folder / "edit.json").string(), "new_albedo"),
-                       {}});
-  }
-  return pairs;
 }
 
 /// Layers of frames of one size, and edits of them.
@@ -403,11 +358,9 @@ class Table {
   std::map<std::pair<std::string, std::string>, Scores> cells_;
 };
 
-void run(const std::string& edits, const std::string& data, const std::string& png) {
+void run(const std::string& edits, const std::string& png) {
   std::vector<Pair> pairs;
   for (const Scene& scene : read_scenes(edits)) pairs.push_back(rendered_pair(scene));
-  if (!data.empty())
-    for (Pair& pair : given_pairs(data)) pairs.push_back(std::move(pair));
   const std::shared_ptr<gpu::Device> device = gpu::Device::open("");
   Table tables[2];
   for (const Pair& pair : pairs) {
@@ -425,19 +378,16 @@ void run(const std::string& edits, const std::string& data, const std::string& p
 }  // namespace inverse::bench
 
 int main(int argc, char** argv) try {
-  std::string edits, data, png;
+  std::string edits, png;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
-    if (argument == "--data" && i + 1 < argc)
-      data = argv[++i];
-    else if (argument == "--png" && i + 1 < argc)
+    if (argument == "--png" && i + 1 < argc)
       png = argv[++i];
     else
       edits = argument;
   }
-  if (edits.empty())
-    throw std::runtime_error("usage: edit-bench EDITS [--data FOLDER] [--png FOLDER]");
-  inverse::bench::run(edits, data, png);
+  if (edits.empty()) throw std::runtime_error("usage: edit-bench EDITS [--png FOLDER]");
+  inverse::bench::run(edits, png);
   return 0;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "edit-bench: %s\n", error.what());

@@ -3,16 +3,18 @@
 // on every pyramid level, for pcg and schwarz, with the double-precision reference at the same
 // iterations and the converged energy. Ends with the difference from the reference.
 //
-//   thesis-convergence [--dump FILE] [--size WxH] [--irls N] [--pcg N] [--levels N] [--svg FILE]
+//   thesis-convergence --dump FILE [--irls N] [--pcg N] [--levels N] [--svg FILE]
 //
-// Prints one comma-separated line per step; --svg also draws the curves. Each solver is compared at
-// its own clusters, also for the converged energy: they differ slightly. The reference computes the
-// converged solve on the processor: seconds at 80×60, minutes at 160×120.
+// FILE is a frame (frames.hpp). Prints one comma-separated line per step; --svg also draws the
+// curves. Each solver is compared at its own clusters, also for the converged energy: they differ
+// slightly. The reference computes the converged solve on the processor: seconds at 80×60, minutes
+// at 160×120.
 //
 // The last lines give the difference of r from the reference after removing the common scale (99 %
 // of pixels, and maximum), and the change of the reference itself in single precision: sparsity
 // with p < 1 is not convex, and rounding decides about edges near the threshold.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <map>
@@ -227,22 +229,15 @@ int main(int argc, char** argv) {
   Options options;
   options.params.irls_iterations = 7;  // the figure's
   options.params.levels = 5;
-  Extent extent{160, 120};
   std::string dump;
   const bench::Options known{{"--dump", bench::text(dump)},
-                             {"--size",
-                              {true,
-                               [&extent](const char* value) {
-                                 return sscanf(value, "%ux%u", &extent.width, &extent.height) == 2;
-                               }}},
                              {"--irls", bench::integer(options.params.irls_iterations)},
                              {"--pcg", bench::integer(options.params.pcg_iterations)},
                              {"--levels", bench::integer(options.params.levels)},
                              {"--svg", bench::text(options.svg)}};
   if (!bench::read(known, argc, argv, "thesis_convergence.cpp")) return 2;
   try {
-    const bench::RgbaFrame frame =
-        dump.empty() ? bench::synthetic_frame(extent, 0) : bench::read_frames(dump).front();
+    const bench::RgbaFrame frame = bench::read_frame(dump);
     const Lab lab;
     const std::vector<Curve> curves = {solve(lab, frame, options, ThesisParams::Solver::pcg),
                                        solve(lab, frame, options, ThesisParams::Solver::schwarz)};

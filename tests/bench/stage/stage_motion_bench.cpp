@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Benefit of motion compensation, of B to A and of single lights to the last tracking frame: a
 // swaying head on the virtual stage, compared with the same frames of a static head. Through the
-// elements. Options: --motion PIXELS (of the top of the image, either way), --lights N, --width W,
-// --height H, --noise SHARE.
+// elements. Option: --noise SHARE.
 #include <gst/app/gstappsink.h>
 #include <gst/video/video.h>
 
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <functional>
 #include <map>
 #include <memory>
 #include <stdexcept>
@@ -17,7 +15,6 @@
 #include <vector>
 
 #include "gst/stage/meta/inverse_light_stage_meta.h"
-#include "gst/stage/sync/assemble/motion.hpp"
 #include "stage/program/light_program.hpp"
 #include "tests/bench/support/command_line.hpp"
 #include "tests/temporary_folder.hpp"
@@ -90,8 +87,9 @@ class Error {
 };
 
 struct Stage {
-  float motion = 12, noise = 0.002F;
-  int lights = 96, width = 320, height = 240;
+  static constexpr float motion = 12;  // of the top of the picture, either way
+  static constexpr int lights = 96, width = 320, height = 240;
+  float noise = 0.002F;
 
   std::string source(const std::string& program, double sway, double seconds, int frames) const {
     char text[512];
@@ -165,62 +163,11 @@ void pairs(const Stage& stage) {
               errors[1].share(), errors[0].share() / errors[1].share());
 }
 
-/// Ways to measure the motion from A to B without the element: errors of the moved B.
-void ways(const Stage& stage) {
-  constexpr uint64_t kFrames = 123;
-  const testing::TemporaryFolder folder;
-  LightProgram program =
-      performance(stage_lights(geodesic_directions(static_cast<uint32_t>(stage.lights))));
-  const std::string forth = folder / "ab.json", back = folder / "ba.json";
-  program.save(forth);
-  std::swap(program.steps[0], program.steps[1]);
-  program.save(back);
-  Stage clean = stage;
-  clean.noise = 0;
-  const auto sway = static_cast<double>(stage.motion);
-  Frames seen = run(stage.source(forth, sway, 2, kFrames));
-  const Frames truth = run(clean.source(back, sway, 2, kFrames));
-  const auto picture = [&](uint64_t trigger) {
-    return cv::Mat(stage.height, stage.width, CV_32FC3, seen.at(trigger).light_of_pixels.data());
-  };
-  using Way = std::function<cv::Mat(const cv::Mat* frames)>;  // from A before to A after
-  const auto flow = [](const cv::Mat& from, const cv::Mat& to) {
-    return Motion::between(Motion::gray(from), Motion::gray(to));
-  };
-  const std::pair<const char*, Way> all[] = {
-      {"this B and the one before, halved",
-       [&](const cv::Mat* f) -> cv::Mat {
-         return Motion::half(Motion::gray(f[3]), Motion::gray(f[1]));
-       }},
-      {"this A and the one after, halved",
-       [&](const cv::Mat* f) -> cv::Mat { return flow(f[2], f[4]) * 0.5; }},
-      {"A + B of this pair and the one before, halved",
-       [&](const cv::Mat* f) -> cv::Mat { return flow(f[2] + f[3], f[0] + f[1]) * -0.5; }},
-      {"A and B themselves", [&](const cv::Mat* f) { return flow(f[2], f[3]); }},
-  };
-  std::printf("\n| flow between | error of the moved B |\n|---|---|\n");
-  for (const auto& [name, way] : all) {
-    Error error;
-    for (uint64_t a = 7; a + 3 < kFrames; a += 2) {
-      const cv::Mat frames[] = {picture(a - 2), picture(a - 1), picture(a), picture(a + 1),
-                                picture(a + 2)};
-      const cv::Mat moved = Motion::moved(frames[3], way(frames));
-      error.add(moved.ptr<float>(), truth.at(a).light_of_pixels.data(),
-                truth.at(a).light_of_pixels.size());
-    }
-    std::printf("| %s | %.4f |\n", name, error.share());
-  }
-}
-
 }  // namespace
 
 int main(int argc, char** argv) try {
   Stage stage;
-  const bench::Options known{{"--motion", bench::number(stage.motion)},
-                             {"--noise", bench::number(stage.noise)},
-                             {"--lights", bench::integer(stage.lights)},
-                             {"--width", bench::integer(stage.width)},
-                             {"--height", bench::integer(stage.height)}};
+  const bench::Options known{{"--noise", bench::number(stage.noise)}};
   if (!bench::read(known, argc, argv, "stage_motion_bench.cpp")) return 2;
   gst_init(nullptr, nullptr);
   std::printf(
@@ -230,7 +177,6 @@ int main(int argc, char** argv) try {
       static_cast<double>(stage.noise));
   captures(stage);
   pairs(stage);
-  ways(stage);
   return 0;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "stage-motion-bench: %s\n", error.what());

@@ -76,6 +76,13 @@ class GlobalTest : public IntrinsicTest {
 
     return params;
   }
+  /// The specification's result for a frame.
+  static reference::GlobalResult expected_of(const Pixels& frame, Extent extent,
+                                             const reference::GlobalParams& params = {},
+                                             reference::GlobalState* state = nullptr) {
+    return reference::decompose_global(rgb_of(frame).data(), int(extent.width), int(extent.height),
+                                       params, state);
+  }
   /// Light's color and direct share, base colors and reflectance against the specification.
   static void expect_agreement(const Result& got, const reference::GlobalResult& expected,
                                const std::string& what) {

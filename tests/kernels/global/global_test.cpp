@@ -12,9 +12,7 @@ TEST_F(GlobalTest, AgreesWithReference) {
     const Room made = room(extent, 3);
     GlobalIntrinsic method(device, extent);
     const Result got = decompose(method, made.frame, extent, to_the_letter(), {true});
-    const auto expected =
-        reference::decompose_global(rgb_of(made.frame).data(), int(extent.width),
-                                    int(extent.height), reference::GlobalParams{}, nullptr);
+    const auto expected = expected_of(made.frame, extent);
     expect_agreement(got, expected, name_of(extent));
   }
 }
@@ -26,9 +24,7 @@ TEST_F(GlobalTest, AgreesWithReferenceOverTime) {
   for (unsigned frame = 0; frame < 4; ++frame) {
     const Room made = room(extent, frame, 0.35F + 0.02F * float(frame));
     const Result got = decompose(method, made.frame, extent, to_the_letter(), {false});
-    const auto expected =
-        reference::decompose_global(rgb_of(made.frame).data(), int(extent.width),
-                                    int(extent.height), reference::GlobalParams{}, &state);
+    const auto expected = expected_of(made.frame, extent, {}, &state);
     expect_agreement(got, expected, "frame " + std::to_string(frame));
   }
 }
@@ -48,9 +44,7 @@ TEST_F(GlobalTest, SlotsAreTheReferencesWhereColorsComeAndGo) {
     if (frame % 8 >= 2 && frame % 8 < 5) put(violet, 60);
     if (frame >= 6 && frame < 9) put(cyan, 90);
     const Result got = decompose(method, made.frame, extent, to_the_letter(), {false});
-    const auto expected =
-        reference::decompose_global(rgb_of(made.frame).data(), int(extent.width),
-                                    int(extent.height), reference::GlobalParams{}, &state);
+    const auto expected = expected_of(made.frame, extent, {}, &state);
     expect_agreement(got, expected, "frame " + std::to_string(frame));
   }
 }
@@ -72,8 +66,7 @@ TEST_F(GlobalTest, TakesTheLampsColorOutAsTheReferenceDoes) {
     for (size_t i = 0; i < made.frame.size(); i += 4)
       for (size_t c = 0; c < 3; ++c) made.frame[i + c] *= std::array{1.0F, 0.8F, 0.55F}[c];
     const Result got = decompose(method, made.frame, extent, params, {false});
-    auto expected = reference::decompose_global(rgb_of(made.frame).data(), int(extent.width),
-                                                int(extent.height), spec, &state);
+    auto expected = expected_of(made.frame, extent, spec, &state);
     EXPECT_EQ(got.found.cut, frame == 0 || frame == 3);
     EXPECT_EQ(expected.cut, frame == 3);
     // There the lamps' color is beside the light, here it is in it.
@@ -90,9 +83,7 @@ TEST_F(GlobalTest, SharesAgreeWithReference) {
   const Room made = room(extent, 3);
   GlobalIntrinsic method(device, extent);
   const Result got = decompose(method, made.frame, extent, to_the_letter(), {true, true});
-  const auto frame =
-      reference::decompose_global(rgb_of(made.frame).data(), int(extent.width), int(extent.height),
-                                  reference::GlobalParams{}, nullptr);
+  const auto frame = expected_of(made.frame, extent);
   expect_agreement(got, frame, "frame");
   const auto expected = reference::split_indirect(frame, int(extent.width), int(extent.height));
   const Pixels bases = download(got.layers[Role::bases]->buffer);
@@ -118,9 +109,7 @@ TEST_F(GlobalTest, LabelsAreDrawnInTheBaseColorsOfTheReference) {
   const Room made = room(extent, 3);
   GlobalIntrinsic method(device, extent);
   decompose(method, made.frame, extent, to_the_letter(), {true});
-  const auto expected =
-      reference::decompose_global(rgb_of(made.frame).data(), int(extent.width), int(extent.height),
-                                  reference::GlobalParams{}, nullptr);
+  const auto expected = expected_of(made.frame, extent);
   const PlanePtr target = input(extent, made.frame);
   run([&](gpu::Commands& commands) {
     method.draw_labels(commands, *input(extent, made.frame), *target);
@@ -164,8 +153,7 @@ TEST_F(GlobalTest, LightIsGrayIfItsAmountIsUnknown) {
     spec.amount.measurement_weight = double(measurement_weight);
     GlobalIntrinsic method(device, extent);
     const Result got = decompose(method, made.frame, extent, params, {true});
-    const auto expected = reference::decompose_global(rgb_of(made.frame).data(), int(extent.width),
-                                                      int(extent.height), spec, nullptr);
+    const auto expected = expected_of(made.frame, extent, spec);
     expect_agreement(got, expected, "measurement_weight " + std::to_string(measurement_weight));
     float color = 0;
     for (size_t i = 0; i < got.light.size(); ++i)
