@@ -172,8 +172,7 @@ TEST(Plan, CyclesEndEarlyWhereTheyDidOrWouldHave) {
   EXPECT_FALSE(video.next().stops());
 }
 
-/// A row of recorded_facts.csv (plan-facts, removed: see git): a frame's facts, what it found, and
-/// its plan.
+/// A row of recorded_facts.csv (plan-facts): a frame's facts, what it found, and its plan.
 struct RecordedFrame {
   Planner::Frame frame;
   Planner::Found found;
