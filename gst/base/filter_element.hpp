@@ -72,7 +72,6 @@ class FilterElement {
   /// Warns of pixels that are not square if the filter needs them so; once for each ratio.
   void check_pixel_aspect_ratio();
   void configure(const std::shared_ptr<gpu::Device>& device);
-  /// Builds the kernels for frames of which only tiles are converted.
   std::shared_ptr<gpu::Device> device_for(GstBuffer* in);
   void run_frame(GstBuffer* in, GstBuffer* out);
   void read_input(GstBuffer* in, Slot& slot, FrameContext& frame);
