@@ -46,7 +46,7 @@ uint64_t padded(const Device& device, uint64_t bytes) {
   constexpr uint64_t kPadding = 784;  // keeps the alignment of a vec4
   const bool alike = (bytes & 0xff00) != 0 && !std::has_single_bit(bytes);
   const bool fits = bytes + kPadding <= device.limits().storage_buffer_bytes;
-  return device.is_cpu() && !alike && fits ? bytes + kPadding : bytes;
+  return device.variant().padded_buffers && !alike && fits ? bytes + kPadding : bytes;
 }
 
 }  // namespace

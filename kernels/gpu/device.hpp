@@ -42,6 +42,9 @@ struct Variant {
   /// Kernels are built before frames come (build_kernels). `INVERSE_WARM_UP=0` builds each with the
   /// first frame that needs it, which starts sooner.
   bool warm_up = true;
+  /// Buffers of some sizes are a little longer than asked for (buffer.cpp): on software devices,
+  /// but not under `INVERSE_VALIDATION=1`, which is to see what lies beyond their end.
+  bool padded_buffers = false;
 };
 
 struct Limits {
