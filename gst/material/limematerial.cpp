@@ -147,7 +147,7 @@ class LimeElement final : public Filter {
     method_->set_normal_map(normal_map_);
     mosaic_.emplace(device);
     planes_.emplace(device, extent);
-    const MaterialPreview make_kernels(device);
+    const MaterialPreview preview(device);  // its kernels stay with the device, for a later frame
     publish();
   }
   void release() override {
