@@ -12,8 +12,8 @@ namespace inverse {
 
 /// The scale c of the output: reflectance R c and shading S / c (scale.glsl). The first frame, and
 /// one after a cut, gets the scale `Frame::wanted`. Later some 400 points are tracked from frame to
-/// frame, and c keeps their reflectance: what stays in view keeps its brightness, whatever enters
-/// or leaves the frame. All of it is on the device.
+/// frame, and c keeps the reflectance that they had two seconds (64 frames) before: what stays in
+/// view keeps its brightness, whatever enters or leaves the frame. All of it is on the device.
 class ScaleNormalization {
  public:
   /// How a frame is related to the one before.

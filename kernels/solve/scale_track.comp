@@ -2,6 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
+#include "image/random.glsl"
 #include "solve/scale.glsl"
 
 // Tracks points from the last frame's cells to this one's (Lucas and Kanade 1981, one level, windows of 5 x 5 cells; their mean
@@ -53,24 +54,12 @@ vec4 before_between(vec2 p) {
              mix(before_at(low + ivec2(0, 1)), before_at(low + ivec2(1, 1)), part.x), part.y);
 }
 
-// Two numbers in 0...1: pcg3d (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").
-uvec3 mixed(uvec3 v) {
-  v.x += v.y * v.z;
-  v.y += v.z * v.x;
-  v.z += v.x * v.y;
-  return v;
-}
-vec2 random_pair(uvec3 v) {
-  v = mixed(v * 1664525u + 1013904223u);
-  return vec2(mixed(v ^ (v >> 16u)).xy >> 8u) / 16777216.0;
-}
-
 // Of random places the one farthest from all points that go on.
 vec2 sparse_place(uint i, uint count) {
   vec2 best = vec2(0.0);
   float farthest = -1.0;
   for (uint k = 0u; k < kCandidates; ++k) {
-    vec2 candidate = random_pair(uvec3(i, push.frame, k)) * vec2(last);
+    vec2 candidate = vec2(pcg3d(uvec3(i, push.frame, k)).xy >> 8u) / 16777216.0 * vec2(last);
     float nearest = 1e9;
     for (uint j = 0u; j < count; ++j) {
       vec4 other = FETCH(points, int(j));

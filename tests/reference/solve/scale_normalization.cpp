@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/reference/random.hpp"
+
 namespace inverse::reference {
 namespace {
 constexpr double kPoints = 400;  // about as many
@@ -18,21 +20,6 @@ constexpr double kWidth = 0.02, kNoZoom = 0.1, kFewest = 0.05, kSameScene = 0.5,
                  kMoreLight = 0.25, kRemember = 1.0 / 64;
 
 double mix(double a, double b, double share) { return a + share * (b - a); }
-
-/// Two numbers in 0…1: pcg3d of Jarzynski and Olano (2020), "Hash Functions for GPU Rendering".
-std::array<double, 2> random_pair(uint32_t x, uint32_t y, uint32_t z) {
-  std::array<uint32_t, 3> v{x, y, z};
-  const auto mix_in = [&v] {
-    v[0] += v[1] * v[2];
-    v[1] += v[2] * v[0];
-    v[2] += v[0] * v[1];
-  };
-  for (uint32_t& word : v) word = word * 1664525U + 1013904223U;
-  mix_in();
-  for (uint32_t& word : v) word ^= word >> 16;
-  mix_in();
-  return {(v[0] >> 8) / 16777216.0, (v[1] >> 8) / 16777216.0};
-}
 }  // namespace
 
 ScaleNormalization::ScaleNormalization(int width, int height)
@@ -82,9 +69,9 @@ std::array<double, 2> ScaleNormalization::sparse_place(uint32_t index,
   std::array<double, 2> best{};
   double farthest = -1;
   for (uint32_t k = 0; k < kCandidates; ++k) {
-    std::array<double, 2> place = random_pair(index, frames_, k);
-    place[0] *= width_ - 1;
-    place[1] *= height_ - 1;
+    const std::array<std::uint32_t, 3> random = pcg3d(index, frames_, k);
+    const std::array<double, 2> place{(random[0] >> 8) / 16777216.0 * (width_ - 1),
+                                      (random[1] >> 8) / 16777216.0 * (height_ - 1)};
     double nearest = 1e9;
     for (const Point& other : others)
       if (!other.history.empty())
