@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The device and OpenCV's dnn with the same model in turn: onnx-bench [--layers] [--runs N] [--size
-// N] [MODEL.onnx …]. Without a model: U-Nets of three widths. --layers: node by node, by the
-// model's names.
+// N] MODEL.onnx …; --layers: node by node, by the model's names. N: number of runs; image's side.
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
@@ -12,8 +12,7 @@
 
 #include "common/error.hpp"
 #include "kernels/network/network.hpp"
-#include "onnx_builder.hpp"
-#include "tests/bench/material/network_figures.hpp"
+#include "tests/bench/support/command_line.hpp"
 #include "tests/bench/support/timing.hpp"
 #include "tools/onnx/onnx_import.hpp"
 
@@ -22,29 +21,9 @@ namespace {
 using namespace inverse;
 using bench::Clock;
 
-/// Like image-to-image networks: four strided steps down and up again.
-std::string u_net(int64_t width, int64_t size) {
-  testing::OnnxBuilder b(1);
-  std::string value = b.input("image", {1, 3, size, size});
-  std::vector<std::string> skips;
-  std::vector<int64_t> widths = {3};
-  const auto layer = [&b](const std::string& from, int64_t in, int64_t out, int64_t stride) {
-    return b.op("Relu", {b.convolution(from, in, out, 3, stride)});
-  };
-  for (int level = 0; level < 5; ++level) {
-    const int64_t channels = width * (level + 1);
-    value = layer(value, widths.back(), channels, level ? 2 : 1);
-    widths.push_back(channels);
-    skips.push_back(value);
-  }
-  for (int level = 4; level-- > 0;) {
-    const int64_t below = widths[static_cast<size_t>(level) + 2],
-                  here = widths[static_cast<size_t>(level) + 1];
-    value = layer(b.concat({b.upsample(value), skips[static_cast<size_t>(level)]}), below + here,
-                  here, 1);
-  }
-  b.output(b.op("Sigmoid", {b.convolution(value, width, 1, 1)}), {1, 1, size, size});
-  return b.bytes();
+/// 1e9 floating-point operations of a node.
+double gflop(const network::Network& net, uint32_t node) {
+  return 1e-9 * static_cast<double>(network::operations_of(net.graph(), node, net.plan().shapes));
 }
 
 /// The model's name of a node, from this project's text (Conv "NAME") or OpenCV's (onnx_node!NAME).
@@ -84,7 +63,7 @@ void compare_layers(const network::Network& net, cv::dnn::Net& peer, const cv::M
     const network::Step& step = net.plan().steps[s];
     const network::Shape& out = net.plan().shapes[net.graph().inputs.size() + step.node];
     const std::string name = node_name(net.graph().nodes[step.node].name);
-    const double work = bench::gflop(net, step.node), ms = bench::median(ours[s]);
+    const double work = gflop(net, step.node), ms = bench::median(ours[s]);
     std::printf("  %-36s %4u x %3u x %3u %8.4f GFLOP  device %7.3f ms %6.1f GFLOP/s", name.c_str(),
                 out.channels, out.height, out.width, work, ms, 1e3 * work / ms);
     const auto peer_times = theirs.find(name);
@@ -105,7 +84,8 @@ void compare_layers(const network::Network& net, cv::dnn::Net& peer, const cv::M
 void compare(const std::string& name, const std::string& model, uint32_t size, int runs,
              bool layers, const std::shared_ptr<gpu::Device>& device) {
   const network::Graph graph = onnx_import::graph_of(std::as_bytes(std::span(model)), name);
-  const std::vector<network::Shape> shapes = bench::shapes_at(graph, size);
+  std::vector<network::Shape> shapes;  // one image for each input
+  for (const network::Input& input : graph.inputs) shapes.push_back({input.channels, size, size});
   const network::Network net(device, graph, shapes);
   cv::dnn::Net peer = cv::dnn::readNetFromONNX(model.data(), model.size());
   peer.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
@@ -127,7 +107,8 @@ void compare(const std::string& name, const std::string& model, uint32_t size, i
     ours.push_back(bench::milliseconds(middle - start));
     theirs.push_back(bench::milliseconds(Clock::now() - middle));
   }
-  const double work = bench::gflop(net);
+  double work = 0;
+  for (const network::Step& step : net.plan().steps) work += gflop(net, step.node);
   const double a = bench::median(ours), b = bench::median(theirs);
   std::printf(
       "%-24s %4u x %-4u %8.4f GFLOP  device %8.2f ms %6.1f GFLOP/s  OpenCV %8.2f ms %6.1f GFLOP/s  "
@@ -139,25 +120,23 @@ void compare(const std::string& name, const std::string& model, uint32_t size, i
 }  // namespace
 
 int main(int argc, char** argv) {
-  bench::NetworkArguments requested;
   bool layers = false;
-  if (!requested.read(argc, argv, "onnx_bench.cpp",
-                      {{"--layers", bench::flag([&layers] { layers = true; })}}))
+  int runs = 21, size = 128;
+  std::vector<std::string> files;
+  if (!bench::read({{"--runs", bench::integer(runs)},
+                    {"--size", bench::integer(size)},
+                    {"--layers", bench::flag([&layers] { layers = true; })}},
+                   argc, argv, "onnx_bench.cpp", &files))
     return 2;
-  const uint32_t size = requested.size();
   try {
     const auto device = gpu::Device::open();
     std::printf("%s, %d threads of OpenCV\n", device->name().c_str(), cv::getNumThreads());
-    for (const std::string& path : requested.files) {
+    for (const std::string& path : files) {
       std::ifstream file(path, std::ios::binary);
       if (!file) throw Error(ErrorKind::file, path + ": it cannot be read");
-      compare(path, {std::istreambuf_iterator<char>(file), {}}, size, requested.runs, layers,
-              device);
+      compare(path, {std::istreambuf_iterator<char>(file), {}},
+              static_cast<uint32_t>(std::max(size, 1)), std::max(runs, 1), layers, device);
     }
-    if (requested.files.empty())
-      for (const int64_t width : {8, 16, 32})
-        compare("U-Net of " + std::to_string(width), u_net(width, size), size, requested.runs,
-                layers, device);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What intrinsicdecomp skips depending on the scene, one by one: chroma bins, the temporal anchor,
-// half of the resolution. Reports saved time, change of the result, and what was predicted; also
-// the visible change when the resolution switches.
+// What intrinsicdecomp skips depending on the scene: saved time and change of the result, for chroma
+// bins and the temporal anchor one by one (terms), and for everything by skip-error (error).
 //
-//   skip-bench terms|half|crossing|cheap|adaptive|error [--frames N] FOLDER…
+//   skip-bench terms|error [--frames N] FOLDER…
 //
 // The folders hold scenes of ./dev bench (build-bench/tests/bench/scenes; import-scenes). Settings
 // take turns on every frame; times are processor time, medians of ratios.
@@ -11,7 +10,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -54,7 +52,7 @@ double mean(const std::vector<double>& values) {
 struct Run {
   ScaledIntrinsic method;
   Params params;
-  Decomposition now, before;
+  Decomposition now;
   std::vector<double> cost, lmse;
 
   Run(DeviceSession& session, Extent extent, const Params& with)
@@ -62,7 +60,6 @@ struct Run {
   void step(DeviceSession& session, const TruthFrame& frame, bool reset,
             const std::vector<uint8_t>& changed = {}) {
     Cost spent;
-    before = std::move(now);
     now = session.run(
         frame.input,
         [&](gpu::Commands& commands, const PlanePtr& input) {
@@ -160,108 +157,6 @@ void terms(DeviceSession& session, const Scene& scene, size_t frames) {
   std::printf("|\n");
 }
 
-void half(DeviceSession& session, const Scene& scene, size_t frames) {
-  const Extent extent{uint32_t(scene.frames[0].input.width),
-                      uint32_t(scene.frames[0].input.height)};
-  Params full, small, looking, chosen;
-  full.tolerances.half = 0;
-  small.half_resolution = true;
-  looking.tolerances.half = 1e-6F;  // compares without changing the resolution
-  Run runs[] = {{session, extent, full},
-                {session, extent, small},
-                {session, extent, looking},
-                {session, extent, chosen}};
-  std::vector<double> apart, kept;
-  double known = 0;
-  size_t halved = 0;
-  for (size_t k = 0; k < frames; ++k) {
-    const TruthFrame& frame = frame_at(scene, k);
-    for (Run& run : runs) run.step(session, frame, k == 0);
-    if (known == 0) known = double(runs[2].found().half_distance);
-    halved += runs[3].method.stats(runs[3].method.recorded() - 1).halvings;
-    if (k < 2) continue;
-    apart.push_back(distance(frame.input, runs[0].now.shading, runs[1].now.shading));
-    if (k >= 12) kept.push_back(distance(frame.input, runs[0].now.shading, runs[3].now.shading));
-    if (k % 3 == 2)
-      for (Run& run : runs) run.judge(frame);
-  }
-  name(scene);
-  std::printf("%.3f | %.3f | %.2f | %.4f | %.4f | %zu of %zu | %.3f | %.2f | %.4f |\n", known,
-              mean(apart), ratio(runs[0], runs[1]), mean(runs[0].lmse), mean(runs[1].lmse), halved,
-              frames, mean(kept), ratio(runs[0], runs[3]), mean(runs[3].lmse));
-}
-
-/// Change of reflectance from the frame before, minus that of a run without a switch of resolution.
-void crossing(DeviceSession& session, const Scene& scene, size_t) {
-  if (!scene.video) return;
-  const Extent extent{uint32_t(scene.frames[0].input.width),
-                      uint32_t(scene.frames[0].input.height)};
-  constexpr size_t kDown = 10, kUp = 20, kEnd = 30;
-  Run stays{session, extent, {}}, small{session, extent, {}}, carried{session, extent, {}},
-      forgets{session, extent, {}};
-  small.params.half_resolution = true;
-  for (Run* run : {&stays, &small, &carried, &forgets}) run->params.tolerances.half = 0;
-  const auto step_of = [](const Run& run) {  // rms change of ln R's mean channel, scale removed
-    double sum = 0, squares = 0, count = 0;
-    const auto bright = [](const Image& r, size_t i) {
-      return std::log(double(r.data[3 * i]) + double(r.data[3 * i + 1]) +
-                      double(r.data[3 * i + 2]) + 0.01);
-    };
-    for (size_t i = 0; i < run.now.shading.data.size(); ++i) {
-      const double d = bright(run.now.reflectance, i) - bright(run.before.reflectance, i);
-      sum += d, squares += d * d, ++count;
-    }
-    return std::sqrt(std::max(squares / count - sum * sum / count / count, 0.0));
-  };
-  std::vector<double> rows[4];
-  for (size_t k = 0; k < kEnd; ++k) {
-    const TruthFrame& frame = frame_at(scene, k);
-    carried.params.half_resolution = forgets.params.half_resolution = k >= kDown && k < kUp;
-    for (Run* run : {&stays, &small, &carried}) run->step(session, frame, k == 0);
-    forgets.step(session, frame, k == 0 || k == kDown || k == kUp);
-    if (k < kDown - 2) continue;
-    const Run* all[] = {&stays, &small, &carried, &forgets};
-    for (size_t i = 0; i < 4; ++i) rows[i].push_back(step_of(*all[i]));
-  }
-  name(scene);
-  const auto show = [&](const std::vector<double>& row) {
-    const size_t down = 2, up = down + kUp - kDown;
-    std::printf("%.3f, %.3f, %.3f, %.3f; %.3f, %.3f, %.3f, %.3f | ", row[down - 1], row[down],
-                row[down + 1], row[down + 2], row[up - 1], row[up], row[up + 1], row[up + 2]);
-  };
-  for (const auto& row : rows) show(row);
-  std::printf("\n");
-}
-
-/// All skipping, relative to none: median over frames in turn, its upper 95 % bound (bootstrap),
-/// and the ratio of sums, including comparisons of resolutions.
-void adaptive(DeviceSession& session, const Scene& scene, size_t frames) {
-  const Extent extent{uint32_t(scene.frames[0].input.width),
-                      uint32_t(scene.frames[0].input.height)};
-  Params off;
-  off.adaptive = false;
-  Run all{session, extent, off}, some{session, extent, {}};
-  std::vector<double> ratios;
-  double costs[2] = {};
-  for (size_t k = 0; k < frames; ++k) {
-    const TruthFrame& frame = frame_at(scene, k);
-    for (Run* run : {k % 2 ? &all : &some, k % 2 ? &some : &all}) run->step(session, frame, k == 0);
-    if (k < 2) continue;
-    ratios.push_back(some.cost.back() / all.cost.back());
-    costs[0] += all.cost.back(), costs[1] += some.cost.back();
-  }
-  std::mt19937 random(1);
-  std::vector<double> medians;
-  for (int i = 0; i < 1000; ++i) {
-    std::vector<double> drawn;
-    for (size_t j = 0; j < ratios.size(); ++j) drawn.push_back(ratios[random() % ratios.size()]);
-    medians.push_back(median(drawn));
-  }
-  std::sort(medians.begin(), medians.end());
-  name(scene);
-  std::printf("%.3f | %.3f | %.3f |\n", median(ratios), medians[950], costs[1] / costs[0]);
-}
-
 /// For skip-error at 0, a quarter of the default, the default and twice that: distance of shading
 /// from that with all work done, mean and maximum over the frames, and relative time.
 void error(DeviceSession& session, const Scene& scene, size_t frames) {
@@ -297,50 +192,9 @@ void error(DeviceSession& session, const Scene& scene, size_t frames) {
   std::printf("\n");
 }
 
-/// Settings of little work and the presets to compare with: time relative to quality=medium, and
-/// error.
-void cheap(DeviceSession& session, const Scene& scene, size_t frames) {
-  const Extent extent{uint32_t(scene.frames[0].input.width),
-                      uint32_t(scene.frames[0].input.height)};
-  struct Candidate {
-    size_t halvings;
-    uint32_t cycles, warm;
-    float edge, cycle;
-  };
-  constexpr Candidate kCandidates[] = {
-      {0, 4, 2, 0.05F, 0.01F}, {1, 4, 2, 0.05F, 0.01F},  {1, 3, 1, 0.1F, 0.01F},
-      {1, 2, 1, 0.1F, 0.01F},  {2, 8, 4, 0.05F, 0.003F}, {2, 4, 2, 0.1F, 0.01F},
-      {2, 3, 1, 0.1F, 0.01F},  {2, 2, 1, 0.2F, 0.01F},   {2, 1, 1, 0.2F, 0.01F}};
-  std::vector<std::unique_ptr<Run>> runs;
-  for (const Candidate& c : kCandidates) {
-    Params params;
-    params.tolerances.half = 0, params.set_halvings(c.halvings);
-    params.cycles = c.cycles, params.warm_cycles = c.warm;
-    params.tolerances.edge = c.edge, params.tolerances.cycle = c.cycle;
-    runs.push_back(std::make_unique<Run>(session, extent, params));
-  }
-  const size_t count = scene.video ? frames : scene.frames.size();
-  for (size_t k = 0; k < count; ++k) {
-    const TruthFrame& frame = scene.video ? frame_at(scene, k) : scene.frames[k];
-    for (auto& run : runs) {
-      run->step(session, frame, k == 0 || !scene.video);
-      if (!scene.video || k % 3 == 2) run->judge(frame);
-    }
-  }
-  name(scene);
-  for (const auto& run : runs) std::printf("%.2f %.4f | ", ratio(*runs[0], *run), mean(run->lmse));
-  std::printf("\n");
-}
-
 void run(int argc, char** argv) {
   std::string what = argc > 1 ? argv[1] : "";
-  const auto measure = what == "terms"      ? terms
-                       : what == "half"     ? half
-                       : what == "crossing" ? crossing
-                       : what == "cheap"    ? cheap
-                       : what == "adaptive" ? adaptive
-                       : what == "error"    ? error
-                                            : nullptr;
+  const auto measure = what == "terms" ? terms : what == "error" ? error : nullptr;
   std::vector<std::filesystem::path> files;
   size_t frames = 24;
   for (int i = 2; i < argc; ++i) {
@@ -351,8 +205,7 @@ void run(int argc, char** argv) {
         files.push_back(entry.path());
   }
   if (!measure || files.empty())
-    throw std::runtime_error(
-        "usage: skip-bench terms|half|crossing|cheap|adaptive|error [--frames N] FOLDER…");
+    throw std::runtime_error("usage: skip-bench terms|error [--frames N] FOLDER…");
   std::sort(files.begin(), files.end());
   DeviceSession session("");
   if (measure == terms)
