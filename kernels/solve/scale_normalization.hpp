@@ -11,7 +11,7 @@
 namespace inverse {
 
 /// The scale c of the output: reflectance R c and shading S / c (scale.glsl). The first frame, and
-/// one after a cut, gets the scale `Frame::wanted`. Later some 400 points are tracked from frame to
+/// one after a cut, gets the scale `Frame::target`. Later some 400 points are tracked from frame to
 /// frame, and c keeps the reflectance that they had two seconds (64 frames) before: what stays in
 /// view keeps its brightness, whatever enters or leaves the frame. All of it is on the device.
 class ScaleNormalization {
@@ -25,7 +25,7 @@ class ScaleNormalization {
   /// A frame of a solver.
   struct Frame {
     /// vec4: ln c less ln(white level) of the frame alone; 0 if all of it is dark.
-    gpu::BufferPtr wanted;
+    gpu::BufferPtr target;
     gpu::BufferPtr decision;  ///< vec4, with History::decided: its second number is 0 at a cut
     History history = History::none;
     float white_level = 1;  ///< of reflectance, > 0

@@ -9,7 +9,7 @@
 // alone. One workgroup.
 PLANE_IN(0, samples);
 PLANE_IN(1, points);
-PLANE_IN(2, wanted);    // .x: offset that the frame alone would get, .y: 0 if all of it is dark
+PLANE_IN(2, target);    // .x: offset that the frame alone would get, .y: 0 if all of it is dark
 PLANE_IN(3, decision);  // .y = 0 at a cut
 PLANE_INOUT(4, scale);
 layout(push_constant) uniform Push {
@@ -32,7 +32,7 @@ const float kRemember = 1.0 / 64.0;  // share of the newest frame in the mean br
 void main() {
   uint lane = gl_LocalInvocationID.x, lanes = gl_WorkGroupSize.x;
   vec4 now = LOAD(scale, SCALE_NOW), motion = LOAD(scale, SCALE_MOTION), state = LOAD(scale, SCALE_STATE);
-  vec2 asked = FETCH(wanted, 0).xy, center = 0.5 * vec2(push.size) - 0.5;
+  vec2 goal = FETCH(target, 0).xy, center = 0.5 * vec2(push.size) - 0.5;
 
   vec4 shares = vec4(0.0);  // of points: bright, found again; of their texture: found again, all
   for (uint i = lane; i < push.count; i += lanes) {
@@ -78,7 +78,7 @@ void main() {
   float before = state.y;
 
   // A dark frame changes nothing; if no scale is known, the solver's own stays.
-  if (asked.y == 0.0) {
+  if (goal.y == 0.0) {
     STORE(scale, SCALE_NOW, known ? vec4(push.log_white + now.z, now.yz, now.z) : vec4(0.0));
     STORE(scale, SCALE_MOTION, vec4(0.0));
     STORE(scale, SCALE_STATE, vec4(0.0, before, 0.0, 0.0));
@@ -87,18 +87,18 @@ void main() {
   bool follows = known && found > kFewest;
   float shift = 0.0;
   if (!known) {
-    offset = asked.x;
+    offset = goal.x;
   } else if (push.frozen == 1u || push.count == 0u) {
     offset = now.z;
   } else if (!follows) {
-    offset = mix(now.z, asked.x, kFollow);
+    offset = mix(now.z, goal.x, kFollow);
   } else if (bright > before && before > 0.0) {  // a scene that lights up
     float growth = max((bright - before) / bright - kMoreLight, 0.0) / (1.0 - kMoreLight);
-    shift = kFollow * growth * (asked.x - offset);
+    shift = kFollow * growth * (goal.x - offset);
     offset += shift;
   }
   bool remembers = known && before > 0.0;
-  STORE(scale, SCALE_NOW, vec4(push.log_white + offset, 1.0, offset, asked.x));
+  STORE(scale, SCALE_NOW, vec4(push.log_white + offset, 1.0, offset, goal.x));
   STORE(scale, SCALE_MOTION, follows ? motion : vec4(0.0));
   STORE(scale, SCALE_STATE, vec4(follows ? state.x + shift : 0.0, remembers ? mix(before, bright, kRemember) : bright,
                                  follows ? 1.0 : 0.0, 0.0));

@@ -6,7 +6,7 @@
 #include "intrinsic/guide/guide.glsl"
 #include "bins.glsl"
 
-// Right-hand side of the cells for a correction of s': f = far + target - screen s', target = data + g (m' - r_bin), where `far`
+// Right-hand side of the cells for a correction of s': f = far + target - screening s', target = data + g (m' - r_bin), where `far`
 // is the residual of the finer levels. Without kHasBins g is 0 and target = data. One pack of cells an invocation.
 layout(constant_id = 1) const bool kHasBins = true;
 PLANE_IN(0, cells);
@@ -15,7 +15,7 @@ PLANE_IN(2, mean);  // s'
 PLANE_IN(3, far);
 SCALAR_IN(4, means);
 PLANE_OUT(5, system);  // of stride 4
-PLANE_OUT(6, wanted);
+PLANE_OUT(6, target);
 layout(push_constant) uniform Push { uvec2 size; } push;  // of level 2
 
 void main() {
@@ -36,8 +36,8 @@ void main() {
     found = vec4(found.yzw, sum > 0.0 ? m.x - r : found.x);
     m = m.yzwx;
   }
-  vec4 want = FETCH(terms, TERMS_STRIDE * at + TERMS_DATA);
-  if (kHasBins) want += FETCH(terms, TERMS_STRIDE * at + TERMS_CHROMA) * found;
-  STORE(wanted, uint(at), want);
-  STORE(system, 4u * uint(at) + SYSTEM_RHS, FETCH(far, at) + want - FETCH(terms, TERMS_STRIDE * at + TERMS_SCREEN) * s);
+  vec4 value = FETCH(terms, TERMS_STRIDE * at + TERMS_DATA);
+  if (kHasBins) value += FETCH(terms, TERMS_STRIDE * at + TERMS_CHROMA) * found;
+  STORE(target, uint(at), value);
+  STORE(system, 4u * uint(at) + SYSTEM_RHS, FETCH(far, at) + value - FETCH(terms, TERMS_STRIDE * at + TERMS_SCREENING) * s);
 }

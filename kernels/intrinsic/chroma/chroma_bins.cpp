@@ -29,7 +29,7 @@ ChromaBins::ChromaBins(const std::shared_ptr<gpu::Device>& device, Extent cells)
       weights_(gpu::Buffer::create(device, gpu::Element::word, kBins * tables_)),
       totals_(gpu::Buffer::create(device, gpu::Element::word, kBins * tables_)),
       means_(gpu::Buffer::create(device, gpu::Element::scalar, kBins)),
-      wanted_(gpu::Buffer::create(device, gpu::Element::vec4, pack4_count(cells))),
+      target_(gpu::Buffer::create(device, gpu::Element::vec4, pack4_count(cells))),
       sums_(gpu::Buffer::create(
           device, gpu::Element::vec4,
           gpu::partial_count(*measuring_source_term_.kernel(), line_of(pack4_count(cells))))),
@@ -74,7 +74,7 @@ void ChromaBins::record(gpu::Commands& commands, const Guide& guide, const State
                      .far = state.far,
                      .means = means_,
                      .system = state.system,
-                     .wanted = wanted_},
+                     .target = target_},
                     {.size = cells_}, line_of(pack4_count(cells_)));
 }
 
@@ -83,7 +83,7 @@ void ChromaBins::record_source_term(gpu::Commands& commands, const State& state,
   cleared_ = true;
   commands.dispatch(measure ? measuring_source_term_ : source_term_,
                     {.terms = state.terms,
-                     .wanted = wanted_,
+                     .target = target_,
                      .mean = state.means,
                      .correction = state.correction,
                      .source_term = state.source_term,

@@ -49,7 +49,7 @@ class ChromaBins {
   gpu::Program<shaders::intrinsic_chroma_bin_slice> slice_, without_bins_;
   gpu::Program<shaders::intrinsic_chroma_source_term> source_term_, measuring_source_term_;
   gpu::Program<shaders::solve_total> total_;
-  gpu::BufferPtr weights_, totals_, means_, wanted_, sums_, binding_;
+  gpu::BufferPtr weights_, totals_, means_, target_, sums_, binding_;
   bool cleared_ = false;  // the sums' unused slots
 };
 

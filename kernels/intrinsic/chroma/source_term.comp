@@ -9,7 +9,7 @@
 // than F / v, in the mean over cells weighted by v. One pack of cells an invocation.
 layout(constant_id = 1) const bool kMeasure = false;
 PLANE_IN(0, terms);
-PLANE_IN(1, wanted);
+PLANE_IN(1, target);
 PLANE_IN(2, mean);
 PLANE_IN(3, correction);
 PLANE_OUT(4, source_term);
@@ -24,7 +24,7 @@ void main() {
   if (position.y < push.size.y) {
     int at = int(position.y * PACK4(push.size.x) + position.x);
     bvec4 inside = INSIDE(position.x, push.size.x);
-    vec4 s = FETCH(mean, at) + FETCH(correction, at), rhs = FETCH(wanted, at), screening = FETCH(terms, TERMS_STRIDE * at + TERMS_SCREEN);
+    vec4 s = FETCH(mean, at) + FETCH(correction, at), rhs = FETCH(target, at), screening = FETCH(terms, TERMS_STRIDE * at + TERMS_SCREENING);
     STORE(source_term, SOURCE_STRIDE * uint(at) + SOURCE_VALUE, MASKED(rhs - screening * s, inside));
     if (kMeasure) {
       vec4 g = FETCH(terms, TERMS_STRIDE * at + TERMS_CHROMA), v = MASKED(max(screening - g, 1e-6 * screening), inside);

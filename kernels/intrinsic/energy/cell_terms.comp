@@ -73,7 +73,7 @@ vec4 make(uint packs, uvec2 position) {
     }
   }
   gate = quiet * alike;
-  STORE(terms, TERMS_STRIDE * at + TERMS_SCREEN, v + g);
+  STORE(terms, TERMS_STRIDE * at + TERMS_SCREENING, v + g);
   STORE(terms, TERMS_STRIDE * at + TERMS_DATA, v * target);
   STORE(terms, TERMS_STRIDE * at + TERMS_CHROMA, g);
   STORE(terms, TERMS_STRIDE * at + TERMS_MEAN, MASKED(mean, inside));

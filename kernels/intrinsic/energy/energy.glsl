@@ -33,7 +33,7 @@
 #define VALUE_STRIDE 3
 
 // Contribution of a pack of cells to the system: screen, data, g and m'.
-#define TERMS_SCREEN 0
+#define TERMS_SCREENING 0
 #define TERMS_DATA 1
 #define TERMS_CHROMA 2
 #define TERMS_MEAN 3

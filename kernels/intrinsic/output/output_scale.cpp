@@ -5,16 +5,16 @@
 
 namespace inverse {
 namespace {
-constexpr uint32_t kLanes = 8;  // of wanted_scale.comp, which works on one
+constexpr uint32_t kLanes = 8;  // of target_scale.comp, which works on one
 }  // namespace
 
 OutputScale::OutputScale(const std::shared_ptr<gpu::Device>& device, Extent cells)
     : normalization_(device, cells),
       count_(device),
-      wanted_kernel_(device, {}, kLanes),
+      target_kernel_(device, {}, kLanes),
       counts_(gpu::Buffer::create(device, gpu::Element::word,
-                                  shaders::intrinsic_output_wanted_scale::kBrightnessBins)),
-      wanted_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {}
+                                  shaders::intrinsic_output_target_scale::kBrightnessBins)),
+      target_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {}
 
 void OutputScale::take(gpu::Commands& commands, const OutputScale& other) {
   normalization_.take(commands, other.normalization_);
@@ -31,10 +31,10 @@ void OutputScale::record(gpu::Commands& commands, const Guide& guide, const gpu:
                      .counts = counts_,
                      .scale_cells = normalization_.cells()},
                     {.size = guide.extent()}, line_of(guide.cell_extent().pixels()));
-  commands.dispatch(wanted_kernel_, {.counts = counts_, .wanted = wanted_},
+  commands.dispatch(target_kernel_, {.counts = counts_, .target = target_},
                     {.quantile = std::clamp(params.quantile, 0.0F, 1.0F)}, {});
   normalization_.record(
-      commands, {wanted_, decision, history, std::clamp(params.white_level, 0.05F, 1.0F), frozen});
+      commands, {target_, decision, history, std::clamp(params.white_level, 0.05F, 1.0F), frozen});
 }
 
 }  // namespace inverse

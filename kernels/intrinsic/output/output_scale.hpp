@@ -4,7 +4,7 @@
 
 #include "kernels/intrinsic/guide/guide.hpp"
 #include "kernels/intrinsic_output_count_brightness.spv.hpp"
-#include "kernels/intrinsic_output_wanted_scale.spv.hpp"
+#include "kernels/intrinsic_output_target_scale.spv.hpp"
 #include "kernels/solve/scale_normalization.hpp"
 
 namespace inverse {
@@ -37,8 +37,8 @@ class OutputScale {
  private:
   ScaleNormalization normalization_;
   gpu::Program<shaders::intrinsic_output_count_brightness> count_;
-  gpu::Program<shaders::intrinsic_output_wanted_scale> wanted_kernel_;
-  gpu::BufferPtr counts_, wanted_;
+  gpu::Program<shaders::intrinsic_output_target_scale> target_kernel_;
+  gpu::BufferPtr counts_, target_;
   bool cleared_ = false;
 };
 

@@ -8,7 +8,7 @@
 PLANE_IN(0, solution);
 SCALAR_IN(1, palette_scale);
 PLANE_OUT(2, cells);
-PLANE_OUT(3, wanted);
+PLANE_OUT(3, target);
 layout(push_constant) uniform Push { uvec2 size; } push;  // of the solution
 
 void main() {
@@ -25,5 +25,5 @@ void main() {
   STORE(cells, cell.y * columns + cell.x,
         vec4((sum.r + sum.g + sum.b) / 3.0 + sum.a, 0.8660254 * (sum.r - sum.g), 0.5 * (sum.r + sum.g) - sum.b,
              log((reflectance.r + reflectance.g + reflectance.b) / 3.0)));
-  if (cell.x + cell.y == 0u) STORE(wanted, 0, vec4(FETCH1(palette_scale, 0), 1.0, 0.0, 0.0));
+  if (cell.x + cell.y == 0u) STORE(target, 0, vec4(FETCH1(palette_scale, 0), 1.0, 0.0, 0.0));
 }

@@ -77,7 +77,7 @@ ThesisDecomposition::ThesisDecomposition(const std::shared_ptr<gpu::Device>& dev
       total_(device, {}, gpu::kOneGroup),
       layers_(device),
       scale_cells_(device),
-      wanted_scale_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {
+      target_scale_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {
   const auto plane = [&] {
     return gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels());
   };
@@ -424,10 +424,10 @@ void ThesisDecomposition::write_layers(gpu::Commands& commands, Layers& layers) 
                     {.solution = solution,
                      .palette_scale = palette_.scale(),
                      .cells = scale_.cells(),
-                     .wanted = wanted_scale_},
+                     .target = target_scale_},
                     {.size = extent_}, pixels_of(cells_of(extent_)));
   using History = ScaleNormalization::History;
-  scale_.record(commands, {.wanted = wanted_scale_,
+  scale_.record(commands, {.target = target_scale_,
                            .history = since_reset_ > 0 ? History::taken : History::none});
   const PlanePtr plane = pool_.acquire();
   commands.dispatch(layers_,

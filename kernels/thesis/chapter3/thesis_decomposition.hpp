@@ -146,7 +146,7 @@ class ThesisDecomposition {
   gpu::Program<shaders::thesis_chapter3_scale_cells> scale_cells_;
   // Shared by all levels, of the finest level's size.
   gpu::BufferPtr links_, sources_, constant_sources_, edges_, nodes_, preconditioned_, products_,
-      clusters_, wanted_scale_;
+      clusters_, target_scale_;
   std::array<gpu::BufferPtr, 2> directions_;
   gpu::BufferPtr partials_, scalars_, energy_partials_, sample_partials_, trace_;
   std::vector<Level> levels_;

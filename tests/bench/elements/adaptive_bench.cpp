@@ -3,9 +3,9 @@
 // and out, videos of some length. Every setting processes each frame in turn, in alternating order,
 // so that other load affects all settings alike.
 //
-// usage: adaptive-bench [--element NAME] [--clip FILE] [--size 640x480] [--frames N] [--settle N]
+// usage: adaptive-bench [--element NAME] [--size 640x480] [--frames N] [--unmeasured N]
 //                       [--whole N] [--brief] [--json FILE]
-// Scenes with much to skip ignore the first frames (--settle, 24), while solves converge. Scenes
+// Scenes with much to skip ignore the first frames (--unmeasured, 24), while solves converge. Scenes
 // with nothing to skip show --whole frames, for an accurate ratio; --brief leaves them out.
 #include <gst/check/gstharness.h>
 
@@ -17,6 +17,7 @@
 
 #include "tests/bench/support/clip_frames.hpp"
 #include "tests/bench/support/clip_scenes.hpp"
+#include "tests/bench/support/command_line.hpp"
 #include "tests/bench/support/timing.hpp"
 
 namespace {
@@ -84,7 +85,7 @@ std::string list(const std::vector<double>& values) {
 
 /// Number of frames: if much can be skipped, if nothing can, and unmeasured ones if much can.
 struct Frames {
-  int all = 48, whole = 0, settling = kWarmUp;
+  int all = 48, whole = 0, unmeasured = kWarmUp;
 };
 
 /// Rows of JSON, one for each setting.
@@ -97,14 +98,14 @@ std::string measure(const Scene& scene, const std::string& element, Size size,
     gst_harness_set_caps_str(harness, caps.c_str(), caps.c_str());
     runs.push_back({harness, {}, {}});
   }
-  const int settling = scene.brief ? frames.settling : kWarmUp;
+  const int unmeasured = scene.brief ? frames.unmeasured : kWarmUp;
   const int count = scene.brief ? frames.all : std::max(frames.all, frames.whole);
   for (int k = 0; k < count; ++k) {
     const size_t shown = scene.draw ? 0 : static_cast<size_t>(k) % clip.size();
     GstBuffer* frame = gst_buffer_copy_deep(clip[shown]);
     if (scene.draw) scene.draw(frame, size, k);
     for (size_t i = 0; i < runs.size(); ++i)
-      push(runs[k % 2 ? runs.size() - 1 - i : i], frame, k, k >= settling);
+      push(runs[k % 2 ? runs.size() - 1 - i : i], frame, k, k >= unmeasured);
     gst_buffer_unref(frame);
   }
   std::string rows;
@@ -127,45 +128,32 @@ std::string measure(const Scene& scene, const std::string& element, Size size,
 
 int main(int count, char** arguments) {
   gst_init(&count, &arguments);
-  std::string element = "intrinsicdecomp", clip = "media/clip.webm", json;
+  std::string element = "intrinsicdecomp", json;
   Size size{640, 480};
   Frames frames;
   bool brief = false;
-  for (int i = 1; i < count; ++i) {
-    const std::string argument = arguments[i];
-    const auto next = [&] { return std::string(++i < count ? arguments[i] : ""); };
-    if (argument == "--element")
-      element = next();
-    else if (argument == "--clip")
-      clip = next();
-    else if (argument == "--size" &&
-             std::sscanf(next().c_str(), "%dx%d", &size.width, &size.height) == 2)
-      continue;
-    else if (argument == "--frames")
-      frames.all = std::stoi(next());
-    else if (argument == "--settle")
-      frames.settling = std::stoi(next());
-    else if (argument == "--whole")
-      frames.whole = std::stoi(next());
-    else if (argument == "--brief")
-      brief = true;
-    else if (argument == "--json")
-      json = next();
-    else
-      return std::fprintf(stderr, "%s?\n", argument.c_str()), 2;
-  }
-  frames.all = std::max(frames.all, std::max(frames.settling, kWarmUp) + 4);
+  namespace bench = inverse::bench;
+  const auto read_size = [&size](const char* text) {
+    return std::sscanf(text, "%dx%d", &size.width, &size.height) == 2;
+  };
+  if (!bench::read({{"--element", bench::text(element)},
+                    {"--size", {true, read_size}},
+                    {"--frames", bench::integer(frames.all)},
+                    {"--unmeasured", bench::integer(frames.unmeasured)},
+                    {"--whole", bench::integer(frames.whole)},
+                    {"--brief", bench::flag([&] { brief = true; })},
+                    {"--json", bench::text(json)}},
+                   count, arguments, "adaptive_bench.cpp"))
+    return 2;
+  frames.all = std::max(frames.all, std::max(frames.unmeasured, kWarmUp) + 4);
   GstElementFactory* factory = gst_element_factory_find(element.c_str());
   if (!factory) return std::fprintf(stderr, "there is no element %s\n", element.c_str()), 1;
   gst_object_unref(factory);
   const std::string caps = "video/x-raw, format=NV12, width=" + std::to_string(size.width) +
                            ", height=" + std::to_string(size.height) + ", framerate=25/1";
-  const auto video = inverse::bench::load_clip(
-      clip, caps, static_cast<size_t>(std::max(frames.all, frames.whole)));
-  if (video.empty()) {
-    std::fprintf(stderr, "cannot read %s\n", clip.c_str());
-    return 1;
-  }
+  const auto video = bench::load_clip("media/clip.webm", caps,
+                                      static_cast<size_t>(std::max(frames.all, frames.whole)));
+  if (video.empty()) return std::fprintf(stderr, "cannot read media/clip.webm\n"), 1;
   std::printf(
       "| element | scene | size | adaptive | wall ms a frame | processor ms "
       "|\n|---|---|---|---|---|---|\n");

@@ -17,6 +17,7 @@
 
 #include "tests/bench/support/clip_frames.hpp"
 #include "tests/bench/support/clip_scenes.hpp"
+#include "tests/bench/support/command_line.hpp"
 #include "tests/bench/support/timing.hpp"
 
 namespace {
@@ -105,33 +106,27 @@ int main(int count, char** arguments) {
   std::string json;
   int frames = 40, rounds = 3;
   bool still = false, ball = false;
-  for (int i = 1; i < count; ++i) {
-    const std::string argument = arguments[i];
-    const auto next = [&] { return std::string(++i < count ? arguments[i] : ""); };
-    if (argument == "--clip") {
-      clip = next();
-    } else if (argument == "--frames") {
-      frames = std::max(4, std::stoi(next()));
-    } else if (argument == "--json") {
-      json = next();
-    } else if (argument == "--still") {
-      still = true;
-    } else if (argument == "--ball") {
-      ball = true;
-    } else if (argument == "--rounds") {
-      rounds = std::max(1, std::stoi(next()));
-    } else if (argument == "--sizes") {
-      sizes.clear();
-      std::stringstream list(next());
-      for (std::string text; std::getline(list, text, ',');) {
-        Size size{};
-        if (std::sscanf(text.c_str(), "%dx%d", &size.width, &size.height) == 2)
-          sizes.push_back(size);
-      }
-    } else {
-      lines.push_back(argument);
+  namespace bench = inverse::bench;
+  const auto read_sizes = [&sizes](const char* text) {
+    sizes.clear();
+    std::stringstream list(text);
+    for (std::string item; std::getline(list, item, ',');) {
+      Size size{};
+      if (std::sscanf(item.c_str(), "%dx%d", &size.width, &size.height) != 2) return false;
+      sizes.push_back(size);
     }
-  }
+    return true;
+  };
+  if (!bench::read({{"--clip", bench::text(clip)},
+                    {"--sizes", {true, read_sizes}},
+                    {"--frames", bench::integer(frames)},
+                    {"--rounds", bench::integer(rounds)},
+                    {"--still", bench::flag([&] { still = true; })},
+                    {"--ball", bench::flag([&] { ball = true; })},
+                    {"--json", bench::text(json)}},
+                   count, arguments, "element_bench.cpp", &lines))
+    return 2;
+  frames = std::max(frames, 4);
   if (lines.empty())
     lines = {"intrinsicdecomp", "intrinsicdecomp adaptive=false", "intrinsicdecompthesis"};
   std::printf(

@@ -130,7 +130,7 @@ ELEMENTS = {  # by line: sizes always, and those of --full
     "intrinsicdecomp quality=low": ("", "320x240,640x480," + LARGE),
     "globalintrinsicthesis": ("", "160x120,320x240,640x512")}
 ADAPTIVE = ["intrinsicdecomp", "globalintrinsic"]  # for which skipping is measured
-SETTLES = {"intrinsicdecomp": 24, "globalintrinsic": 56}  # frames until a picture that comes again is kept
+UNMEASURED = {"intrinsicdecomp": 24, "globalintrinsic": 56}  # frames until a picture that comes again is kept
 COLORS = [1, 2, 4, 8, 12, 16]  # base colors, for what each costs
 BY_COLORS = {"globalintrinsicthesis": "globalintrinsicthesis tuning=tau-merge=0:tau-neutral=0 base-colors={}",
              "globalintrinsic with layers of light": "globalintrinsic tuning=base-colors={} ! intrinsiccompose"}
@@ -151,15 +151,15 @@ def element_parts(full):
             parts["by_colors"].append((f"base colors {name}", "element-bench", [
                 "--sizes", "320x240", "--frames", "12", "--rounds", "1", *(line.format(k) for k in COLORS), "--json"]))
     for element in ADAPTIVE:
-        settle = SETTLES[element]
-        sizes = {"640x480": ["--frames", str(settle + 16), "--brief"]}
+        unmeasured = UNMEASURED[element]
+        sizes = {"640x480": ["--frames", str(unmeasured + 16), "--brief"]}
         if full:
-            shown = ["--frames", str(settle + 20)]
+            shown = ["--frames", str(unmeasured + 20)]
             sizes = {"640x480": [*shown, "--whole", "124"],
                      "1280x720": [*shown, "--whole", "88"]}
         for size, more in sizes.items():
             parts["still"].append((f"adaptive {element} {size}", "adaptive-bench",
-                                   ["--element", element, "--size", size, "--settle", str(settle), *more, "--json"]))
+                                   ["--element", element, "--size", size, "--unmeasured", str(unmeasured), *more, "--json"]))
     return parts
 
 

@@ -95,9 +95,9 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
           finest.down[i] = unit(random) < 0.02 ? 0 : std::exp(7.5 * unit(random) - 4.5);
       }
     const Extent cells = half_of(half_of(extent));
-    std::vector<double> screen(cells.pixels()), pull(cells.pixels());
-    for (double& v : screen) v = 16 * std::exp(7.5 * unit(random) - 4.5);
-    for (double& v : pull) v = unit(random) - 0.5;
+    std::vector<double> screening(cells.pixels()), data(cells.pixels());
+    for (double& v : screening) v = 16 * std::exp(7.5 * unit(random) - 4.5);
+    for (double& v : data) v = unit(random) - 0.5;
 
     Multigrid multigrid(device, extent);
     Guide guide(device, extent);
@@ -118,9 +118,9 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
       for (uint32_t x = 0; x < cells.width; ++x) {
         const size_t pack = static_cast<size_t>(y) * cell_packs + x / 4, lane = x % 4;
         terms[16 * pack + lane] =
-            static_cast<float>(screen[static_cast<size_t>(y) * cells.width + x]);
+            static_cast<float>(screening[static_cast<size_t>(y) * cells.width + x]);
         terms[16 * pack + 4 + lane] =
-            static_cast<float>(pull[static_cast<size_t>(y) * cells.width + x]);
+            static_cast<float>(data[static_cast<size_t>(y) * cells.width + x]);
       }  // g = 0: the bins have no say
     const auto frame = plane(extent, scene(extent, 3));
     const auto system_buffer = upload(gpu::Element::vec4, system.data(), system.size() / 4);
@@ -128,7 +128,7 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
     const auto terms_buffer = upload(gpu::Element::vec4, terms.data(), terms.size() / 4);
     Pixels source(pack4_count(cells) * 12);
     for (size_t pack = 0; pack < pack4_count(cells); ++pack)
-      std::copy_n(&terms[16 * pack], 4, &source[12 * pack + 4]);  // screen; no source term yet
+      std::copy_n(&terms[16 * pack], 4, &source[12 * pack + 4]);  // screening; no source term yet
     for (uint32_t y = 0; y < cells.height; ++y)
       for (uint32_t x = 0; x < cells.width; ++x) {
         const float mass = unit(random) < 0.3 ? 0.0F : static_cast<float>(unit(random));
@@ -159,23 +159,23 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
             [&] { bins.record(commands, guide, state); },
             [&] { bins.record_source_term(commands, state, false); });
     });
-    auto levels = grid::hierarchy(finest, screen, static_cast<double>(params.scale));
+    auto levels = grid::hierarchy(finest, screening, static_cast<double>(params.scale));
     std::vector<double> source_term(cells.pixels());
     const grid::CellTerms cell_terms{
         [&](const std::vector<double>& far, const std::vector<double>& means, grid::Level& level) {
           for (size_t i = 0; i < far.size(); ++i)
-            level.f[i] = far[i] + pull[i] - screen[i] * means[i];
+            level.f[i] = far[i] + data[i] - screening[i] * means[i];
         },
         [&](const std::vector<double>& means, const grid::Level& level) {
           std::vector<double> left(means.size());
           for (size_t i = 0; i < left.size(); ++i)
-            left[i] = pull[i] - screen[i] * (means[i] + level.s[i]);
+            left[i] = data[i] - screening[i] * (means[i] + level.s[i]);
           return left;
         }};
     grid::Extrapolation extrapolation(static_cast<double>(params.slowest));
     for (int k = 0; k < 3; ++k) {
       const std::vector<double> before = levels[0].s;
-      grid::cycle(levels, static_cast<int>(params.cell_cycles), cell_terms, screen, source_term);
+      grid::cycle(levels, static_cast<int>(params.cell_cycles), cell_terms, screening, source_term);
       extrapolation.apply(k, before, levels[0].s);
     }
     const Pixels got = download(multigrid.field());

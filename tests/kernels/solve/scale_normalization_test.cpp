@@ -47,12 +47,12 @@ class ScaleNormalizationTest : public GpuTest {
 
   /// ln c on the device.
   float record(ScaleNormalization& scale, const std::vector<ScaleCell>& cells,
-               const reference::ScaleNormalization::Wanted& wanted, bool carries,
+               const reference::ScaleNormalization::ScaleTarget& target, bool carries,
                float white_level = 0.9F, bool frozen = false) {
     std::vector<float> numbers;
     for (const ScaleCell& cell : cells)
       for (const double v : cell) numbers.push_back(static_cast<float>(v));
-    const float values[] = {static_cast<float>(wanted.offset), wanted.dark ? 0.0F : 1.0F, 0, 0};
+    const float values[] = {static_cast<float>(target.offset), target.dark ? 0.0F : 1.0F, 0, 0};
     const float decision[] = {0, carries ? 1.0F : 0.0F, 0, 0};
     const auto uploaded = upload(gpu::Element::vec4, numbers.data(), cells.size());
     const auto requested = upload(gpu::Element::vec4, values, 1);
@@ -76,12 +76,12 @@ TEST_F(ScaleNormalizationTest, AgreesWithReference) {
       View view{0.02 * k * k, 0.3 * k, 0.02 * k, 0.01 * k};
       if (k >= 12) view.x += 500;
       const bool carries = k != 12, frozen = k == 7 || k == 8;
-      const reference::ScaleNormalization::Wanted wanted{-0.2 - 0.03 * k, k == 18};
+      const reference::ScaleNormalization::ScaleTarget target{-0.2 - 0.03 * k, k == 18};
       const float white = k < 20 ? 0.9F : 0.5F;
       const auto cells = cells_of(extent, view);
-      const float got = record(scale, cells, wanted, carries, white, frozen);
+      const float got = record(scale, cells, target, carries, white, frozen);
       const double want =
-          expected.update(cells, wanted, carries, static_cast<double>(white), frozen);
+          expected.update(cells, target, carries, static_cast<double>(white), frozen);
       ASSERT_NEAR(got, want, 1e-4) << extent.width << "x" << extent.height << ", frame " << k;
       if (extent.width > 100 && carries && k > 0 && k != 19) {
         EXPECT_GT(expected.found(), 0.8) << "frame " << k;

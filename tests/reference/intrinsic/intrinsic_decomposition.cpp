@@ -241,11 +241,11 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
 
   // Cell terms; and the temporal anchor, a term of the pixels of one weight in a cell.
   struct {
-    std::vector<double> screen, pull, g;  // v + g, v V, g
+    std::vector<double> screening, data, g;  // v + g, v V, g
   } terms{std::vector<double>(cell_count), std::vector<double>(cell_count), prior.g};
   for (std::size_t i = 0; i < cell_count; ++i) {
-    terms.screen[i] = prior.v[i] + prior.g[i];
-    terms.pull[i] = prior.v[i] * prior.V[i];
+    terms.screening[i] = prior.v[i] + prior.g[i];
+    terms.data[i] = prior.v[i] * prior.V[i];
   }
   const std::vector<double> detail = detail_of(guide);
   Gate gate;
@@ -287,7 +287,7 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
       fine.f[i] += anchor * before;
       fine.s[i] += gate.value[c] * (before - value);
     }
-  std::vector<multigrid::Level> levels = multigrid::hierarchy(fine, terms.screen, kCoarseScale);
+  std::vector<multigrid::Level> levels = multigrid::hierarchy(fine, terms.screening, kCoarseScale);
 
   // Targets of the cells at the bins' present means, and the source terms from them.
   std::vector<double> target(cell_count), rho(cell_count), coarse(cell_count);
@@ -297,27 +297,27 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
         for (std::size_t i = 0; i < cell_count; ++i) rho[i] = cells.m[i] - means[i] - level.s[i];
         const ChromaBins bins = splat_bins(cells, terms.g, rho);
         for (std::size_t i = 0; i < cell_count; ++i) {
-          target[i] = terms.pull[i] +
+          target[i] = terms.data[i] +
                       terms.g[i] * (cells.m[i] - slice_bins(bins, cells.c0[i], cells.c1[i]));
-          level.f[i] = far[i] + target[i] - terms.screen[i] * means[i];
+          level.f[i] = far[i] + target[i] - terms.screening[i] * means[i];
         }
       },
       [&](const std::vector<double>& means, const multigrid::Level& level) {
-        std::vector<double> force(cell_count);
+        std::vector<double> source(cell_count);
         for (std::size_t i = 0; i < cell_count; ++i) {
           coarse[i] = means[i] + level.s[i];
-          force[i] = target[i] - terms.screen[i] * coarse[i];
+          source[i] = target[i] - terms.screening[i] * coarse[i];
         }
-        return force;
+        return source;
       }};
-  std::vector<double> force(cell_count, 0.0);
+  std::vector<double> source(cell_count, 0.0);
   if (result.stats.anchored)
-    for (std::size_t i = 0; i < cell_count; ++i) force[i] = gate.value[i] * state->force[i];
+    for (std::size_t i = 0; i < cell_count; ++i) source[i] = gate.value[i] * state->source[i];
   // A single cycle cannot be combined.
   multigrid::Extrapolation extrapolation(params.cycles > 1 ? params.slowest : 0);
   for (int k = 0; k < params.cycles; ++k) {
     const std::vector<double> before = levels[0].s;
-    multigrid::cycle(levels, params.cell_cycles, cell_terms, terms.screen, force);
+    multigrid::cycle(levels, params.cell_cycles, cell_terms, terms.screening, source);
     double sum = 0;
     for (std::size_t i = 0; i < n; ++i) sum += square(levels[0].s[i] - before[i]);
     result.stats.change.push_back(std::sqrt(sum / double(n)));
@@ -354,7 +354,7 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
               cells.c0,
               cells.c1,
               cells.m,
-              force,
+              source,
               coarse,
               l.m,
               s,

@@ -62,7 +62,7 @@ struct IntrinsicState {
   int width = 0, height = 0;
   /// Of the previous frame; empty after a reset. Of cells; the multigrid's source term and mean
   /// shading at its end; of pixels m, s and the brightness of reflectance.
-  std::vector<double> detail, c0, c1, mean, force, coarse, m, s, rho;
+  std::vector<double> detail, c0, c1, mean, source, coarse, m, s, rho;
   int frames = 0;  ///< Anchored since the last reset or cut.
 };
 

@@ -7,7 +7,7 @@
 namespace inverse::reference::multigrid {
 
 Level::Level(int w, int h) : width(w), height(h) {
-  for (auto* plane : {&right, &down, &mass, &f, &s, &pull, &hold, &still})
+  for (auto* plane : {&right, &down, &mass, &f, &s, &cell_source, &cell_screening, &at_start})
     plane->assign(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), 0.0);
 }
 
@@ -32,14 +32,14 @@ void solve_row(Level& l, int first, int y) {
   std::array<double, 4> gain{}, value{};
   for (int k = 0; k < count; ++k) {
     const int x = first + k;
-    double f = l.f[l.at(x, y)] + l.pull[l.at(x, y)] + l.hold[l.at(x, y)] * l.still[l.at(x, y)];
+    double f = l.f[l.at(x, y)] + l.cell_source[l.at(x, y)] + l.cell_screening[l.at(x, y)] * l.at_start[l.at(x, y)];
     if (y > 0) f += l.down[l.at(x, y - 1)] * l.s[l.at(x, y - 1)];
     if (y + 1 < l.height) f += l.down[l.at(x, y)] * l.s[l.at(x, y + 1)];
     if (k == 0 && x > 0) f += l.right[l.at(x - 1, y)] * l.s[l.at(x - 1, y)];
     if (k == 3 && x + 1 < l.width) f += l.right[l.at(x, y)] * l.s[l.at(x + 1, y)];
     const auto i = static_cast<std::size_t>(k);
     const double before = k > 0 ? l.right[l.at(x - 1, y)] : 0;
-    const double pivot = l.diagonal(x, y) + l.hold[l.at(x, y)] - (k > 0 ? before * gain[i - 1] : 0);
+    const double pivot = l.diagonal(x, y) + l.cell_screening[l.at(x, y)] - (k > 0 ? before * gain[i - 1] : 0);
     gain[i] = (k + 1 < count ? l.right[l.at(x, y)] : 0) / pivot;
     value[i] = (f + (k > 0 ? before * value[i - 1] : 0)) / pivot;
   }
@@ -54,9 +54,9 @@ void smooth(Level& l, int color, int rows) {
   for (int by = 0; by * rows < l.height; ++by)
     for (int bx = (by + color) & 1; 4 * bx < l.width; bx += 2) {
       const int top = by * rows, bottom = std::min(l.height, top + rows);
-      for (int y = top; y < bottom; ++y)  // the force gives way from where the block stands now
+      for (int y = top; y < bottom; ++y)  // screening acts about s at the start
         for (int x = 4 * bx; x < std::min(l.width, 4 * bx + 4); ++x)
-          l.still[l.at(x, y)] = l.s[l.at(x, y)];
+          l.at_start[l.at(x, y)] = l.s[l.at(x, y)];
       for (int y = top; y < bottom; ++y) solve_row(l, 4 * bx, y);
       for (int y = bottom - 2; y >= top; --y) solve_row(l, 4 * bx, y);
     }
@@ -114,12 +114,12 @@ std::vector<double> halve(const std::vector<double>& fine, int width, int height
   return coarse;
 }
 
-std::vector<Level> hierarchy(const Level& finest, const std::vector<double>& screen, double scale) {
+std::vector<Level> hierarchy(const Level& finest, const std::vector<double>& screening, double scale) {
   std::vector<Level> levels{finest};
   while (levels.size() < 3 || levels.back().width * levels.back().height > 1) {
     levels.push_back(coarsen(levels.back(), scale));
     if (levels.size() == 3)
-      for (std::size_t i = 0; i < screen.size(); ++i) levels.back().mass[i] += screen[i];
+      for (std::size_t i = 0; i < screening.size(); ++i) levels.back().mass[i] += screening[i];
   }
   return levels;
 }
@@ -185,12 +185,12 @@ void share(const std::vector<double>& cells, int columns, int size, const Level&
 }  // namespace
 
 void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& terms,
-           const std::vector<double>& screen, std::vector<double>& force, std::size_t together) {
+           const std::vector<double>& screening, std::vector<double>& source, std::size_t together) {
   Level &l0 = levels[0], &l1 = levels[1], &l2 = levels[2];
-  share(screen, l2.width, 4, l0, l0.hold);
-  share(screen, l2.width, 2, l1, l1.hold);
-  share(force, l2.width, 4, l0, l0.pull);
-  share(force, l2.width, 2, l1, l1.pull);
+  share(screening, l2.width, 4, l0, l0.cell_screening);
+  share(screening, l2.width, 2, l1, l1.cell_screening);
+  share(source, l2.width, 4, l0, l0.cell_source);
+  share(source, l2.width, 2, l1, l1.cell_source);
   for (const int color : {0, 1}) smooth(l0, color, 4);
   restrict_to(l0, l1);
   std::vector<double> means = halve(l0.s, l0.width, l0.height);
@@ -203,9 +203,9 @@ void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& terms,
     terms.before(far, means, l2);
     v_cycle(levels, 2, together);
   }
-  force = terms.after(means, l2);
-  share(force, l2.width, 4, l0, l0.pull);
-  share(force, l2.width, 2, l1, l1.pull);
+  source = terms.after(means, l2);
+  share(source, l2.width, 4, l0, l0.cell_source);
+  share(source, l2.width, 2, l1, l1.cell_source);
   correct(l1, l2, 4);
   correct(l0, l1, 4);
 }

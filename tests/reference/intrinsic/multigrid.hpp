@@ -15,9 +15,9 @@ namespace inverse::reference::multigrid {
 struct Level {
   int width = 0, height = 0;
   std::vector<double> right, down, mass, f, s;
-  std::vector<double> pull, hold,
-      still;  ///< While relaxing: the pixels' shares of the cells' force, and of their screen
-              ///< about where a block stood before the pass.
+  // While relaxing: the pixels' shares of the cells' source term and screening, and s at the start
+  // of the pass, about which the screening acts.
+  std::vector<double> cell_source, cell_screening, at_start;
 
   Level() = default;
   Level(int w, int h);
@@ -43,8 +43,8 @@ Level coarsen(const Level& fine, double least);
 /// 2 x 2 means; the last row or column of an odd border counts twice.
 std::vector<double> halve(const std::vector<double>& fine, int width, int height);
 
-/// All levels down to a single pixel. `screen` is added to the masses of level 2.
-std::vector<Level> hierarchy(const Level& finest, const std::vector<double>& screen, double scale);
+/// All levels down to a single pixel. `screening` is added to the masses of level 2.
+std::vector<Level> hierarchy(const Level& finest, const std::vector<double>& screening, double scale);
 
 /// Cell terms within a cycle, as functions of the residual after the finer levels (`far`), the cell
 /// means of s and the level of the cells.
@@ -57,10 +57,10 @@ struct CellTerms {
   std::function<std::vector<double>(const std::vector<double>& means, const Level& cells)> after;
 };
 
-/// One cycle, as Multigrid::record_cycle without extrapolation; `screen` is the cells', `force` is
+/// One cycle, as Multigrid::record_cycle without extrapolation; `screening` is the cells', `source` is
 /// read and renewed. Levels of at most `together` packs have blocks of single rows.
 void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& terms,
-           const std::vector<double>& screen, std::vector<double>& force,
+           const std::vector<double>& screening, std::vector<double>& source,
            std::size_t together = 300);
 
 /// Chebyshev's combination of cycles whose error factors lie between 0 and `slowest` (Varga, Matrix

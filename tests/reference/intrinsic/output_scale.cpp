@@ -44,8 +44,8 @@ double OutputScale::update(const Guide& guide, const std::vector<double>& log_sh
     states.push_back({cells.m[i], cells.c0[i], cells.c1[i], brightness - mean[i]});
   }
   if (!normalization_) normalization_.emplace(cells.width, cells.height);
-  wanted_ = {0, brightest.empty()};
-  if (!wanted_.dark) {
+  target_ = {0, brightest.empty()};
+  if (!target_.dark) {
     // The mean over ranks around the quantile, half of what lies above it wide on either side.
     std::sort(brightest.begin(), brightest.end());
     const auto total = static_cast<double>(brightest.size());
@@ -57,9 +57,9 @@ double OutputScale::update(const Guide& guide, const std::vector<double>& log_sh
       const auto rank = static_cast<double>(i);
       sum += std::max(std::min(rank + 1, high) - std::max(rank, low), 0.0) * brightest[i];
     }
-    wanted_.offset = -sum / (high - low);
+    target_.offset = -sum / (high - low);
   }
-  return normalization_->update(states, wanted_, carries, params_.white_level);
+  return normalization_->update(states, target_, carries, params_.white_level);
 }
 
 }  // namespace inverse::reference

@@ -28,11 +28,11 @@ class OutputScale {
   /// brings the mean of ln max_c R around its quantile over the cells to the white level.
   double update(const Guide& guide, const std::vector<double>& log_shading, bool carries);
   /// ln c less ln(white level) that the last frame asks for.
-  const ScaleNormalization::Wanted& wanted() const { return wanted_; }
+  const ScaleNormalization::ScaleTarget& target() const { return target_; }
 
  private:
   ScaleParams params_;
-  ScaleNormalization::Wanted wanted_;
+  ScaleNormalization::ScaleTarget target_;
   std::optional<ScaleNormalization> normalization_;
 };
 

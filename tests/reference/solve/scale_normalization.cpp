@@ -95,7 +95,7 @@ ScaleNormalization::Sample ScaleNormalization::track(Point& point, uint32_t inde
                  : std::array{std::min((index % columns + 0.5) * spacing_ - 0.5, width_ - 1.0),
                               std::min((index / columns + 0.5) * spacing_ - 0.5, height_ - 1.0)};
     point = {place[0], place[1], {}};
-    offset = mix(offset_, wanted_, kRenew);
+    offset = mix(offset_, target_, kRenew);
   }
   point.history.push_back(between(before_, point.x, point.y)[3] + offset);
   if (point.history.size() > kSpan) point.history.pop_front();
@@ -193,7 +193,7 @@ void ScaleNormalization::fit(Motion& motion, const std::vector<Sample>& samples,
   motion.y = mean[1] - rest[1];
 }
 
-double ScaleNormalization::update(const std::vector<ScaleCell>& input, const Wanted& wanted,
+double ScaleNormalization::update(const std::vector<ScaleCell>& input, const ScaleTarget& target,
                                   bool carries, double white_level, bool frozen) {
   const double log_white = std::log(white_level);
   const std::vector<ScaleCell> cells = smoothed(input);
@@ -232,25 +232,25 @@ double ScaleNormalization::update(const std::vector<ScaleCell>& input, const Wan
     fit(motion, samples, kNoZoom * center);
   }
   before_ = cells;
-  if (wanted.dark) {
+  if (target.dark) {
     if (!known) offset_ = 0;
     known_ = known;
-    wanted_ = offset_;
+    target_ = offset_;
     motion_ = {};
     goes_on_ = false;
     return known ? log_white + offset_ : 0;
   }
   const bool follows = known && found_ > kFewest;
   if (!known) {
-    offset = wanted.offset;
+    offset = target.offset;
   } else if (frozen || samples.empty()) {
     offset = offset_;
   } else if (!follows) {
-    offset = mix(offset_, wanted.offset, kFollow);
+    offset = mix(offset_, target.offset, kFollow);
   } else if (bright > bright_ && bright_ > 0) {
     const double growth =
         std::max((bright - bright_) / bright - kMoreLight, 0.0) / (1 - kMoreLight);
-    const double shift = kFollow * growth * (wanted.offset - offset);
+    const double shift = kFollow * growth * (target.offset - offset);
     offset += shift;
     for (Point& point : points_)
       for (double& value : point.history) value += shift;
@@ -260,7 +260,7 @@ double ScaleNormalization::update(const std::vector<ScaleCell>& input, const Wan
   goes_on_ = follows;
   known_ = true;
   offset_ = offset;
-  wanted_ = wanted.offset;
+  target_ = target.offset;
   return log_white + offset_;
 }
 

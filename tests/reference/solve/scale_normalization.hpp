@@ -19,12 +19,12 @@ class ScaleNormalization {
   ScaleNormalization(int width, int height);
 
   /// Target of a single frame: ln c minus ln(white level); `dark` if no cell of it counts.
-  struct Wanted {
+  struct ScaleTarget {
     double offset = 0;
     bool dark = false;
   };
   /// ln c of a frame. `carries`: it continues the one before. `frozen`: the scale stays.
-  double update(const std::vector<ScaleCell>& cells, const Wanted& wanted, bool carries,
+  double update(const std::vector<ScaleCell>& cells, const ScaleTarget& target, bool carries,
                 double white_level, bool frozen = false);
   /// Share of the points that were found again.
   double found() const { return found_; }
@@ -61,7 +61,7 @@ class ScaleNormalization {
   bool known_ = false, goes_on_ = false;
   Motion motion_;
   uint32_t frames_ = 0;  // that points were followed through
-  double offset_ = 0, wanted_ = 0, bright_ = 0, found_ = 0;
+  double offset_ = 0, target_ = 0, bright_ = 0, found_ = 0;
 };
 
 }  // namespace inverse::reference

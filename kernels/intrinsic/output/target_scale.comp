@@ -5,9 +5,9 @@
 #include "intrinsic/output/brightness.glsl"
 
 // The scale of a frame alone, from the mean around a quantile of the counts; and clears the counts. One invocation.
-//   wanted[0] = ln c less ln(white level), 1 or 0 if all of the frame is dark, -, -
+//   target[0] = ln c less ln(white level), 1 or 0 if all of the frame is dark, -, -
 WORD_INOUT(0, counts);
-PLANE_OUT(1, wanted);
+PLANE_OUT(1, target);
 layout(push_constant) uniform Push { float quantile; } push;
 
 void main() {
@@ -25,5 +25,5 @@ void main() {
     below = above;
     STORE(counts, i, 0u);
   }
-  STORE(wanted, 0, total == 0u ? vec4(0.0) : vec4(-sum / (high - low), 1.0, 0.0, 0.0));
+  STORE(target, 0, total == 0u ? vec4(0.0) : vec4(-sum / (high - low), 1.0, 0.0, 0.0));
 }
