@@ -11,6 +11,12 @@ double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+std::string joined(const std::vector<std::string>& reasons) {
+  std::string text;
+  for (const auto& reason : reasons) text += (text.empty() ? "" : "; ") + reason;
+  return text;
+}
+
 }  // namespace
 
 Decomposer::Decomposer(std::unique_ptr<DecompositionMethod> method)
@@ -53,16 +59,14 @@ RepeatPlanner::Decision Decomposer::decide(const FrameContext& frame,
        .repeated = frame.repeated,
        .params_changed = settings.changed,
        .layers_available = kept_ && !lacks_layer,
-       .converged =
-           frame.repeated &&
-           method_->converged(completed ? std::optional(past_[*completed].method) : std::nullopt)});
+       .converged = frame.repeated &&
+                    method_->converged(completed ? std::optional(past_[*completed].method_frame)
+                                                 : std::nullopt)});
 }
 
 void Decomposer::process(FrameContext& frame) {
   const FrameSettings settings = method_->settings().next(rate_controller_);
   const auto [reused, reason] = decide(frame, settings);
-  GST_CAT_DEBUG_OBJECT(log().category, log().object, "frame %" G_GUINT64_FORMAT " %s: %s",
-                       frame.number, reused ? "skipped, layers reused" : "decomposed", reason);
   if (const size_t level = rate_controller_.level(); level != std::exchange(logged_level_, level))
     GST_CAT_INFO_OBJECT(log().category, log().object, "quality level changed to %zu: %s", level,
                         rate_controller_.report().reason.empty()
@@ -71,15 +75,22 @@ void Decomposer::process(FrameContext& frame) {
   if (reused) {
     frame.layers = *kept_;
     ++reused_;
+    GST_CAT_DEBUG_OBJECT(log().category, log().object,
+                         "frame %" G_GUINT64_FORMAT " skipped, layers reused: %s", frame.number,
+                         reason);
   } else {
     kept_.reset();
-    last_method_ = method_->decompose(frame);
+    method_frame_ = method_->decompose(frame);
+    GST_CAT_DEBUG_OBJECT(log().category, log().object,
+                         "frame %" G_GUINT64_FORMAT " decomposed: %s. Skipped: %s. Run: %s.",
+                         frame.number, reason, joined(method_->work(method_frame_).skipped).c_str(),
+                         joined(method_->work(method_frame_).run).c_str());
   }
   if (frame.keep_planes)
     kept_ = frame.layers;
   else
     kept_.reset();
-  past_[frame.number] = {last_method_, reused, reason, rate_controller_.level(), reused_};
+  past_[frame.number] = {method_frame_, reused, reason, rate_controller_.level(), reused_};
   if (frame.draw) draw(frame, settings, reused);
 }
 
@@ -98,8 +109,8 @@ void Decomposer::draw(FrameContext& frame, const FrameSettings& settings, bool r
 void Decomposer::completed(uint64_t number, double milliseconds) {
   const Past& frame = past_[number];
   if (frame.reused) return;  // its time does not predict that of others
-  method_->completed(frame.method);
-  if (method_->typical(frame.method))
+  method_->completed(frame.method_frame);
+  if (method_->typical(frame.method_frame))
     rate_controller_.frame(seconds_now(), milliseconds, frame.level);
 }
 
@@ -112,26 +123,27 @@ std::vector<Filter::Setting> Decomposer::navigate(const MouseEvent& event) {
 
 void Decomposer::describe(GstStructure* stats, uint64_t number) const {
   const Past& frame = past_[number];
-  gst_structure_set(stats, "skipped", G_TYPE_STRING, "", nullptr);
-  method_->describe(stats, frame.method);
+  method_->describe(stats, frame.method_frame);
+  const DecompositionMethod::Work work =
+      frame.reused ? DecompositionMethod::Work{.skipped = {std::string("method: ") + frame.reason}}
+                   : method_->work(frame.method_frame);
+  gst_structure_set(stats, "skipped", G_TYPE_STRING, joined(work.skipped).c_str(), "run",
+                    G_TYPE_STRING, joined(work.run).c_str(), nullptr);
   gst_structure_set(stats, "reused", G_TYPE_BOOLEAN, frame.reused, "frames-reused", G_TYPE_UINT64,
                     frame.reused_so_far, nullptr);
   // The method's number is that of the picture before.
   if (frame.reused && gst_structure_has_field(stats, "cut"))
     gst_structure_set(stats, "cut", G_TYPE_BOOLEAN, FALSE, nullptr);
-  if (frame.reused)
-    gst_structure_set(stats, "skipped", G_TYPE_STRING,
-                      (std::string("method: ") + frame.reason).c_str(), nullptr);
   gboolean cut = FALSE;
   if (gst_structure_get_boolean(stats, "cut", &cut) && cut)
     GST_CAT_INFO_OBJECT(log().category, log().object, "scene cut at frame %" G_GUINT64_FORMAT,
                         number);
   const RateController::Report& report = rate_controller_.report();
   if (report.budget_ms > 0)
-    gst_structure_set(stats, "live-level", G_TYPE_UINT, static_cast<guint>(frame.level),
-                      "live-budget-ms", G_TYPE_DOUBLE, report.budget_ms, "live-predicted-ms",
-                      G_TYPE_DOUBLE, report.predicted_ms, "live-moves", G_TYPE_UINT64, report.moves,
-                      "live-reason", G_TYPE_STRING, report.reason.c_str(), nullptr);
+    gst_structure_set(stats, "quality-level", G_TYPE_UINT, static_cast<guint>(frame.level),
+                      "frame-budget-ms", G_TYPE_DOUBLE, report.budget_ms, "frame-predicted-ms",
+                      G_TYPE_DOUBLE, report.predicted_ms, "level-changes", G_TYPE_UINT64,
+                      report.moves, "level-reason", G_TYPE_STRING, report.reason.c_str(), nullptr);
 }
 
 }  // namespace inverse

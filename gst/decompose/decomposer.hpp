@@ -41,7 +41,7 @@ class Decomposer final : public Filter {
 
   /// One of the last frames.
   struct Past {
-    uint64_t method = 0;  // the method's number of the frame whose layers it has
+    uint64_t method_frame = 0;  // the method's number of the frame whose layers it has
     bool reused = false;
     const char* reason = "";  // of RepeatPlanner
     size_t level = 0;         // of RateController
@@ -54,7 +54,7 @@ class Decomposer final : public Filter {
   LayerView view_;
   gpu::FrameRing<Past> past_;
   std::optional<Layers> kept_;                 // of the frame before
-  uint64_t last_method_ = 0;                   // the last frame's number
+  uint64_t method_frame_ = 0;                  // the method's number of the last frame
   uint64_t reused_ = 0;                        // frames since `configure`
   std::optional<std::pair<Show, int>> drawn_;  // how the frame before was drawn
   size_t logged_level_;

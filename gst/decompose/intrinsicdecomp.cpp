@@ -34,6 +34,10 @@ class IntrinsicMethod final : public DecompositionMethod {
     return completed && method_->converged(*completed, settings_.params());
   }
   bool typical(uint64_t number) const override { return inverse::typical(method_->stats(number)); }
+  Work work(uint64_t number) const override {
+    const Plan& plan = method_->stats(number).plan;
+    return {plan.skipped, plan.run};
+  }
   void describe(GstStructure* stats, uint64_t number) const override {
     describe_solve(stats, method_->stats(number), method_->findings(number));
   }

@@ -3,6 +3,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "gst/base/filter.hpp"
@@ -67,6 +68,12 @@ class DecompositionMethod {
   virtual void completed(uint64_t /*number*/) {}
   /// Draws every pixel in the color of its cluster; false: LayerView::draw_palette does.
   virtual bool draw_clusters(FrameContext& /*frame*/, const Plane& /*target*/) { return false; }
+  /// What of a frame (the method's number) was skipped, and what was run although it might be
+  /// skipped: "stage: reason".
+  struct Work {
+    std::vector<std::string> skipped, run;
+  };
+  virtual Work work(uint64_t /*number*/) const { return {}; }
   /// Adds fields about a completed frame (the method's number).
   virtual void describe(GstStructure* stats, uint64_t number) const = 0;
   /// As in Filter.

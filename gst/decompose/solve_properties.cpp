@@ -1,16 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "solve_properties.hpp"
 
-#include <string>
 #include <utility>
 
 namespace inverse {
-
-std::string joined(const std::vector<std::string>& reasons) {
-  std::string text;
-  for (const auto& reason : reasons) text += (text.empty() ? "" : "; ") + reason;
-  return text;
-}
 
 bool typical(const ScaledIntrinsic::Stats& solve) {
   return !solve.plan.tiles() && !solve.crossed && !solve.compared;
@@ -19,17 +12,14 @@ bool typical(const ScaledIntrinsic::Stats& solve) {
 void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,
                     const ScaledIntrinsic::Findings& found) {
   gst_structure_set(stats, "cycles", G_TYPE_UINT, found.cycles, "levels", G_TYPE_UINT, solve.levels,
-                    "half-resolution", G_TYPE_BOOLEAN, solve.halvings > 0, "halvings", G_TYPE_UINT,
-                    static_cast<guint>(solve.halvings), "half-distance", G_TYPE_DOUBLE,
-                    static_cast<double>(found.half_distance), "history", G_TYPE_BOOLEAN,
-                    solve.plan.history, "cut", G_TYPE_BOOLEAN, found.cut, "mismatch", G_TYPE_DOUBLE,
-                    static_cast<double>(found.mismatch), "change", G_TYPE_DOUBLE,
-                    static_cast<double>(found.change), "scale", G_TYPE_DOUBLE,
+                    "halvings", G_TYPE_UINT, static_cast<guint>(solve.halvings), "half-distance",
+                    G_TYPE_DOUBLE, static_cast<double>(found.half_distance), "history",
+                    G_TYPE_BOOLEAN, solve.plan.history, "cut", G_TYPE_BOOLEAN, found.cut,
+                    "mismatch", G_TYPE_DOUBLE, static_cast<double>(found.mismatch), "change",
+                    G_TYPE_DOUBLE, static_cast<double>(found.change), "scale", G_TYPE_DOUBLE,
                     static_cast<double>(found.scale), "tiles", G_TYPE_UINT, solve.tiles,
                     "tiles-evaluated", G_TYPE_UINT, found.tiles_evaluated, "tiles-active",
-                    G_TYPE_UINT, found.tiles_active, "tiles-reason", G_TYPE_STRING,
-                    std::string(solve.plan.reason).c_str(), "skipped", G_TYPE_STRING,
-                    joined(solve.plan.skipped).c_str(), nullptr);
+                    G_TYPE_UINT, found.tiles_active, nullptr);
   const Tolerances& tolerances = solve.tolerances;
   for (const auto& [name, value] : {std::pair{"half-tolerance", tolerances.half},
                                     {"tile-tolerance", tolerances.tile},

@@ -80,7 +80,7 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   const auto choice =
       planner_.next({params.adaptive, params.halvings(), params.tolerances.half}, found_before());
   if (choice.cut) fade_.stop();
-  if (choice.half_far) release_half();
+  if (choice.half_rejected) release_half();
   const size_t now = choice.halvings;
   const bool crossed = choice.crosses && !info.reset;
   PlanePtr shown;
@@ -98,6 +98,8 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   past = {{method(now).stats(method(now).recorded() - 1), now, crossed, false},
           method(now).recorded() - 1,
           planner_.half_distance()};
+  if (choice.full_because)
+    past.stats.plan.run.push_back(std::string("full resolution: ") + choice.full_because);
   if (choice.compares) {
     // Without history: the result that it would have by itself.
     const PlanePtr other = solve(commands, 1 - now, input, params, {.reset = true});

@@ -23,24 +23,27 @@ bool LightPlanner::gray(const Frame& frame) {
   return gray_frames_ == kGrayFrames;
 }
 
-LightPlanner::Light LightPlanner::light(const Frame& frame) {
-  const auto measure = [&](uint32_t static_frames) {
+const char* LightPlanner::reason_to_measure(const Frame& frame) {
+  const auto measure = [&](uint32_t static_frames, const char* reason) {
     static_frames_ = static_frames;
-    return Light::measure;
+    return reason;
   };
-  if (!frame.adaptive || !frame.same_params || frame.first || frame.changed.empty())
-    return measure(0);
+  if (!frame.adaptive) return measure(0, "adaptive is off or skip-error is 0");
+  if (frame.first) return measure(0, "no previous frame");
+  if (!frame.same_params) return measure(0, "parameters changed");
+  if (frame.changed.empty()) return measure(0, "which tiles changed is unknown");
   tiles_ = dilate_tiles(frame.changed, frame.columns);
-  if (share_of(tiles_) > kMaxChangedTiles) return measure(0);
-  if (++static_frames_ < kStaticFrames) return Light::measure;
-  if (static_frames_ == kStaticFrames) {
-    ever_changed_.assign(tiles_.size(), 0);
-    return Light::measure_keep;
+  if (share_of(tiles_) > kMaxChangedTiles) return measure(0, "too many tiles changed");
+  if (++static_frames_ <= kStaticFrames) {
+    if (static_frames_ == kStaticFrames) ever_changed_.assign(tiles_.size(), 0);
+    return "few tiles changed, but for too few frames";
   }
   for (size_t i = 0; i < tiles_.size(); ++i) ever_changed_[i] |= tiles_[i];
-  if (static_frames_ > kStaticFrames + kReuseFrames || share_of(ever_changed_) > kMaxEverChanged)
-    return measure(kStaticFrames - kMeasureFrames);
-  return Light::reuse;
+  if (static_frames_ > kStaticFrames + kReuseFrames)
+    return measure(kStaticFrames - kMeasureFrames, "reused for its maximum number of frames");
+  if (share_of(ever_changed_) > kMaxEverChanged)
+    return measure(kStaticFrames - kMeasureFrames, "too many tiles changed since the last time");
+  return nullptr;
 }
 
 LightPlanner::Plan LightPlanner::next(const Frame& frame) {
@@ -51,9 +54,13 @@ LightPlanner::Plan LightPlanner::next(const Frame& frame) {
     plan.skipped.emplace_back("indirect light: the scene has no color to find it by");
     return plan;
   }
-  plan.light = light(frame);
-  if (plan.reused())
-    plan.skipped.emplace_back("scene: little changed since its light was measured");
+  if (const char* reason = reason_to_measure(frame)) {
+    if (static_frames_ == kStaticFrames) plan.light = Light::measure_keep;
+    plan.run.push_back(std::string("color of light: ") + reason);
+  } else {
+    plan.light = Light::reuse;
+    plan.skipped.emplace_back("color of light: little changed since it was measured");
+  }
   return plan;
 }
 

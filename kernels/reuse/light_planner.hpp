@@ -19,7 +19,8 @@ class LightPlanner {
   struct Plan {
     Light light = Light::measure;
     bool gray = false;  ///< light counts as white; only whether color comes back is measured
-    std::vector<std::string> skipped;  ///< what, and why
+    /// As in Plan of plan.hpp.
+    std::vector<std::string> skipped, run;
     bool reused() const { return light == Light::reuse; }
   };
   struct Frame {
@@ -53,7 +54,8 @@ class LightPlanner {
 
  private:
   bool gray(const Frame& frame);
-  Light light(const Frame& frame);
+  /// Returns why light is measured; null if it is reused.
+  const char* reason_to_measure(const Frame& frame);
 
   uint32_t gray_frames_ = 0, static_frames_ = 0;  // in a row
   std::vector<uint8_t> tiles_;

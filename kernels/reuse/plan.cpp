@@ -7,6 +7,12 @@
 
 namespace inverse {
 
+namespace {
+
+constexpr const char* kOff = "adaptive is off or skip-error is 0";
+
+}  // namespace
+
 bool Planner::old_enough() const { return since_restart_ >= gpu::kFramesInFlight; }
 
 void Planner::learn(const Params& params, const Found& found) {
@@ -24,34 +30,36 @@ bool Planner::may_stop(float tolerance, const std::optional<Found>& found) const
   return found->change < tolerance / 3;
 }
 
-std::string_view Planner::choose_mode(Plan& plan, const Params& params, const Frame& frame,
-                                      const std::optional<Found>& found) {
-  const auto whole = [&](std::string_view reason) {
+const char* Planner::choose_mode(Plan& plan, const Params& params, const Frame& frame,
+                                 const std::optional<Found>& found) {
+  const auto whole = [&](const char* reason) {
     static_frames_ = 0;
     return reason;
   };
-  if (!params.adaptive) return whole("adaptive is off");
+  if (!params.adaptive) return whole(kOff);
   if (!(params.tolerances.tile > 0)) return whole("tile-tolerance is 0");
-  if (!(plan.tile_tolerance > 0)) return whole("a repeated picture converges everywhere");
+  if (!(plan.tile_tolerance > 0))
+    return whole("repeated picture: all are solved until they converge");
   if (frame.warm_start) return whole("the resolution changed");
   if (!plan.compares_pixels || !compared_pixels_)
-    return whole("pixels are not compared with two frames before");
+    return whole("no temporal anchor in this or the last frame");
   // If so many tiles change that they make a cut, skipping the others is not worth it.
   if (frame.changed > std::min(kMaxChangedTiles, 0.9F * params.cut_fraction))
-    return whole("the input of too many tiles changed, or is not known");
+    return whole(frame.changed < 1 ? "too many of them changed"
+                                   : "which of them changed is unknown");
   // Skipped tiles reuse what was decided for them.
   if (!frame.layers_reusable || since_restart_ == 0 || (params.chroma && bins_matter_) != bins_)
     static_frames_ = 0;
   plan.mode = Plan::Mode::watched;
   if (static_frames_++ < gpu::kFramesInFlight || !found)
-    return "the input of few tiles changed, but not for long enough";
+    return "few of them changed, but for too few frames";
   if (static_cast<float>(found->tiles_moving) > kMaxMoving * static_cast<float>(found->tiles))
-    return "too many tiles have not converged";
+    return "too many of them have not converged";
   const float tolerance = params.tolerances.edge;
   if (!(found->drift <= tolerance && found->mean_drift <= kMeanDrift * tolerance))  // nor for NaN
     return "statistics of the whole frame changed";
   plan.mode = Plan::Mode::tiles;
-  return "the input of few tiles changed";
+  return "few of them changed";
 }
 
 Plan Planner::next(const Params& params, const Frame& frame, const std::optional<Found>& found) {
@@ -73,7 +81,7 @@ Plan Planner::next(const Params& params, const Frame& frame, const std::optional
     plan.cycle_tolerance = tolerance;
   plan.tile_tolerance = frame.repeated && repeated_ ? 0 : tolerances.tile;
   repeated_ = frame.repeated;
-  plan.reason = choose_mode(plan, params, frame, found);
+  const char* mode_reason = choose_mode(plan, params, frame, found);
   tile_frames_ = plan.tiles() ? tile_frames_ + 1 : 0;
   plan.all_tiles = tile_frames_ % kAllEvery == kAllEvery - 1;
   if (plan.tiles())
@@ -94,14 +102,35 @@ Plan Planner::next(const Params& params, const Frame& frame, const std::optional
   compared_pixels_ = plan.compares_pixels;
   bins_ = plan.bins;
 
-  const auto skip = [&](bool skipped, const char* why) {
-    if (skipped) plan.skipped.emplace_back(why);
+  const auto skip = [&](const std::string& stage, const char* reason) {
+    plan.skipped.push_back(stage + ": " + reason);
   };
-  skip(!plan.history, frame.history ? "anchor: its weight is 0" : "anchor: no frame before");
-  skip(!plan.bins, params.chroma ? "chroma bins: their effect is below its tolerance"
-                                 : "chroma bins: their weight is 0");
-  skip(plan.history && !plan.compares_pixels, "anchor of pixels: its gate is closed");
-  skip(plan.tiles(), "tiles: those whose input is unchanged and that have converged");
+  const auto run = [&](const std::string& stage, const char* reason) {
+    plan.run.push_back(stage + ": " + reason);
+  };
+  if (!plan.history)
+    skip("temporal anchor", frame.history ? "its weight is 0" : "no previous frame");
+  else if (!plan.compares_pixels)
+    skip("temporal anchor of pixels", "its gate is closed");
+  else
+    run("temporal anchor of pixels", plan.measures_gate ? "its gate is measured"
+                                     : params.adaptive  ? "its gate is open"
+                                                        : kOff);
+  if (!plan.bins)
+    skip("chroma bins",
+         params.chroma ? "their effect is below its tolerance" : "their weight is 0");
+  else
+    run("chroma bins", plan.measures_bins ? "their effect is measured"
+                       : params.adaptive  ? "their effect is above its tolerance"
+                                          : kOff);
+  if (plan.tiles())
+    skip("tiles", "their input is unchanged and they have converged");
+  else
+    run("all tiles", mode_reason);
+  if (plan.edges == Plan::Edges::all || plan.edges == Plan::Edges::all_save)
+    run("edges of all tiles", params.adaptive ? "most of them changed" : kOff);
+  if (!plan.stops())
+    run("all cycles", params.adaptive ? "the last one changed more than its tolerance" : kOff);
   return plan;
 }
 

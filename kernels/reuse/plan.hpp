@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "tolerances.hpp"
@@ -27,8 +26,7 @@ struct Plan {
     tiles,     ///< evaluated in the tiles of Mode::tiles
   };
   Mode mode = Mode::whole;
-  std::string_view reason;  ///< of the mode
-  bool all_tiles = false;   ///< Mode::tiles: this time all of them
+  bool all_tiles = false;  ///< Mode::tiles: this time all of them
   Edges edges = Edges::all;
   bool history = false;          ///< the frame before is part of the energy
   uint32_t cycles = 0;           ///< of the multigrid, at most
@@ -37,7 +35,8 @@ struct Plan {
   bool compares_pixels = false;  ///< with those of the frame before
   bool bins = true;              ///< the chroma bins are part of the energy
   bool measures_bins = false, measures_gate = false;
-  std::vector<std::string> skipped;  ///< what, and why
+  /// What is skipped, and what is run although it might be skipped: "stage: reason".
+  std::vector<std::string> skipped, run;
 
   bool stops() const { return cycle_tolerance > 0; }  ///< cycles end if they change little
   bool whole() const { return mode == Mode::whole; }
@@ -68,8 +67,7 @@ class Planner {
     bool repeated = false;         ///< the picture is that of the frame before
     float changed = 1;             ///< share of tiles, with those beside them; 1: not known
   };
-  /// What the frame kFramesInFlight before it found. A number that its plan does not measure does
-  /// not count.
+  /// What the frame kFramesInFlight before it found.
   struct Found {
     Plan plan;
     uint32_t cycles = 0;                      ///< that ran
@@ -106,8 +104,8 @@ class Planner {
   /// Whether cycles are likely to end early, so that measuring their change is worth it.
   bool may_stop(float tolerance, const std::optional<Found>& found) const;
   /// Sets the mode; returns the reason.
-  std::string_view choose_mode(Plan& plan, const Params& params, const Frame& frame,
-                               const std::optional<Found>& found);
+  const char* choose_mode(Plan& plan, const Params& params, const Frame& frame,
+                          const std::optional<Found>& found);
   bool old_enough() const;
 
   uint64_t since_restart_ = 0;  // frames

@@ -19,12 +19,12 @@ RepeatPlanner::Decision RepeatPlanner::next(const Frame& frame) {
     shown_before_ = std::exchange(shown_, 0);
   }
   ++shown_;
-  if (!frame.adaptive) return {false, "adaptive is off"};
+  if (!frame.adaptive) return {false, "adaptive is off or skip-error is 0"};
   if (!frame.compared) return {false, "no previous frame"};
   if (!frame.repeated) return {false, "the picture changed"};
   if (frame.params_changed) return {false, "parameters changed"};
   if (!frame.layers_available) return {false, "the layers of the frame before are not available"};
-  if (*first_ == frame.number) return {false, "it is the first frame of its picture"};
+  if (*first_ == frame.number) return {false, "first frame of this picture"};
   if (shown_ <= std::min(shown_before_, kMaxRepeats))
     return {true, "the video shows each picture several times"};
   if (!frame.converged)

@@ -35,7 +35,7 @@ ResolutionPlanner::Choice ResolutionPlanner::next(const Params& params,
   if (!chooses)
     fits_ = false;
   else if (known)
-    choice.half_far = learn(params, *found);
+    choice.half_rejected = learn(params, *found);
   if (chooses && fits_) choice.halvings = 1;
   choice.crosses = was_ && *was_ != choice.halvings;
   choice.compares = chooses && !choice.crosses && since_reset_ >= compare_at_;
@@ -43,6 +43,12 @@ ResolutionPlanner::Choice ResolutionPlanner::next(const Params& params,
     compared_at_ = since_reset_;
     compare_at_ = since_reset_ + kMaxNext;  // until its outcome is known
   }
+  if (choice.halvings == 0)
+    choice.full_because = !params.adaptive ? "adaptive is off or skip-error is 0"
+                          : !chooses       ? "half-tolerance is 0"
+                          : compare_at_ <= kFirst && half_distance_ == 0
+                              ? "not compared yet"
+                              : "the distance of half resolution is above its tolerance";
   was_ = choice.halvings;
   ++since_reset_;
   return choice;

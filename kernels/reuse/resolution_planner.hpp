@@ -22,10 +22,11 @@ class ResolutionPlanner {
   };
   struct Choice {
     size_t halvings = 0;
-    bool crosses = false;   ///< another resolution than the frame before
-    bool compares = false;  ///< solved at the other resolution, too
-    bool cut = false;       ///< found: what fades is of the scene before
-    bool half_far = false;  ///< half is far from its bound: it will not be used soon
+    bool crosses = false;                ///< another resolution than the frame before
+    bool compares = false;               ///< solved at the other resolution, too
+    bool cut = false;                    ///< found: what fades is of the scene before
+    bool half_rejected = false;          ///< half is far from its bound: it will not be used soon
+    const char* full_because = nullptr;  ///< why full resolution is solved; null: it is not
     bool operator==(const Choice&) const = default;
   };
 
@@ -38,7 +39,7 @@ class ResolutionPlanner {
   /// Share of the bound that half resolution has to keep to be chosen; from the bound on it is
   /// left.
   static constexpr float kEnter = 0.8F;
-  /// Frames after a reset to the first comparison, and from one to the next: kMaxNext where half
+  /// Frames after a reset to the first comparison, and from one to the next: kMaxNext if half
   /// is far from its bound. A cut has one at once, if so many frames have passed since the last
   /// one.
   static constexpr uint64_t kFirst = 24, kNext = 64, kMaxNext = 512, kAgain = 16,

@@ -37,6 +37,20 @@ TEST(Log, ReportsWhyAFrameIsDecomposedOrSkipped) {
   EXPECT_GE(log.count(GST_LEVEL_LOG, "frame 0: buffer"), 1u);
 }
 
+TEST(Log, ReportsWhyWorkIsNotSkipped) {
+  const LogReader log("intrinsicdecomp", GST_LEVEL_DEBUG);
+  VideoHarness harness("intrinsicdecomp skip-error=0", kCaps, kCaps);
+  harness.process(random_frame(kCaps, 1));
+  EXPECT_EQ(log.count(GST_LEVEL_DEBUG, "Skipped: temporal anchor: no previous frame. Run: "), 1u);
+  g_object_set(harness.find("intrinsicdecomp"), "skip-error", 0.1, nullptr);
+  for (unsigned i = 2; i < 8; ++i) harness.process(random_frame(kCaps, i));
+  for (const char* reason :
+       {"decomposed: adaptive is off or skip-error is 0.", "decomposed: the picture changed.",
+        "all tiles: adaptive is off or skip-error is 0", "all tiles: too many of them changed",
+        "chroma bins: their effect is measured", "full resolution: not compared yet"})
+    EXPECT_GE(log.count(GST_LEVEL_DEBUG, reason), 1u) << reason;
+}
+
 TEST(Log, ReportsSceneCuts) {
   const LogReader log("intrinsicdecomp", GST_LEVEL_INFO);
   VideoHarness harness("intrinsicdecomp", kCaps, kCaps);

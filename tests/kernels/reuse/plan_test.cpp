@@ -222,7 +222,7 @@ TEST(Plan, RecordedFactsOfTheAdaptivityScenesLeadToTheRecordedPlans) {
                                 .warm_cycles = defaults.warm_cycles},
                                frames[k].frame, found);
       plan.skipped.clear();  // reasons are not recorded
-      plan.reason = {};
+      plan.run.clear();
       EXPECT_EQ(plan, frames[k].found.plan) << name << ", frame " << k;
     }
   }

@@ -22,13 +22,13 @@ Live live_of(VideoHarness& harness) {
   GstElement* element = harness.find("intrinsicdecomp");
   Live live;
   live.cycles = find_stat<guint>(element, "cycles").value_or(0);
-  live.on = find_stat<guint>(element, "live-level").has_value();
+  live.on = find_stat<guint>(element, "quality-level").has_value();
   if (!live.on) return live;
-  live.level = stat<guint>(element, "live-level");
-  live.moves = stat<guint64>(element, "live-moves");
-  live.budget = stat<double>(element, "live-budget-ms");
-  live.predicted = stat<double>(element, "live-predicted-ms");
-  live.reason = stat<std::string>(element, "live-reason");
+  live.level = stat<guint>(element, "quality-level");
+  live.moves = stat<guint64>(element, "level-changes");
+  live.budget = stat<double>(element, "frame-budget-ms");
+  live.predicted = stat<double>(element, "frame-predicted-ms");
+  live.reason = stat<std::string>(element, "level-reason");
   return live;
 }
 
