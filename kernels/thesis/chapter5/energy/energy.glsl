@@ -12,10 +12,10 @@
 //     + λ_non-neg Σ_k max(−T_k, 0)                                                     positive light    (5.13)
 //
 //   w_SR = 1 − exp(−α_SR ΔC), ΔC the largest |c(x) − c(y)| to the four neighbors       (5.10)
-//   c = (I + ε_c) / mean(I + ε_c);   g_i = 1 − w_intensity (1 − |I|) where |c − c_ti(y_i)| < τ_cc, else 0   (3.13)
+//   c = (I + ε_c) / mean(I + ε_c);   g_i = 1 − w_intensity (1 − |I|) if |c − c_ti(y_i)| < τ_cc, else 0   (3.13)
 //
 // Σ_x Σ_y meets each edge twice, |∇T|₁ once. A step replaces |d|^p by c(d₀) |d|², c = f (|d₀|² + ε²)^(p/2 − 1), f = p/2
-// (a bound of the norm) or 1 (5.16 as printed), and max(−T, 0) by w T², w = f/(|T₀| + ε) where T₀ ≤ 0, else 0 (5.6.4.1).
+// (a bound of the norm) or 1 (5.16 as printed), and max(−T, 0) by w T², w = f/(|T₀| + ε) if T₀ ≤ 0, else 0 (5.6.4.1).
 // With e = I − R ⊙ S, linearized, it solves A δ = b, half the gradient set to zero:
 //
 //   h = R ⊙ S ⊙ δr + R ⊙ Σ_k b_k δT_k

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The table of colors at binding TABLE_SLOT: cluster centers (ln c, 1) and their targets (ln b, 0) by palette
-// slot, and the base colors of the layers (b, 1), kMaxColors each; zero where there is none. A storage buffer: all invocations read the same entry.
+// slot, and the base colors of the layers (b, 1), kMaxColors each; zero if there is none. A storage buffer: all invocations read the same entry.
 const int kMaxColors = 16;  // BaseColors::kMaxColors
 layout(set = 0, binding = TABLE_SLOT, std430) readonly restrict buffer table_block { vec4 table_data[]; };
 
