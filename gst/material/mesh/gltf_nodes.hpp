@@ -6,8 +6,8 @@ namespace inverse {
 
 /// What is wrong with how the nodes of a glTF file (.gltf, .glb) hang together, or with how deep
 /// its JSON is nested; empty if nothing is. Assimp's reader follows either as far as it goes: to
-/// the end of the stack, or of time where a node has many parents, which glTF does not allow
-/// (3.5.2). A file that is no glTF at all is left to the reader to complain of.
+/// the end of the stack, or of time if a node has many parents, which glTF does not allow
+/// (3.5.2). Files that are no glTF pass: Assimp's reader reports them.
 std::string gltf_nodes_fault(const std::string& path);
 
 }  // namespace inverse

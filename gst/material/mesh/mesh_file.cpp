@@ -22,7 +22,7 @@
 #include "gltf_nodes.hpp"
 #include "mesh_system.hpp"
 #include "ply_length.hpp"
-#include "sound_scene.hpp"
+#include "sanitize_scene.hpp"
 
 namespace inverse {
 namespace {
@@ -61,7 +61,7 @@ void keep_our_formats(Assimp::Importer& importer) {
   }
 }
 
-/// How many triangles will be made of each mesh. Throws where one has a polygon of too many
+/// How many triangles will be made of each mesh. Throws if one has a polygon of too many
 /// corners.
 std::vector<size_t> triangles_of(const aiScene& scene, const std::string& path) {
   std::vector<size_t> triangles(scene.mNumMeshes, 0);
@@ -120,7 +120,7 @@ double comparisons(const aiMesh& part) {
   return sum;
 }
 
-/// Throws where normals would take minutes.
+/// Throws if normals would take minutes.
 void check_corners(const aiScene& scene, const std::string& path) {
   constexpr double kMaxSum = 1e9;  // some seconds
   double sum = 0;
@@ -161,8 +161,8 @@ Mesh read(const std::string& path, std::string& warning) {
     fail(path, std::string("cannot be read: ") + importer.GetErrorString());
   // Ours to change: nobody else has it.
   const FaceCount faces = sanitize(const_cast<aiScene&>(*importer.GetScene()));
-  if (faces.left_out)
-    warning = "mesh " + path + ": " + std::to_string(faces.left_out) + " of " +
+  if (faces.dropped)
+    warning = "mesh " + path + ": " + std::to_string(faces.dropped) + " of " +
               std::to_string(faces.areas) +
               " faces were dropped: corners missing or not finite; export again";
   if (importer.GetScene()->mNumMeshes == 0)

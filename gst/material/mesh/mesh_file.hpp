@@ -11,9 +11,9 @@ namespace inverse {
 constexpr unsigned kMaxCorners = 1000;
 
 /// Reads a mesh from an OBJ, PLY or glTF (.gltf, .glb) file, ready to be drawn: all its parts in
-/// one, in triangles, with normals (where it has none: smooth, but for edges sharper than 66
+/// one, in triangles, with normals (if it has none: smooth, but for edges sharper than 66
 /// degrees), in the middle and of radius 1. Materials and textures are ignored. Throws
-/// Error(file), which names the file, where it cannot be read, is none of these, has no triangles,
+/// Error(file), which names the file, if it cannot be read, is none of these, has no triangles,
 /// more than Mesh::kMaxTriangles, a polygon of more than kMaxCorners corners, or more than 1 GiB.
 /// Faces whose corners do not exist or are no numbers are left out; `warning` says so, or is empty.
 Mesh load_mesh(const std::string& path, std::string& warning);

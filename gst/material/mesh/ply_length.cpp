@@ -66,7 +66,7 @@ bool read_header(std::istream& file, Header& header) {
       header.format = format_of(type);
     } else if (word == "element") {
       Element element;
-      words >> element.name >> element.count;  // the largest number where it is larger
+      words >> element.name >> element.count;  // the largest number if it is larger
       header.elements.push_back(std::move(element));
     } else if (word == "property") {
       Property property;

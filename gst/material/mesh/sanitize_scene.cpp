@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "sound_scene.hpp"
+#include "sanitize_scene.hpp"
 
 #include <assimp/scene.h>
 
@@ -52,7 +52,7 @@ FaceCount sanitize(aiMesh& part) {
           return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
         });
     if (!good) {
-      ++faces.left_out;
+      ++faces.dropped;
       continue;
     }
     part.mPrimitiveTypes |=
@@ -87,7 +87,7 @@ FaceCount sanitize(aiScene& scene) {
     scene.mMeshes[i] = nullptr;
     const FaceCount of_part = sanitize(*part);
     faces.areas += of_part.areas;
-    faces.left_out += of_part.left_out;
+    faces.dropped += of_part.dropped;
     if (part->mNumFaces == 0) {
       delete part;
       continue;
