@@ -23,7 +23,7 @@
 namespace inverse {
 namespace {
 
-enum class RelightShow { relit, olat, mosaic, normal, albedo };
+enum class RelightShow { relit, olat, mosaic, normal, full_on };
 
 struct Params : Relighting::Params {
   RelightShow show = RelightShow::relit;
@@ -80,7 +80,7 @@ const PropertyTable<Params>& table() {
             "All lights on, directions, one light and relit at half size, side by side"},
            {static_cast<int>(RelightShow::normal), "normal",
             "Mean direction of the light that each pixel reflects, as a normal map: RGB = xyz"},
-           {static_cast<int>(RelightShow::albedo), "albedo",
+           {static_cast<int>(RelightShow::full_on), "full-on",
             "The subject under all lights: gradient A + gradient B"}},
           "Picture to show"),
       choice<P>("model", &P::model, "GstInverseRelightModel",
@@ -97,10 +97,10 @@ const PropertyTable<Params>& table() {
               "Light program with the positions of the lights: a JSON file, or performance[:N] or "
               "static[:N]",
               Mutable::ready),
-      text<P>("environment", &P::environment,
+      text<P>("environment-location", &P::environment,
               "Radiance (.hdr) or OpenEXR panorama to light the subject with; empty = a neutral "
               "studio"),
-      number<P>("rotation", &P::rotation, -360, 360,
+      number<P>("environment-rotation", &P::rotation, -360, 360,
                 "Rotation of the environment about the vertical in degrees, positive to the right"),
       number<P>("exposure", &P::exposure, -10, 10, "Brightness of all light, in stops"),
       direction_property(),
@@ -234,7 +234,7 @@ class RelightElement final : public Filter {
                       G_TYPE_UINT64, report.lights, "lit", G_TYPE_UINT64, report.lit, "evaluated",
                       G_TYPE_UINT64, report.evaluated, "expected-error", G_TYPE_DOUBLE,
                       report.expected_error, "environment-shown", G_TYPE_DOUBLE, report.shown,
-                      "fitted", G_TYPE_BOOLEAN, report.fitted, "repeated", G_TYPE_BOOLEAN, repeated,
+                      "fitted", G_TYPE_BOOLEAN, report.fitted, "reused", G_TYPE_BOOLEAN, repeated,
                       "largest-exponent", G_TYPE_DOUBLE, stage_->moments->largest_exponent(),
                       "network-bytes", G_TYPE_UINT64, method_ ? method_->network_bytes() : 0,
                       nullptr);
@@ -328,7 +328,7 @@ class RelightElement final : public Filter {
         !frame.fresh && params.adaptive && (layers ? a == last_a_ && b == last_b_ : frame.repeated);
     last_a_ = layers ? a : nullptr;
     last_b_ = layers ? b : nullptr;
-    const bool lit = params.show != RelightShow::normal && params.show != RelightShow::albedo;
+    const bool lit = params.show != RelightShow::normal && params.show != RelightShow::full_on;
     method_->record_pair(frame.commands, {*a, *b, second}, params, frame.number, again, lit);
   }
 
@@ -348,7 +348,7 @@ class RelightElement final : public Filter {
         return method_->record_olat(commands, params, light_of(params), target);
       case RelightShow::normal:
         return lobes.record_directions(commands, params.lobe, target);
-      case RelightShow::albedo:
+      case RelightShow::full_on:
         return commands.copy(lobes.full()->buffer, target.buffer, target.buffer->bytes());
       case RelightShow::mosaic: {
         const PlanePtr directions = planes_->acquire(), one = planes_->acquire(),

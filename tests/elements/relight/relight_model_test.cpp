@@ -23,7 +23,7 @@ TEST_F(RelightTest, TheNetworkEvaluatesLightsThatMatter) {
   EXPECT_LT(stat<guint64>(relight, "evaluated"), lit / 3);
   const double expected_error = stat<double>(relight, "expected-error");
   EXPECT_LE(expected_error, .05);
-  g_object_set(relight, "rotation", 30.0F, nullptr);
+  g_object_set(relight, "environment-rotation", 30.0F, nullptr);
   out = harness.process(frame);
   EXPECT_FALSE(stat<bool>(relight, "fitted"));
   g_object_set(relight, "adaptive", FALSE, nullptr);
@@ -36,7 +36,7 @@ TEST_F(RelightTest, TheNetworkEvaluatesLightsThatMatter) {
   }
   EXPECT_LT(std::sqrt(off / light), expected_error);
   std::vector<std::vector<uint8_t>> pictures;
-  for (const char* show : {"olat", "mosaic", "normal", "albedo"}) {
+  for (const char* show : {"olat", "mosaic", "normal", "full-on"}) {
     gst_util_set_object_arg(G_OBJECT(relight), "show", show);
     const auto picture = harness.process(frame);
     EXPECT_FALSE(picture.empty()) << show;
@@ -52,7 +52,8 @@ TEST_F(RelightTest, TheBundledNetworkPreservesTheLight) {
   const char* installed = g_getenv("INVERSE_MODELS");
   if (!installed || !std::filesystem::exists(std::string(installed) + "/olat/features.net"))
     GTEST_SKIP() << "built without libonnx-dev";
-  VideoHarness harness("olatrelight model=network environment=" + white(), caps(), caps(kSide));
+  VideoHarness harness("olatrelight model=network environment-location=" + white(), caps(),
+                       caps(kSide));
   GstElement* relight = harness.find("olatrelight");
   const auto sum = [](const std::vector<uint8_t>& frame) {
     double total = 0;
@@ -60,7 +61,7 @@ TEST_F(RelightTest, TheBundledNetworkPreservesTheLight) {
     return total;
   };
   const double relit = sum(harness.process(sphere.side_by_side()));
-  gst_util_set_object_arg(G_OBJECT(relight), "show", "albedo");
+  gst_util_set_object_arg(G_OBJECT(relight), "show", "full-on");
   const double full = sum(harness.process(sphere.side_by_side()));
   EXPECT_NEAR(relit / full, .986, .02) << "a sphere is no head, but light is light";
   g_object_set(relight, "show", 1, "light-direction", "1,0,0.3", nullptr);

@@ -15,10 +15,10 @@
 namespace inverse::testing {
 
 TEST_F(RelightTest, UnderWhiteLightTheSubjectIsAsUnderAllLights) {
-  VideoHarness harness("olatrelight environment=" + white(), caps(), caps(kSide));
+  VideoHarness harness("olatrelight environment-location=" + white(), caps(), caps(kSide));
   const auto relit = harness.process(sphere.side_by_side());
   ASSERT_EQ(relit.size(), size_t{kSide} * kSide * 4);
-  gst_util_set_object_arg(G_OBJECT(harness.find("olatrelight")), "show", "albedo");
+  gst_util_set_object_arg(G_OBJECT(harness.find("olatrelight")), "show", "full-on");
   const auto full = harness.process(sphere.side_by_side());
   int worst = 0;
   for (int y = 0; y < kSide * 3 / 4; ++y)  // what faces the floor that has no lights is darker
@@ -32,12 +32,13 @@ TEST_F(RelightTest, UnderWhiteLightTheSubjectIsAsUnderAllLights) {
 }
 
 TEST_F(RelightTest, LightComesFromWhereItIsAndTurns) {
-  VideoHarness harness("olatrelight environment=" + lamp_file(90, 90, 20), caps(), caps(kSide));
+  VideoHarness harness("olatrelight environment-location=" + lamp_file(90, 90, 20), caps(),
+                       caps(kSide));
   GstElement* relight = harness.find("olatrelight");
   auto out = harness.process(sphere.side_by_side());
   EXPECT_GT(at(out, 50, 32)[0], at(out, 14, 32)[0] + 60) << "from the right";
   EXPECT_GT(at(out, 50, 32)[0], at(out, 50, 32)[2] + 30) << "yellow";
-  g_object_set(relight, "rotation", 180.0F, nullptr);
+  g_object_set(relight, "environment-rotation", 180.0F, nullptr);
   out = harness.process(sphere.side_by_side());
   EXPECT_GT(at(out, 14, 32)[0], at(out, 50, 32)[0] + 60) << "turned to the left";
   EXPECT_FALSE(stat<bool>(relight, "fitted")) << "the picture is the same";
@@ -84,7 +85,7 @@ TEST_F(RelightTest, LayersAreTakenAsPairsSideBySideAre) {
   const std::string layers =
       "video/x-raw(meta:InverseLayers), format=RGBA, layers=gradients, width=64, height=64, "
       "framerate=25/1";
-  for (const char* properties : {"", " show=normal", " show=albedo"}) {
+  for (const char* properties : {"", " show=normal", " show=full-on"}) {
     VideoHarness plain(std::string("olatrelight") + properties, caps(), caps(kSide));
     const auto expected = plain.process(sphere.side_by_side());
     VideoHarness harness(std::string("olatrelight") + properties, layers, caps(kSide));
@@ -110,7 +111,7 @@ TEST_F(RelightTest, LayersAreTakenAsPairsSideBySideAre) {
     EXPECT_LE(largest_difference(got, expected), 3) << properties;
     ASSERT_EQ(push(pair), GST_FLOW_OK);
     EXPECT_EQ(harness.pull(), got);
-    EXPECT_TRUE(stat<bool>(harness.find("olatrelight"), "repeated"));
+    EXPECT_TRUE(stat<bool>(harness.find("olatrelight"), "reused"));
     // Pairs of two sizes, and half a pair.
     Layers odd = pair;
     odd[Role::gradient_b] =
@@ -175,7 +176,7 @@ TEST_F(RelightTest, TheMouseMovesTheLight) {
 TEST_F(RelightTest, RotationFollowsAController) {
   const std::string environment = lamp_file(50, 50, 50);
   const auto result = run_line(
-      "appsrc name=in ! olatrelight name=relight environment=" + environment +
+      "appsrc name=in ! olatrelight name=relight environment-location=" + environment +
           " ! video/x-raw,format=RGBA ! appsink name=out",
       60, [this](GstElement* pipeline) {
         GstElement* relight = gst_bin_get_by_name(GST_BIN(pipeline), "relight");
@@ -185,8 +186,8 @@ TEST_F(RelightTest, RotationFollowsAController) {
         gst_timed_value_control_source_set(values, 0, 0);
         gst_timed_value_control_source_set(values, GST_SECOND, 180);
         ASSERT_TRUE(gst_object_add_control_binding(
-            GST_OBJECT(relight),
-            gst_direct_control_binding_new_absolute(GST_OBJECT(relight), "rotation", source)));
+            GST_OBJECT(relight), gst_direct_control_binding_new_absolute(
+                                     GST_OBJECT(relight), "environment-rotation", source)));
         gst_object_unref(source);
         gst_object_unref(relight);
         GstElement* in = gst_bin_get_by_name(GST_BIN(pipeline), "in");
@@ -218,16 +219,16 @@ TEST_F(RelightTest, RepeatedFramesAreReused) {
   EXPECT_TRUE(stat<bool>(relight, "fitted"));
   EXPECT_EQ(harness.process(sphere.side_by_side()), first);
   EXPECT_FALSE(stat<bool>(relight, "fitted"));
-  EXPECT_TRUE(stat<bool>(relight, "repeated"));
+  EXPECT_TRUE(stat<bool>(relight, "reused"));
   auto other = sphere.side_by_side();
   other[4 * (32 * 128 + 32)] ^= 0x40;
   EXPECT_NE(harness.process(other), first);
-  EXPECT_FALSE(stat<bool>(relight, "repeated"));
+  EXPECT_FALSE(stat<bool>(relight, "reused"));
   g_object_set(relight, "adaptive", FALSE, nullptr);
   const auto all = harness.process(sphere.side_by_side());
   EXPECT_LE(largest_difference(all, first), 2) << "the table is near the sum";
   EXPECT_EQ(harness.process(sphere.side_by_side()), all);
-  EXPECT_FALSE(stat<bool>(relight, "repeated"));
+  EXPECT_FALSE(stat<bool>(relight, "reused"));
 }
 
 TEST_F(RelightTest, EveryPropertyMayChangeWhilePlaying) {
@@ -240,12 +241,12 @@ TEST_F(RelightTest, EveryPropertyMayChangeWhilePlaying) {
     EXPECT_GT(largest_difference(after, before), 2) << name << " " << value;
     before = after;
   };
-  changes("rotation", "120");
+  changes("environment-rotation", "120");
   changes("exposure", "-1.5");
   changes("tuning", "noise=0.8");
-  for (const char* show : {"olat", "normal", "albedo", "mosaic", "relit"}) changes("show", show);
-  changes("environment", white(2).c_str());
-  changes("environment", "");
+  for (const char* show : {"olat", "normal", "full-on", "mosaic", "relit"}) changes("show", show);
+  changes("environment-location", white(2).c_str());
+  changes("environment-location", "");
   EXPECT_TRUE(harness.errors().empty());
 }
 
@@ -291,7 +292,7 @@ TEST_F(RelightTest, FramesThatCannotBeHalvedAreErrors) {
 
 TEST_F(RelightTest, BadFilesAreErrorsWithTheirCause) {
   std::string error;
-  warnings_of(line("environment=/nowhere/a.hdr"), &error);
+  warnings_of(line("environment-location=/nowhere/a.hdr"), &error);
   expect_contains(error, "/nowhere/a.hdr cannot be read");
   warnings_of(line("program=/nowhere/a.json"), &error);
   expect_contains(error, "/nowhere/a.json");
@@ -299,19 +300,19 @@ TEST_F(RelightTest, BadFilesAreErrorsWithTheirCause) {
   expect_contains(error, "number of lights");
   const std::string lamp_path = lamp_file(1, 1, 1);
   std::filesystem::resize_file(lamp_path, std::filesystem::file_size(lamp_path) / 2);
-  warnings_of(line("environment=" + lamp_path), &error);
+  warnings_of(line("environment-location=" + lamp_path), &error);
   expect_contains(error, "ends too early");
   const std::string exr_path = exr(1);
   std::filesystem::resize_file(exr_path, std::filesystem::file_size(exr_path) / 2);
-  warnings_of(line("environment=" + exr_path), &error);
+  warnings_of(line("environment-location=" + exr_path), &error);
   expect_contains(error, "map.exr");
-  warnings_of(line("environment=" + exr(1, 60)), &error);
+  warnings_of(line("environment-location=" + exr(1, 60)), &error);
   expect_contains(error, "60x32");
   const std::string pipe = folder / "pipe.hdr";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
-  warnings_of(line("environment=" + pipe), &error);
+  warnings_of(line("environment-location=" + pipe), &error);
   expect_contains(error, "pipe.hdr is no file");
-  EXPECT_TRUE(warnings_of(line("environment=" + exr(1)), &error).empty());
+  EXPECT_TRUE(warnings_of(line("environment-location=" + exr(1)), &error).empty());
   EXPECT_EQ(error, "");
 }
 
@@ -320,7 +321,7 @@ TEST_F(RelightTest, InvalidRadianceIsClampedWithAWarning) {
        {-1.0F, std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
         std::numeric_limits<float>::quiet_NaN()}) {
     std::string error;
-    const auto warnings = warnings_of(line("environment=" + exr(odd)), &error);
+    const auto warnings = warnings_of(line("environment-location=" + exr(odd)), &error);
     EXPECT_EQ(error, "");
     ASSERT_EQ(warnings.size(), 1u) << odd;
     expect_contains(warnings[0], "clamped");
@@ -329,12 +330,13 @@ TEST_F(RelightTest, InvalidRadianceIsClampedWithAWarning) {
 
 TEST_F(RelightTest, MapsOfSingleFloatsAreTakenAsTheyAre) {
   std::string error;
-  EXPECT_TRUE(warnings_of(line("environment=" + float_exr({"R", "G", "B"}, 1e5F)), &error).empty())
+  EXPECT_TRUE(
+      warnings_of(line("environment-location=" + float_exr({"R", "G", "B"}, 1e5F)), &error).empty())
       << "more than a half float holds, but a sun has it";
   EXPECT_EQ(error, "");
-  EXPECT_TRUE(warnings_of(line("environment=" + float_exr({"Y"}, 2)), &error).empty());
+  EXPECT_TRUE(warnings_of(line("environment-location=" + float_exr({"Y"}, 2)), &error).empty());
   EXPECT_EQ(error, "");
-  warnings_of(line("environment=" + float_exr({"View.R", "View.G", "View.B"}, 1)), &error);
+  warnings_of(line("environment-location=" + float_exr({"View.R", "View.G", "View.B"}, 1)), &error);
   expect_contains(error, "View.G");
 }
 
@@ -343,15 +345,15 @@ TEST_F(RelightTest, AnUnreadableEnvironmentLeavesTheLightUnchanged) {
   GstElement* relight = harness.find("olatrelight");
   const auto before = harness.process(sphere.side_by_side());
   const std::string file = folder / "white.hdr";
-  g_object_set(relight, "environment", file.c_str(), nullptr);
+  g_object_set(relight, "environment-location", file.c_str(), nullptr);
   EXPECT_EQ(harness.process(sphere.side_by_side()), before);
   EXPECT_EQ(harness.process(sphere.side_by_side()), before);
   EXPECT_TRUE(harness.errors().empty());
   // Set again once the file exists.
-  g_object_set(relight, "environment", "", nullptr);
+  g_object_set(relight, "environment-location", "", nullptr);
   EXPECT_EQ(harness.process(sphere.side_by_side()), before);
   ASSERT_EQ(white(3), file);
-  g_object_set(relight, "environment", file.c_str(), nullptr);
+  g_object_set(relight, "environment-location", file.c_str(), nullptr);
   EXPECT_NE(harness.process(sphere.side_by_side()), before);
 }
 
