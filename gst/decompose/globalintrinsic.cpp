@@ -16,7 +16,7 @@ PropertyTable<Params> light_properties() {
       number<P>("amount", &P::amount, 0.f, 2.f,
                 "Indirect light relative to the light that surfaces in view reflect; raise it if a "
                 "cast remains, 0 = estimated"),
-      tuning(number<P>("typical-amount", &P::typical, 0.05f, 2.f,
+      tuning(number<P>("typical-amount", &P::typical_amount, 0.05f, 2.f,
                        "Amount assumed for a scene whose colors do not determine it")),
       tuning(number<P>("measurement-weight", &P::measurement_weight, 0.f, 100.f,
                        "Weight of the scene's colors against typical-amount; 0 = not used, "
@@ -29,12 +29,12 @@ PropertyTable<Params> light_properties() {
       tuning(number<P>("reach", &P::reach, 0.02f, 2.f,
                        "Standard deviation of the distance over which surfaces light each other, "
                        "in frame widths")),
-      tuning(number<P>("near-share", &P::near, 0.f, 1.f,
+      tuning(number<P>("near-share", &P::near_share, 0.f, 1.f,
                        "Share of near indirect light; the rest comes from the whole frame")),
-      tuning(number<P>("update-rate", &P::renew, 0.01f, 1.f,
+      tuning(number<P>("update-rate", &P::update_rate, 0.01f, 1.f,
                        "Share of the newest frame in the estimates of amount and base colors; 1 "
                        "= no averaging")),
-      tuning(number<P>("cut-chroma", &P::cut, 0.f, 1.f,
+      tuning(number<P>("cut-chroma", &P::cut_chroma, 0.f, 1.f,
                        "Mean change of log chroma, divided by 0.5 (0…1), at which a cut is "
                        "detected")),
   };
@@ -84,18 +84,23 @@ class GlobalMethod final : public DecompositionMethod {
     return true;
   }
 
+  Work work(uint64_t number) const override {
+    const GlobalIntrinsic::Stats& stats = method_->stats(number);
+    Work work{stats.solve.plan.skipped, stats.solve.plan.run};
+    std::ranges::copy(stats.light.skipped, std::back_inserter(work.skipped));
+    std::ranges::copy(stats.light.run, std::back_inserter(work.run));
+    return work;
+  }
+
   void describe(GstStructure* stats, uint64_t number) const override {
     const auto found = method_->findings(number);
     const GlobalIntrinsic::Stats& method = method_->stats(number);
     describe_solve(stats, method.solve, found.solve);
-    std::vector<std::string> skipped = method.solve.plan.skipped;
-    skipped.insert(skipped.end(), method.light.skipped.begin(), method.light.skipped.end());
-    gst_structure_set(stats, "skipped", G_TYPE_STRING, joined(skipped).c_str(), "amount",
-                      G_TYPE_DOUBLE, static_cast<double>(found.amount), "confidence", G_TYPE_DOUBLE,
-                      static_cast<double>(found.confidence), "colors", G_TYPE_UINT, found.colors,
-                      "tint", G_TYPE_DOUBLE, static_cast<double>(found.tint), "chroma",
-                      G_TYPE_DOUBLE, static_cast<double>(found.chroma), "cut", G_TYPE_BOOLEAN,
-                      found.cut, nullptr);
+    gst_structure_set(stats, "amount", G_TYPE_DOUBLE, static_cast<double>(found.amount),
+                      "confidence", G_TYPE_DOUBLE, static_cast<double>(found.confidence), "colors",
+                      G_TYPE_UINT, found.colors, "tint", G_TYPE_DOUBLE,
+                      static_cast<double>(found.tint), "chroma", G_TYPE_DOUBLE,
+                      static_cast<double>(found.chroma), "cut", G_TYPE_BOOLEAN, found.cut, nullptr);
     std::vector<guint> bases;
     for (const auto& base : found.bases)
       bases.push_back(base[0] + base[1] + base[2] > 0 ? srgb_color(base) : 0);

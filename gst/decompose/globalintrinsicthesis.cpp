@@ -71,7 +71,7 @@ PropertyTable<Params> own_properties() {
       tuning(number<P>("refine-tolerance", &P::refine_tolerance, 0.f, 1.f,
                        "Change of a base color below which refinement ends")),
       tuning(
-          number<P>("cut-fraction", &P::cut_fraction, 0.f, 1.f,
+          number<P>("cut-chroma", &P::cut_chroma, 0.f, 1.f,
                     "Mean change of log chroma, divided by 0.5 (0…1), at which a cut is detected; "
                     "0 = never")),
       tuning(choice<P>("irls", &P::irls, "GstGlobalIntrinsicThesisIrls",

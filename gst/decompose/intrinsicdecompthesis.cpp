@@ -117,6 +117,7 @@ class ThesisMethod final : public DecompositionMethod {
   // and another vote of the clusters.
   bool converged(std::optional<uint64_t>) const override { return true; }
 
+  Work work(uint64_t number) const override { return {method_->stats(number).skipped, {}}; }
   void describe(GstStructure* stats, uint64_t number) const override {
     const auto method = method_->stats(number);
     gst_structure_set(
@@ -124,8 +125,7 @@ class ThesisMethod final : public DecompositionMethod {
         method.irls_iterations, "pcg-iterations", G_TYPE_INT, method.pcg_iterations, "iterations",
         G_TYPE_INT, method.iterations, "keyframes", G_TYPE_INT, method.keyframes, "residual",
         G_TYPE_DOUBLE, static_cast<double>(method.residual), "scale", G_TYPE_DOUBLE,
-        static_cast<double>(method.scale), "clusters", G_TYPE_INT, method.cluster_count, "skipped",
-        G_TYPE_STRING, joined(method.skipped).c_str(), nullptr);
+        static_cast<double>(method.scale), "clusters", G_TYPE_INT, method.cluster_count, nullptr);
     if (!method.energy.empty())
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
   }

@@ -14,7 +14,7 @@ class LightPictures {
   /// which names `element`, if this is none.
   Picture draw(gpu::Commands& commands, const Layers& layers, LightPicture::What what,
                const char* element, uint32_t base = 0);
-  /// Shading: in color where light has color, else as gray.
+  /// Shading: in color if light has color, else as gray.
   Picture shading(gpu::Commands& commands, const Layers& layers);
 
  private:

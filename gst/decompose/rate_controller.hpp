@@ -13,19 +13,18 @@ namespace inverse {
 /// Holds the time that frames take by choosing how much work goes into them: a level of
 /// settings from cheap to good, each with what it costs in relation to the others.
 ///
-/// It goes down at once (when the median of the last frames is too long, as far as need be), and up
-/// slowly: one level, once the level above had room for a while for all but the slowest of them.
-/// Where a level that it went up to turns out too slow it waits twice as long before it tries
-/// that one again, so that it converges below what does not fit instead of oscillating around it. A
-/// single slow frame moves nothing. Uses neither clock nor GStreamer: times come from the caller,
-/// in seconds that never go back. Not thread-safe.
+/// Down: at once, by as many levels as needed, if the median time of the last frames is too long.
+/// Up: one level, if the predicted time of the level above was within the budget for a while for
+/// all but the slowest frames. A level that turned out too slow is tried again after twice the
+/// time, which prevents oscillation. A single slow frame changes nothing. Uses neither clock nor
+/// GStreamer: times come from the caller, in seconds that never go back. Not thread-safe.
 class RateController {
  public:
   struct Goal {
     double fps = 0;         ///< frames a second to hold; 0: any
     double latency_ms = 0;  ///< the longest that a frame may take; 0: any time
     bool on() const { return fps > 0 || latency_ms > 0; }
-    /// The time for one frame, the smaller of the two; infinite where neither is set.
+    /// The time for one frame, the smaller of the two; infinite if neither is set.
     double budget_ms() const;
   };
   /// What it chose, and why.
@@ -58,7 +57,7 @@ class RateController {
   static constexpr double kTrialWait = 2;  ///< s that a level above has room before it is tried
   static constexpr double kMaxTrialWait = 32;  ///< s, after it failed again and again
   static constexpr double kTrial = 10;         ///< s that a level has to hold to count as a success
-  static constexpr double kEcho = 0.3;     ///< s after a change in which lateness is an old story
+  static constexpr double kEcho = 0.3;     ///< s after a change in which late reports are ignored
   static constexpr size_t kWindow = 5;     ///< frames that count
   static constexpr unsigned kStart = 3;    ///< first frames of a stream, which pay for its setup
   static constexpr size_t kMinFrames = 3;  ///< of them after a change

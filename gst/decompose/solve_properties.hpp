@@ -26,7 +26,7 @@ PropertyTable<P> solve_properties() {
       flag<P>("adaptive", &P::adaptive, "Skip work within skip-error; turn off to compare"),
       number<P>(
           "skip-error", &P::skip_error, 0.f, 1.f,
-          "Target for the error that skipped work adds (rms log shading), estimated; 0 = exact"),
+          "Target for the estimated error of skipped work (rms log shading); 0 = skip nothing"),
       tuning(number<P>("cycle-tolerance", tolerance(&Tolerances::cycle), 0.f, 1.f,
                        "Change by a multigrid cycle after which no other follows (rms log "
                        "shading); 0 = all run")),
@@ -40,8 +40,9 @@ PropertyTable<P> solve_properties() {
       tuning(number<P>(
           "chroma-tolerance", tolerance(&Tolerances::chroma), 0.f, 1.f,
           "Maximum effect of the equal-chroma term that is skipped (rms log shading); 0 = never")),
-      tuning(number<P>("gate-tolerance", tolerance(&Tolerances::gate), 0.f, 1.f,
-                       "Gate (rms over cells) below which pixels are not compared; 0 = never")),
+      tuning(number<P>(
+          "gate-tolerance", tolerance(&Tolerances::gate), 0.f, 1.f,
+          "Temporal gate (rms over cells) below which pixels are not compared; 0 = never skip")),
       tuning(number<P>("repeat-tolerance", tolerance(&Tolerances::repeat), 0.f, 0.1f,
                        "Change by the last cycle below which a repeated picture reuses its layers "
                        "(rms log shading)")),
@@ -63,7 +64,7 @@ PropertyTable<P> solve_properties() {
           "Weight of smooth shading; raise it to move shadows into reflectance"),
       tuning(number<P>(
           "value-weight", [](P& p) -> float& { return p.prior.value_weight; }, 1e-3f, 1e3f,
-          "Weight of a largest reflectance channel near 1")),
+          "Weight of the prior that the largest channel of reflectance is near 1")),
       tuning(number<P>(
           "chroma-weight", [](P& p) -> float& { return p.prior.chroma_weight; }, 0.f, 1e3f,
           "Weight of equal reflectance for equal chroma; 0 = term skipped")),
@@ -101,8 +102,8 @@ PropertyTable<P> solve_properties() {
           "Reflectance of the brightest surfaces when a scene begins; raise it for brighter "
           "reflectance, 1 = display white"),
       tuning(number<P>(
-          "white-quantile", [](P& p) -> float& { return p.scale.quantile; }, 0.f, 1.f,
-          "Share of pixels darker than the surfaces that white-level scales")),
+          "white-quantile", [](P& p) -> float& { return p.scale.white_quantile; }, 0.f, 1.f,
+          "Share of the frame that is darker than the surfaces that white-level scales")),
       tuning(number<P>(
           "cut-fraction", [](P& p) -> float& { return p.anchor.cut_fraction; }, 0.f, 1.f,
           "Mean mismatch with the previous frame at which a scene cut is detected")),
@@ -116,9 +117,6 @@ inline constexpr const char* kSolveSets =
 /// Adds fields about the solve of a completed frame.
 void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,
                     const ScaledIntrinsic::Findings& found);
-
-/// "a; b", for the field `skipped`.
-std::string joined(const std::vector<std::string>& reasons);
 
 /// Whether a frame's time predicts that of others: all of it was solved, and once.
 bool typical(const ScaledIntrinsic::Stats& solve);

@@ -20,7 +20,7 @@ class CloneLight {
   void start(const std::string& file, std::string& warning);
   /// Lights a sphere that has no light yet.
   void begin(LitSphere& sphere);
-  /// Lights it by what comes with a frame, where that is another light. Throws as Environment where
+  /// Lights it by what comes with a frame, if that is another light. Throws as Environment if
   /// the stream's is none; the one before stays.
   void take(const GstMaterialMeta* meta, LitSphere& sphere);
   /// Where it is from: "file", "estimate" or "studio".
@@ -36,7 +36,7 @@ class CloneLight {
   std::optional<PrefilteredLight> given_;  // by a file, which may be large: what is needed of it
   std::unique_ptr<GBytes, Unref> stream_environment_;  // the environment of the last meta
   std::optional<Environment> estimated_;               // the same
-  std::optional<Environment> light_;  // that the object is lit by where no file gives it
+  std::optional<Environment> light_;  // that the object is lit by if no file gives it
   const char* from_ = "studio";
 };
 

@@ -65,11 +65,11 @@ const PropertyTable<Params>& table() {
           "memory", [](P& p) -> uint32_t& { return p.fusion.memory; }, 1, 100000,
           "Maximum number of frames to average the material over; lower it if the camera turns"),
       tuning(number<P>(
-          "new-object-distance", [](P& p) -> float& { return p.fusion.other; }, 0, 1,
+          "new-object-distance", [](P& p) -> float& { return p.fusion.new_object_distance; }, 0, 1,
           "Albedo difference (linear) over five frames that restarts averaging")),
       flag<P>("adaptive", &P::adaptive,
               "Skip networks and drawing if object or picture stay the same"),
-      tuning(number<P>("estimate-interval", &P::recheck, 1, 1000,
+      tuning(number<P>("estimate-interval", &P::estimate_interval, 1, 1000,
                        "Frames between new estimates for an object at rest")),
       flag<P>("estimate-light", &P::measure_light,
               "Estimate the light around the object, for materialclone and save-environment"),
@@ -86,7 +86,7 @@ const PropertyTable<Params>& table() {
       text<P>("save-environment-location", &P::environment_location,
               "Radiance file (.hdr) to write the estimated light to at the end; empty = none",
               Mutable::ready),
-      tuning(number<P>("converged-error", &P::steady, 0, 1,
+      tuning(number<P>("converged-error", &P::converged_error, 0, 1,
                        "Standard error of a material below which estimates pause")),
   };
   return table;

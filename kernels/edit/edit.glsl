@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Shared by the editing kernels.
 #include "image/finite.glsl"
+#include "palette/max_clusters.glsl"
 
 const uint kRows = 4u;         // pixels an invocation, one above the other
 const uint kSampleSide = 64u;  // a sample of a frame is at most this wide and high
 const int kMaxBases = 16;
-const int kMaxClusters = 16;        // of Palette::colors()
 const float kMiddleGray = 0.21404;  // sRGB code 128
 
 // Linear light, 1 = full scale, below which chromaticity is noise: about two codes of 8-bit video. Colors fade to gray

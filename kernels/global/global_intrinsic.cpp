@@ -33,20 +33,20 @@ GlobalIntrinsic::Params within_ranges(GlobalIntrinsic::Params params) {
     value = value > low ? std::min(value, high) : low;  // NaN becomes low
   };
   clamp(params.reach, 0.02F, 2.0F);
-  clamp(params.near, 0.0F, 1.0F);
+  clamp(params.near_share, 0.0F, 1.0F);
   clamp(params.own, 0.0F, 0.95F);
   clamp(params.amount, 0.0F, 2.0F);
   clamp(params.neutral, 0.0F, 100.0F);
-  clamp(params.typical, 0.05F, 2.0F);
+  clamp(params.typical_amount, 0.05F, 2.0F);
   clamp(params.spread, 0.05F, 10.0F);
   clamp(params.measurement_weight, 0.0F, 100.0F);
   clamp(params.full_spread, 0.01F, 10.0F);
   clamp(params.base_colors, 1, Model::kSlots);
   clamp(params.min_share, 0.0F, 0.5F);
   clamp(params.same_color, 0.0F, 10.0F);
-  clamp(params.renew, 0.01F, 1.0F);
+  clamp(params.update_rate, 0.01F, 1.0F);
   clamp(params.white_balance, 0.0F, 1.0F);
-  clamp(params.cut, 0.0F, 1.0F);
+  clamp(params.cut_chroma, 0.0F, 1.0F);
   clamp(params.smoothing, 0.5F, 2.5F);
   clamp(params.residual, 0.0F, 1.0F);
   clamp(params.no_color, 0.0F, 1.0F);
@@ -344,7 +344,7 @@ Layers GlobalIntrinsic::record_light(gpu::Commands& commands, const PlanePtr& in
                        .grid = grid_,
                        .coarse = coarse_,
                        .factor = factor_,
-                       .near = params.near,
+                       .near = params.near_share,
                        .own = params.own},
                       line_of(coarse_.pixels() * Model::kSlots));
     if (keeps) kept_.bases = bases;

@@ -42,7 +42,7 @@ class GlobalIntrinsic {
     /// widths.
     float reach = 0.4F;
     /// Share of near indirect light, 0…1; the rest comes from the whole frame.
-    float near = 0.7F;
+    float near_share = 0.7F;
     /// Share of a surface's own color that does not light it, 0…0.95: a plane does not light
     /// itself.
     float own = 0.8F;
@@ -51,7 +51,7 @@ class GlobalIntrinsic {
     /// Measurement of the amount: weight of neutral chroma against sharp modes of chroma.
     float neutral = 1.5F;
     /// Its prior: median, and standard deviation of ln.
-    float typical = 0.5F, spread = 0.65F;
+    float typical_amount = 0.5F, spread = 0.65F;
     /// Weight of the measurement against the prior, reached if chroma spreads by full_spread (log
     /// units) or more; proportionally less below.
     float measurement_weight = 8, full_spread = 0.35F;
@@ -61,11 +61,11 @@ class GlobalIntrinsic {
     /// which it continues one of the frame before.
     float min_share = 0.004F, same_color = 0.3F;
     /// Share of the newest frame in estimates of the scene, 0.01…1.
-    float renew = 0.2F;
+    float update_rate = 0.2F;
     /// Share of the lamps' estimated color that is removed first, 0…1.
     float white_balance = 0;
     /// Mean change of chroma, in halves of a log unit, at which a scene cut is detected, 0…1.
-    float cut = 0.3F;
+    float cut_chroma = 0.3F;
     /// Standard deviation of the smoothing of the histogram of chroma, in bins of 0.08, 0.5…2.5.
     float smoothing = 1.2F;
     /// Share of the slowly varying residual of chroma that counts as light in tinted scenes, 0…1.

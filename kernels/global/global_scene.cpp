@@ -51,7 +51,7 @@ void GlobalIntrinsic::gather(gpu::Commands& commands, const Params& params, bool
                      .grid = grid_,
                      .coarse = coarse_,
                      .factor = factor_,
-                     .near = params.near,
+                     .near = params.near_share,
                      .own = params.own},
                     all);
 }
@@ -67,7 +67,7 @@ void GlobalIntrinsic::measure_amount(gpu::Commands& commands, const Params& para
                      .grid = grid_,
                      .coarse = coarse_,
                      .factor = factor_,
-                     .least = kMinAmount,
+                     .min_amount = kMinAmount,
                      .ratio = kAmountRatio,
                      .neutral = 1 / (2 * kNeutralWidth * kNeutralWidth)},
                     line_of(grid_.pixels()));
@@ -75,7 +75,7 @@ void GlobalIntrinsic::measure_amount(gpu::Commands& commands, const Params& para
                     {.ln_min = std::log(kMinAmount),
                      .ln_ratio = std::log(kAmountRatio),
                      .neutral = params.neutral,
-                     .ln_typical = std::log(params.typical),
+                     .ln_typical = std::log(params.typical_amount),
                      .spread = params.spread,
                      .measurement_weight = params.measurement_weight,
                      .full_spread = params.full_spread,
@@ -113,7 +113,7 @@ void GlobalIntrinsic::find_colors(gpu::Commands& commands, const Params& params)
                      .min_share = params.min_share,
                      .same = params.same_color,
                      .follow = kFollow,
-                     .most = params.base_colors,
+                     .max_colors = params.base_colors,
                      .keep = kKeep,
                      .forget = kForget},
                     {});
@@ -146,8 +146,8 @@ PlanePtr GlobalIntrinsic::measure_grid(gpu::Commands& commands, const PlanePtr& 
     commands.dispatch(kernel,
                       {.colors = colors_, .points = points_, .before = before_, .scene = scene_},
                       {.count = count,
-                       .cut = params.cut,
-                       .renew = params.renew,
+                       .cut = params.cut_chroma,
+                       .renew = params.update_rate,
                        .first = forget || unknown,
                        .none = params.no_color,
                        .full = params.amount > 0 ? 0 : params.full_color},

@@ -7,7 +7,7 @@
 
 namespace inverse {
 
-/// The quality_levels of globalintrinsic: that of the solve in it, at the cost of finding and
+/// The quality levels of globalintrinsic: that of the solve in it, at the cost of finding and
 /// dividing out the tint of light more.
 inline const QualityLevels<GlobalIntrinsic::Params>& global_levels() {
   constexpr size_t kMaxLevels = 16;

@@ -119,7 +119,7 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
   if (plan_.one_cell_cycle()) multigrid.cell_cycles = 1;
   multigrid_.record_operators(commands, multigrid, list());
   bins_.record_weights(commands, guide_, terms_,
-                       plan_.bins ? EdgePrior::kMaxChroma * params.prior.chroma_weight : 0);
+                       plan_.bins ? EdgePrior::max_chroma() * params.prior.chroma_weight : 0);
   commands.stage("operators");
   const ChromaBins::State state{.terms = terms_,
                                 .means = multigrid_.cell_means(),

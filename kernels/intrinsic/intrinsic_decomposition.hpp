@@ -38,7 +38,7 @@ class IntrinsicDecomposition {
     Multigrid::Params multigrid;
     OutputScale::Params scale;
     /// Skips what a frame does not need (kernels/reuse/plan.hpp;
-    /// docs/reference/methods/intrinsicdecomp.md, 8).
+    /// docs/reference/methods/intrinsicdecomp.md, 10).
     bool adaptive = true;
     Tolerances tolerances;
     bool operator==(const Params&) const = default;

@@ -16,7 +16,7 @@ void intrinsic_level(ScaledIntrinsic::Params& params) {
   params.tolerances.cycle = kCycleTolerance;
 }
 
-/// The levels of intrinsicdecomp (docs/reference/methods/intrinsicdecomp.md, 10).
+/// The levels of intrinsicdecomp (docs/reference/methods/intrinsicdecomp.md, 12).
 inline const QualityLevels<ScaledIntrinsic::Params>& intrinsic_levels() {
   static const QualityLevels<ScaledIntrinsic::Params> quality_levels{
       {{0.37, intrinsic_level<2, 2, 1, 0.1F, 0.01F>},

@@ -68,7 +68,7 @@ NetworkSchedule::Known LimeMaterial::known(const Params& params, bool unchanged)
                                .found = object_.found,
                                .placed = have_layers_ && tracker_.square() == estimated_in_,
                                .moved = tracker_.moved(),
-                               .steady = fusion_.steady(params.steady),
+                               .converged = fusion_.converged(params.converged_error),
                                .draws = params.layers_asked,
                                .finds_light = finds_light(params),
                                .views = light_.views(),
@@ -124,7 +124,7 @@ void LimeMaterial::record(gpu::Commands& commands, const Plane& frame, const Par
   slot.square = tracker_.square();
   slot.epoch = epoch_;
   const NetworkSchedule::Plan plan = slot.plan =
-      schedule_.next({params.adaptive, params.recheck}, known(params, unchanged));
+      schedule_.next({params.adaptive, params.estimate_interval}, known(params, unchanged));
   if (!finds_light(params)) {
     message_count_ += light_.light() != nullptr;
     light_.forget();

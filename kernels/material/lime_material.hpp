@@ -23,14 +23,17 @@ namespace inverse {
 /// A frame's mask is known when the device has finished the frame (`done`), so the analyzed square
 /// and the material lag by the number of frames in flight. Without an object in the last finished
 /// frame, only SegmentationNet runs. The same holds while an object rests and its material is
-/// known, except for one frame in `recheck`; if the image is unchanged as well, no network runs. If
-/// layers or the light are requested, an object whose image changes does not count as resting.
+/// known, except for one frame in `estimate_interval`; if the image is unchanged as well, no
+/// network runs. If layers or the light are requested, an object whose image changes does not count
+/// as resting.
 class LimeMaterial {
  public:
   struct Params {
     MaterialFusion::Params fusion;
-    uint32_t recheck = 8;  ///< frames between searches of a resting object with a steady material
-    float steady = 0.02F;  ///< limit of MaterialFusion::steady below which a material is known
+    uint32_t estimate_interval =
+        8;  ///< frames between searches of a resting object with a steady material
+    float converged_error =
+        0.02F;             ///< limit of MaterialFusion::converged below which a material is known
     bool adaptive = true;  ///< false: skip nothing
     bool layers_asked = false;  ///< layers are output with the frame
     bool light_asked = false;   ///< the light is requested

@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "image/finite.glsl"
+#include "palette/max_clusters.glsl"
 
 // Paints every pixel in the color of the cluster nearest to it in ln R; black if there is none.
 PLANE_IN(0, model);
@@ -12,7 +13,6 @@ layout(push_constant) uniform Push {
   uvec2 size;
   int clusters;
 } push;
-const int kMaxClusters = 16;  // Palette::kMaxClusters
 
 void main() {
   uvec2 at = gl_GlobalInvocationID.xy;

@@ -10,7 +10,7 @@
 const int kBins = 30;                       // per channel
 const int kBinCount = kBins * kBins * kBins;
 const int kScaleBins = 2048;                // of ln R from −16 to 16
-const int kMaxClusters = 16;
+#include "palette/max_clusters.glsl"
 
 layout(push_constant) uniform Push {
   uvec2 size;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Shared parts of conjugate gradients with a diagonal preconditioner.
 
-/// Jacobi preconditioner M⁻¹, zero where the diagonal is.
+/// Jacobi preconditioner M⁻¹, zero if the diagonal is.
 vec4 precondition(vec4 diagonal, vec4 v) {
   return mix(vec4(0.0), v / max(diagonal, 1e-30), greaterThan(diagonal, vec4(1e-30)));
 }

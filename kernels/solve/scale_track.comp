@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "image/random.glsl"
+#include "solve/darkest.glsl"
 #include "solve/scale.glsl"
 
 // Tracks points from the last frame's cells to this one's (Lucas and Kanade 1981, one level, windows of 5 x 5 cells; their mean
@@ -28,7 +29,6 @@ const float kCommonMotion = 0.1;  // weight of the common motion, squared log un
 const float kMismatch = 0.1;      // rms log units by which a window may change
 const float kSteep = 0.05;        // max share of the gradients' mean square that may remain
 const float kRenew = 0.003;       // share of the frame's own offset that a new point takes
-const float kDarkest = -3.9;      // ln of 2 % of full scale: of bright points
 const float kBlack = -5.3;        // ln of .5 %: darker points do not count
 const uint kCandidates = 8u;      // places for a new point
 
@@ -80,9 +80,9 @@ void main() {
   vec4 scale_now = FETCH(scale, SCALE_NOW), state = FETCH(scale, SCALE_STATE);
   vec4 place = FETCH(points, int(i));
   float offset = scale_now.z;
-  bool goes_on = state.z > 0.0;
-  if (!goes_on || !(place.z >= 0.0)) {
-    place.xy = goes_on ? sparse_place(i, count)
+  bool has_history = state.z > 0.0;
+  if (!has_history || !(place.z >= 0.0)) {
+    place.xy = has_history ? sparse_place(i, count)
                        : min((vec2(i % push.grid.x, i / push.grid.x) + 0.5) * push.spacing - 0.5, vec2(last));
     place.z = 0.0;
     offset = mix(scale_now.z, scale_now.w, kRenew);
@@ -117,9 +117,9 @@ void main() {
     }
     mismatch = (differ - dot(change, change) / cells) / cells;
     if (pass == kIterations) break;
-    vec2 pull = sum - vec2(dot(slope_x, change), dot(slope_y, change)) / cells + kCommonMotion * (expected - moved);
+    vec2 gradient = sum - vec2(dot(slope_x, change), dot(slope_y, change)) / cells + kCommonMotion * (expected - moved);
     vec2 diagonal = squares.xy + kCommonMotion;
-    vec2 step = vec2(diagonal.y * pull.x - squares.z * pull.y, diagonal.x * pull.y - squares.z * pull.x) /
+    vec2 step = vec2(diagonal.y * gradient.x - squares.z * gradient.y, diagonal.x * gradient.y - squares.z * gradient.x) /
                 (diagonal.x * diagonal.y - squares.z * squares.z);
     moved += clamp(step, vec2(-1.0), vec2(1.0));
   }

@@ -23,11 +23,11 @@ layout(push_constant) uniform Push {
 const int kRounds = 10;
 const float kWidth = 0.02;        // log units from the center; samples farther away count as in a median (pseudo-Huber)
 const float kNoZoom = 0.1;        // weight of no zoom and no turn, squared log units
-const float kFewest = 0.05;       // share of the points that must be found again
+const float kMinFound = 0.05;       // share of the points that must be found again
 const float kSameScene = 0.5;     // share of the points' texture that is found again at no cut
 const float kFollow = 0.1;        // share of the frame's own offset if fewer are
 const float kMoreLight = 0.25;    // growth of the bright share from which the frame's own offset counts
-const float kRemember = 1.0 / 64.0;  // share of the newest frame in the mean bright share
+const float kMeanRate = 1.0 / 64.0;  // share of the newest frame in the mean bright share
 
 void main() {
   uint lane = gl_LocalInvocationID.x, lanes = gl_WorkGroupSize.x;
@@ -84,22 +84,22 @@ void main() {
     STORE(scale, SCALE_STATE, vec4(0.0, before, 0.0, 0.0));
     return;
   }
-  bool follows = known && found > kFewest;
+  bool tracked = known && found > kMinFound;
   float shift = 0.0;
   if (!known) {
     offset = goal.x;
   } else if (push.frozen == 1u || push.count == 0u) {
     offset = now.z;
-  } else if (!follows) {
+  } else if (!tracked) {
     offset = mix(now.z, goal.x, kFollow);
   } else if (bright > before && before > 0.0) {  // a scene that lights up
     float growth = max((bright - before) / bright - kMoreLight, 0.0) / (1.0 - kMoreLight);
     shift = kFollow * growth * (goal.x - offset);
     offset += shift;
   }
-  bool remembers = known && before > 0.0;
+  bool has_mean = known && before > 0.0;
   STORE(scale, SCALE_NOW, vec4(push.log_white + offset, 1.0, offset, goal.x));
-  STORE(scale, SCALE_MOTION, follows ? motion : vec4(0.0));
-  STORE(scale, SCALE_STATE, vec4(follows ? state.x + shift : 0.0, remembers ? mix(before, bright, kRemember) : bright,
-                                 follows ? 1.0 : 0.0, 0.0));
+  STORE(scale, SCALE_MOTION, tracked ? motion : vec4(0.0));
+  STORE(scale, SCALE_STATE, vec4(tracked ? state.x + shift : 0.0, has_mean ? mix(before, bright, kMeanRate) : bright,
+                                 tracked ? 1.0 : 0.0, 0.0));
 }

@@ -7,7 +7,8 @@
 namespace inverse {
 namespace {
 
-constexpr float kSolid = 0, kCarving = 1;
+constexpr float kSolid = shaders::virtual_stage_surface::kSolid,
+                kCarving = shaders::virtual_stage_surface::kCarving;
 
 struct Ellipsoid {
   std::array<float, 3> center, radii;

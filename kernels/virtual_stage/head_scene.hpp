@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "kernels/virtual_stage_surface.spv.hpp"
+
 namespace inverse {
 
 /// The head of the virtual stage: joined and carved ellipsoids, and their materials. One unit is
@@ -11,9 +13,9 @@ namespace inverse {
 struct HeadScene {
   using Vec4 = std::array<float, 4>;
   enum Material : uint8_t { skin, lips, hair, eye, cloth };
-  static constexpr uint32_t kPrimitiveVec4s = 4;
+  static constexpr uint32_t kPrimitiveVec4s = shaders::virtual_stage_surface::kPrimitiveVec4s;
 
-  /// In the layout of head.glsl: four per primitive.
+  /// In the layout of head.glsl: kPrimitiveVec4s per primitive.
   std::vector<Vec4> primitives;
   /// In the layout of surface.comp: two per Material.
   std::vector<Vec4> materials;

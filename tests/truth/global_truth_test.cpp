@@ -137,7 +137,7 @@ TEST_F(GlobalTruth, EveryPartOfTheMethodIsNeededForThat) {
       {"half the amount", [](auto& p) { p.amount = 0.25F; }},
       {"no residual", [](auto& p) { p.residual = 0; }},
       {"a surface lights itself", [](auto& p) { p.own = 0; }},
-      {"no near light", [](auto& p) { p.near = 0; }},
+      {"no near light", [](auto& p) { p.near_share = 0; }},
       {"half the cycles", [](auto& p) { p.cycles /= 2; }}};
   for (const auto& [name, leave_out] : without) {
     GlobalIntrinsic::Params params;

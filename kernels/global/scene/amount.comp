@@ -14,7 +14,7 @@ PLANE_IN(3, received);
 WORD_INOUT(4, counts);  // kCandidates histograms, then for each two sums: weight that is neutral, all weight
 layout(push_constant) uniform Push {
   SIZES
-  float least, ratio;  // the first candidate, and each to the one before
+  float min_amount, ratio;  // the first candidate, and each to the one before
   float neutral;       // 1 / (2 width²), width the range of chroma that counts as neutral
 } push;
 
@@ -40,7 +40,7 @@ void main() {
   float shading = exp(sum / all);
   vec3 light;
   RECEIVED(light, int(FETCH1(labels, i)), i % push.grid.x, i / push.grid.x, 2.0)
-  light *= push.least;
+  light *= push.min_amount;
   for (int k = 0; k < kCandidates; ++k) {
     vec2 left = point.xy - chroma_of(light_of(shading, light));
     COUNT(counts, k * kBinCount, left, weight)

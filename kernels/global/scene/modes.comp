@@ -21,7 +21,7 @@ layout(push_constant) uniform Push {
   float min_share;  // of all mass, for a mode to count
   float same;         // chroma up to which a mode continues a color of before
   float follow;       // share of the newest frame in a color's usual place
-  int most;           // max number of base colors
+  int max_colors;
   int keep, forget;   // frames that a color without a mode stays, and keeps its slot
 } push;
 
@@ -64,14 +64,14 @@ float mass_around(vec2 chroma) {
 // that was absent for longest; adds the colors that stay without a mode.
 void keep_slots(float all) {
   bool restart = LOAD(scene, SCENE_TIME)[TIME_FRAMES] < 1.5;
-  uint free = (1u << push.most) - 1u;
+  uint free = (1u << push.max_colors) - 1u;
   for (int s = 0; s < kSlots; ++s)
-    if (restart || s >= push.most) LOAD(scene, SCENE_MEMORY + s) = vec4(0.0);
+    if (restart || s >= push.max_colors) LOAD(scene, SCENE_MEMORY + s) = vec4(0.0);
   for (int pair = 0; pair < mode_count; ++pair) {
     float nearest = push.same * push.same;
     int mode = -1, slot = -1;
     for (int m = 0; m < mode_count; ++m)
-      for (int s = 0; s < push.most; ++s) {
+      for (int s = 0; s < push.max_colors; ++s) {
         vec4 memory = LOAD(scene, SCENE_MEMORY + s);
         vec2 off = memory.xy - modes[m].xy;
         if (modes[m].w < 0.0 && (free & (1u << s)) != 0u && memory.z > 0.0 && dot(off, off) < nearest) {
@@ -85,13 +85,13 @@ void keep_slots(float all) {
     free &= ~(1u << slot);
   }
   int seen = mode_count;
-  for (int s = 0; s < push.most; ++s) {
+  for (int s = 0; s < push.max_colors; ++s) {
     vec4 memory = LOAD(scene, SCENE_MEMORY + s);
     if ((free & (1u << s)) == 0u || memory.z == 0.0) continue;
     memory.w += 1.0;
     LOAD(scene, SCENE_MEMORY + s) = memory.w > float(push.forget) ? vec4(0.0) : memory;
     float left = mass_around(memory.xy);
-    if (memory.w > float(push.keep) || mode_count == push.most || left < 0.5 * push.min_share * all) continue;
+    if (memory.w > float(push.keep) || mode_count == push.max_colors || left < 0.5 * push.min_share * all) continue;
     modes[mode_count] = vec4(memory.xy, left, float(s));
     mode_peaks[mode_count++] = LOAD(work, kPeak + bin_of(memory.xy));
     free &= ~(1u << s);
@@ -100,7 +100,7 @@ void keep_slots(float all) {
     if (modes[m].w < 0.0) {
       int slot = -1;
       float longest = -1.0;
-      for (int s = push.most - 1; s >= 0; --s) {
+      for (int s = push.max_colors - 1; s >= 0; --s) {
         vec4 memory = LOAD(scene, SCENE_MEMORY + s);
         float away = memory.z == 0.0 ? 3e38 : memory.w;
         if ((free & (1u << s)) != 0u && away >= longest) {
@@ -121,17 +121,17 @@ void keep_slots(float all) {
 void choose(float all) {
   int count = min(LOAD(work, kList), kMaxListed);
   mode_count = 0;
-  for (int m = 0; m < push.most; ++m) {
+  for (int m = 0; m < push.max_colors; ++m) {
     int best = -1;
-    float most = 0.0;
+    float max_mass = 0.0;
     int first = kBinCount;
     for (int l = 0; l < count; ++l) {
       int peak = LOAD(work, kListed + l);
       if (peak < 0) continue;
       float mass = float(LOAD(work, kMass + peak)) / kMassUnit;
-      if (mass > most || (mass == most && peak < first)) {
+      if (mass > max_mass || (mass == max_mass && peak < first)) {
         best = l;
-        most = mass;
+        max_mass = mass;
         first = peak;
       }
     }
@@ -139,7 +139,7 @@ void choose(float all) {
     int peak = LOAD(work, kListed + best);
     LOAD(work, kListed + best) = -1;
     vec2 moment = vec2(LOAD(work, kMoment + 2 * peak), LOAD(work, kMoment + 2 * peak + 1)) / kMomentUnit;
-    modes[m] = vec4(bin_center(peak) + moment / most, most, -1.0);
+    modes[m] = vec4(bin_center(peak) + moment / max_mass, max_mass, -1.0);
     mode_peaks[m] = peak;
     ++mode_count;
   }
@@ -178,12 +178,12 @@ void main() {
   EVERY_BIN(b) {
     ivec2 at = ivec2(b & (kBins - 1), b / kBins), low = max(at - 1, 0), high = min(at + 1, kBins - 1);
     int best = b;
-    float most = LOAD(heights, kBinCount + b);
+    float max_mass = LOAD(heights, kBinCount + b);
     for (int y = low.y; y <= high.y; ++y)
       for (int x = low.x; x <= high.x; ++x) {
         float height = LOAD(heights, kBinCount + y * kBins + x);
-        if (height > most) {
-          most = height;
+        if (height > max_mass) {
+          max_mass = height;
           best = y * kBins + x;
         }
       }

@@ -27,15 +27,15 @@ float cost[kCandidates];
 
 // Mean and variance of ln kappa.
 vec2 moments(float measurement_weight) {
-  float least = 3e38;
+  float min_cost = 3e38;
   for (int k = 0; k < kCandidates; ++k) {
     float off = (push.ln_min + float(k) * push.ln_ratio - push.ln_typical) / push.spread;
-    least = min(least, measurement_weight * cost[k] + 0.5 * off * off);
+    min_cost = min(min_cost, measurement_weight * cost[k] + 0.5 * off * off);
   }
   vec3 sum = vec3(0.0);
   for (int k = 0; k < kCandidates; ++k) {
     float ln = push.ln_min + float(k) * push.ln_ratio, off = (ln - push.ln_typical) / push.spread;
-    sum += exp(least - measurement_weight * cost[k] - 0.5 * off * off) * vec3(1.0, ln, ln * ln);
+    sum += exp(min_cost - measurement_weight * cost[k] - 0.5 * off * off) * vec3(1.0, ln, ln * ln);
   }
   vec2 mean = sum.yz / sum.x;
   return vec2(mean.x, max(0.0, mean.y - mean.x * mean.x));

@@ -39,5 +39,5 @@ void main() {
   vec4 value = FETCH(terms, TERMS_STRIDE * at + TERMS_DATA);
   if (kHasBins) value += FETCH(terms, TERMS_STRIDE * at + TERMS_CHROMA) * found;
   STORE(target, uint(at), value);
-  STORE(system, 4u * uint(at) + SYSTEM_RHS, FETCH(far, at) + value - FETCH(terms, TERMS_STRIDE * at + TERMS_SCREENING) * s);
+  STORE(system, SYSTEM_COARSE_STRIDE * uint(at) + SYSTEM_RHS, FETCH(far, at) + value - FETCH(terms, TERMS_STRIDE * at + TERMS_SCREENING) * s);
 }

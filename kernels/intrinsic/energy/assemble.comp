@@ -16,7 +16,7 @@ PLANE_IN(2, level0);
 PLANE_IN(3, source_term);         // of cells, with their anchors
 PLANE_IN(4, memory);        // the last frame's
 PLANE_IN(5, last_shading);  // its solution
-PLANE_OUT(6, system);       // of stride 3
+PLANE_OUT(6, system);       // SYSTEM_FINE_STRIDE
 PLANE_OUT(7, shading);      // the same buffer as the last frame's
 PLANE_OUT(8, now);          // m
 #define TILE_CONSTANT 2
@@ -49,7 +49,7 @@ void main() {
     sum += MASKED(anchor * before, inside);
     s += gate * (before - s);
   }
-  STORE(system, 3u * uint(at) + SYSTEM_RHS, sum);
+  STORE(system, SYSTEM_FINE_STRIDE * uint(at) + SYSTEM_RHS, sum);
   STORE(shading, uint(at), MASKED(s, inside));
   STORE(now, uint(MEMORY_STRIDE * at) + MEMORY_MEAN, m);
 }

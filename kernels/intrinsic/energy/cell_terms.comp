@@ -53,33 +53,33 @@ vec4 make(uint packs, uvec2 position) {
   int at = int(position.y * packs + position.x), tile = int((position.y / 4u) * packs + position.x);
   bvec4 inside = INSIDE(position.x, push.size.x);
   vec4 v = FETCH(value, VALUE_STRIDE * at + VALUE_WEIGHT), g = FETCH(value, VALUE_STRIDE * at + VALUE_CHROMA);
-  vec4 target = FETCH(value, VALUE_STRIDE * at + VALUE_TARGET), mean = vec4(0.0), most = mean, gate = mean, change = mean, alike = mean;
+  vec4 target = FETCH(value, VALUE_STRIDE * at + VALUE_TARGET), mean = vec4(0.0), max_channel = mean, gate = mean, change = mean, cell_gate = mean;
   vec4 decision = kAnchored ? FETCH(cut_decision, 0) : vec4(0.0);
-  float quiet = 0.0;
+  float tile_gate = 0.0;
   if (kAnchored) {
-    float still = max(0.0, 1.0 - 2.0 * FETCH(tiles, tile).x);
+    float tile_match = max(0.0, 1.0 - 2.0 * FETCH(tiles, tile).x);
     float motion = push.motion * moved(ivec2(position.x, position.y / 4u), ivec2(packs, (push.size.y + 3u) / 4u), decision[CUT_MOVED]);
     motion *= motion;
-    quiet = decision[CUT_ANCHORED] * still * still / (1.0 + motion * motion);
+    tile_gate = decision[CUT_ANCHORED] * tile_match * tile_match / (1.0 + motion * motion);
   }
   for (uint k = 0u; k < 4u; ++k) {
     int cell = int(position.y * push.size.x + min(4u * position.x + k, push.size.x - 1u));
     vec4 guide = FETCH(cells, CELL_STRIDE * cell);
     mean = vec4(mean.yzw, guide.x);
-    most = vec4(most.yzw, guide.x + guide.w);
+    max_channel = vec4(max_channel.yzw, guide.x + guide.w);
     if (kAnchored) {
-      alike = vec4(alike.yzw, 1.0 / (1.0 + FETCH(mismatch, cell).x));
+      cell_gate = vec4(cell_gate.yzw, 1.0 / (1.0 + FETCH(mismatch, cell).x));
       change = vec4(change.yzw, push.light * (guide.x - FETCH(before, cell).w));
     }
   }
-  gate = quiet * alike;
+  gate = tile_gate * cell_gate;
   STORE(terms, TERMS_STRIDE * at + TERMS_SCREENING, v + g);
   STORE(terms, TERMS_STRIDE * at + TERMS_DATA, v * target);
   STORE(terms, TERMS_STRIDE * at + TERMS_CHROMA, g);
   STORE(terms, TERMS_STRIDE * at + TERMS_MEAN, MASKED(mean, inside));
     // Shading at a place with motion around is nearer to its earlier value than to the prior's.
-  vec4 from = kAnchored ? mix(target, FETCH(means, at) + FETCH(correction, at), decision[CUT_ANCHORED] * alike) : target;
-  STORE(start, START_STRIDE * at + START_VALUE, from - most);
+  vec4 from = kAnchored ? mix(target, FETCH(means, at) + FETCH(correction, at), decision[CUT_ANCHORED] * cell_gate) : target;
+  STORE(start, START_STRIDE * at + START_VALUE, from - max_channel);
   STORE(start, START_STRIDE * at + START_GATE, gate);
   vec4 hold = gate * push.hold / (1.0 + change * change), share = vec4(1.0);
   if (kAnchored && kTileAcross > 0u) {
@@ -87,15 +87,15 @@ vec4 make(uint packs, uvec2 position) {
     // times as wide for slow parts of the solution, of which each frame passes only (1 - hold).
     float n = FETCH(activity, tile).y;
     if (n > 1.0) {
-      vec4 held = pow(hold, vec4(n));
-      share = (1.0 - held) / (n * (1.0 - hold));
-      hold = held;
+      vec4 hold_n = pow(hold, vec4(n));
+      share = (1.0 - hold_n) / (n * (1.0 - hold));
+      hold = hold_n;
     }
   }
   STORE(start, START_STRIDE * at + START_HOLD, hold);
   vec4 source_before = kAnchored ? gate * LOAD(source_term, SOURCE_STRIDE * at + SOURCE_VALUE) : vec4(0.0);
   STORE(source_term, SOURCE_STRIDE * at + SOURCE_VALUE, MASKED(source_before, inside));
-  STORE(source_term, SOURCE_STRIDE * at + SOURCE_SCREEN, v + g);
+  STORE(source_term, SOURCE_STRIDE * at + SOURCE_SCREENING, v + g);
   float weight = push.anchor * min(decision[CUT_FRAMES] / push.frames, 1.0);
   STORE(source_term, SOURCE_STRIDE * at + SOURCE_ANCHOR, weight * MASKED(share * gate, inside));
   return MASKED(gate, inside);

@@ -12,7 +12,7 @@
 // EdgePrior. E is quadratic; setting its gradient to zero,
 //
 //   pixels   A(x,x) = sum_N4 w + t + 1e-6    A(x,y) = -w = -(a + b)    f(x) = sum_N4 a (m_x - m_y) + t s_before
-//   cells    screen = v + g                  data = v V                              (added on multigrid level 2)
+//   cells    screening = v + g               data = v V                              (added on multigrid level 2)
 #include "image/pack4.glsl"
 
 // The system of a pack: weights w of the edges to the right and down, right-hand side f and, on some levels, the mass on the
@@ -21,6 +21,8 @@
 #define SYSTEM_DOWN 1
 #define SYSTEM_RHS 2
 #define SYSTEM_MASS 3
+#define SYSTEM_FINE_STRIDE 3    // levels 0 and 1
+#define SYSTEM_COARSE_STRIDE 4  // from level 2 on
 
 // Output of EdgePrior besides the weights. Flux of a pack of pixels, two vec4: a (m_x - m_y) of its edges to the right and
 // down. Value of a pack of cells, three vec4: v, V, g.
@@ -32,16 +34,16 @@
 #define VALUE_CHROMA 2
 #define VALUE_STRIDE 3
 
-// Contribution of a pack of cells to the system: screen, data, g and m'.
+// Contribution of a pack of cells to the system: screening, data, g and m'.
 #define TERMS_SCREENING 0
 #define TERMS_DATA 1
 #define TERMS_CHROMA 2
 #define TERMS_MEAN 3
 #define TERMS_STRIDE 4
 
-// Source term of a pack of cells for its pixels, screen (target - s'), and its derivative; and the anchor's t of each of their
+// Source term of a pack of cells for its pixels, screening (target - s'), and its derivative; and the anchor's t of each of their
 // pixels.
 #define SOURCE_VALUE 0
-#define SOURCE_SCREEN 1
+#define SOURCE_SCREENING 1
 #define SOURCE_ANCHOR 2
 #define SOURCE_STRIDE 3

@@ -11,7 +11,8 @@ PLANE_IN(2, plain_sums);
 PLANE_OUT(3, statistics);
 layout(push_constant) uniform Push { uint count; } push;
 
-shared vec4 sums[3 * 64];  // the workgroup has 64 lanes
+const uint kSumLanes = 64u;  // of the workgroup
+shared vec4 sums[3u * kSumLanes];
 
 void main() {
   uint lane = gl_LocalInvocationID.x, lanes = gl_WorkGroupSize.x;

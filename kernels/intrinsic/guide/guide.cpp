@@ -7,8 +7,7 @@
 namespace inverse {
 namespace {
 
-constexpr uint32_t kRows = 8;       // cells that an invocation of statistics.comp adds up
-constexpr uint32_t kSumLanes = 64;  // of frame.comp
+constexpr uint32_t kRows = 8;  // cells that an invocation of statistics.comp adds up
 
 gpu::Items sum_items(Extent level1) {
   return line_of(static_cast<uint64_t>(level1.width) * ((level1.height + kRows - 1) / kRows));
@@ -25,7 +24,7 @@ Guide::Guide(const std::shared_ptr<gpu::Device>& device, Extent extent)
       cells_kernel_(device, {}, 4, 4),
       guide_coarse_kernel_(device, {}, 1, 1),
       sum_(device, {.rows = kRows}),
-      frame_(device, {}, kSumLanes) {
+      frame_(device, {}, shaders::intrinsic_guide_frame::kSumLanes) {
   using gpu::Buffer;
   using gpu::Element;
   level0_ = Buffer::create(device, Element::vec4, extent_.pixels());

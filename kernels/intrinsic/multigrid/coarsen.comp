@@ -67,7 +67,7 @@ void main() {
       ivec2 size = ivec2(push.finest);
       ivec4 pixels = clamp(ivec4(size.x - 16 * int(position.x)) - ivec4(0, 4, 8, 12), 0, 4) *
                      clamp(size.y - 4 * int(position.y), 0, 4);
-      mass += FETCH(source_term, SOURCE_STRIDE * int(to) + SOURCE_SCREEN) + vec4(pixels) * FETCH(source_term, SOURCE_STRIDE * int(to) + SOURCE_ANCHOR);
+      mass += FETCH(source_term, SOURCE_STRIDE * int(to) + SOURCE_SCREENING) + vec4(pixels) * FETCH(source_term, SOURCE_STRIDE * int(to) + SOURCE_ANCHOR);
     }
     STORE(coarse_system, uint(kCoarseStride) * to + SYSTEM_MASS, MASKED(mass, INSIDE(position.x, half_size.x)));
   }

@@ -42,7 +42,9 @@ class Multigrid {
     bool conditional = false;  ///< skipped if the measured cycle before was the last one needed
     float tolerance = 0;       ///< rms change by a cycle, log units, below which no other is needed
   };
-  static constexpr uint64_t kFineStride = 3;  ///< vec4 a pack of the system on levels 0 and 1
+  static constexpr uint64_t kFineStride =
+      shaders::intrinsic_multigrid_smooth::SYSTEM_FINE_STRIDE;  ///< vec4 a pack of the system on
+                                                                ///< levels 0 and 1
   static constexpr uint64_t kSourceStride =
       shaders::intrinsic_multigrid_smooth::SOURCE_STRIDE;  ///< vec4 a pack of cells of
                                                            ///< `cell_source_term`
@@ -56,12 +58,11 @@ class Multigrid {
   const gpu::BufferPtr& system() const { return levels_[0].system; }
   /// The unknown, one vec4 a pack; cycles improve it in place.
   const gpu::BufferPtr& field() const { return levels_[0].field; }
-  /// The source_term with which the cells' terms data at the pixels, their screening, and a mass of
-  /// each of their pixels, three vec4 a pack of cells; set before the operators are made, and the
-  /// source_term renewed by every cycle's `after`.
+  /// Source term, screening and anchor mass of the cells' pixels, kSourceStride vec4 a pack of
+  /// cells; set before `record_operators`. Every cycle's `after` writes the source term again.
   const gpu::BufferPtr& cell_source_term() const { return cell_source_term_; }
   /// Cells, during a cycle: the mean of the unknown, its correction so far, the residual of the
-  /// finer levels; and the system, whose right-hand side (slot 2 of four) the caller writes.
+  /// finer levels; and the system, whose right-hand side (SYSTEM_RHS) the caller writes.
   const gpu::BufferPtr& cell_means() const { return cell_means_; }
   const gpu::BufferPtr& cell_correction() const { return levels_[2].field; }
   const gpu::BufferPtr& cell_residual() const { return cell_residual_; }
@@ -77,7 +78,7 @@ class Multigrid {
   /// Records the residual of pixels for cells whose tiles the next cycles do not list.
   void record_residual(gpu::Commands& commands, const TileList* listed) const;
   /// Records cycle number `k` of a frame, from 0; `before` records the cells' right-hand side,
-  /// `after` their source_term after the last correction.
+  /// `after` their source term after the last correction.
   void record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,
                     const Progress& progress, const std::function<void()>& before,
                     const std::function<void()>& after, const TileList* listed = nullptr);

@@ -14,9 +14,9 @@
 // its neighbors if push.around says that those are not corrected yet.
 //
 // On levels 0 and 1 the source term of a cell (source_term.comp) acts on its mean, so its pixels share it. A pixel is updated as if
-// it were alone, which bounds the change: screen (mean s)^2 <= screen mean(s^2), with equality if all pixels agree. A cell's
+// it were alone, which bounds the change: screening (mean s)^2 <= screening mean(s^2), with equality if all pixels agree. A cell's
 // pixels have the mass of its anchor.
-layout(constant_id = 1) const int kStride = 4;  // of the system: 4, or 3 without a plane of masses
+layout(constant_id = 1) const int kStride = 4;  // of the system: SYSTEM_FINE_STRIDE or SYSTEM_COARSE_STRIDE
 layout(constant_id = 2) const bool kCorrect = false;
 layout(constant_id = 3) const int kCellPixels = 0;  // pixels of this level along a cell, 4 or 2, or 0: no source_term
 PLANE_IN(0, system);
@@ -89,7 +89,7 @@ void main() {
     }
     if (kCellPixels > 0 && (k == 0 || (k == 2 && kCellPixels == 2))) {
       data = of_cells(x, y, SOURCE_VALUE);
-      screen_of_cell = of_cells(x, y, SOURCE_SCREEN);
+      screen_of_cell = of_cells(x, y, SOURCE_SCREENING);
       anchor = of_cells(x, y, SOURCE_ANCHOR);
     }
     u[k] = FETCH(now, y * packs + x) + lift;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A histogram of ln max_c R over the cells of a frame. Dark cells do not count: their light says more of the sensor than of the
 // surface.
+#include "solve/darkest.glsl"
 const uint kBrightnessBins = 512u;
 const float kBrightnessReach = 8.0;  // ln R from -8 to 8
-const float kDarkest = -3.9;         // ln of 2 % of full scale
 
 uint brightness_bin(float log_reflectance) {
   return uint(clamp((log_reflectance + kBrightnessReach) * (float(kBrightnessBins) / (2.0 * kBrightnessReach)), 0.0,

@@ -32,7 +32,7 @@ void OutputScale::record(gpu::Commands& commands, const Guide& guide, const gpu:
                      .scale_cells = normalization_.cells()},
                     {.size = guide.extent()}, line_of(guide.cell_extent().pixels()));
   commands.dispatch(target_kernel_, {.counts = counts_, .target = target_},
-                    {.quantile = std::clamp(params.quantile, 0.0F, 1.0F)}, {});
+                    {.quantile = std::clamp(params.white_quantile, 0.0F, 1.0F)}, {});
   normalization_.record(
       commands, {target_, decision, history, std::clamp(params.white_level, 0.05F, 1.0F), frozen});
 }

@@ -15,7 +15,7 @@ class OutputScale {
  public:
   struct Params {
     /// Quantile of max_c R over the cells of a first frame, 0…1, that …
-    float quantile = 0.98F;
+    float white_quantile = 0.98F;
     /// … is mapped to this value, 0.05…1 (1 = white of the display).
     float white_level = 0.9F;
     bool operator==(const Params&) const = default;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <cmath>
 #include <memory>
 
 #include "kernels/intrinsic/guide/guide.hpp"
@@ -38,8 +39,11 @@ class EdgePrior {
   };
   static constexpr uint64_t kFluxStride = shaders::intrinsic_prior_edges::FLUX_STRIDE,
                             kValueStride = shaders::intrinsic_prior_cell_values::VALUE_STRIDE;
-  /// The largest g that it writes, for a chroma_weight of 1: e^3 a pixel, 16 pixels a cell.
-  static constexpr float kMaxChroma = 16 * 20.0856F;
+  /// The largest g that it writes, for a chroma_weight of 1.
+  static float max_chroma() {
+    using Shader = shaders::intrinsic_prior_cell_values;
+    return Shader::kCellArea * std::exp(Shader::kLogHigh);
+  }
 
   EdgePrior(const std::shared_ptr<gpu::Device>& device, Extent extent);
 

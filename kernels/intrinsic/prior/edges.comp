@@ -136,7 +136,7 @@ void main() {
         int y = (kDown ? block.y : start.y) + k;
         uint at = uint(y * packs + block.x / 4);
         if (y <= last.y) {
-          STORE(system, 3u * at + (kDown ? SYSTEM_DOWN : SYSTEM_RIGHT), weights[k]);
+          STORE(system, SYSTEM_FINE_STRIDE * at + (kDown ? SYSTEM_DOWN : SYSTEM_RIGHT), weights[k]);
           STORE(flux, FLUX_STRIDE * at + (kDown ? FLUX_DOWN : FLUX_RIGHT), fluxes[k]);
         }
       }

@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "temporal.glsl"
 
-// Decides whether a frame continues the one before (temporal.glsl). One workgroup of 64.
+// Decides whether a frame continues the one before (temporal.glsl). One workgroup of kSumLanes.
 PLANE_IN(0, sums);
 PLANE_INOUT(1, cut_decision);
 layout(push_constant) uniform Push {
@@ -14,16 +14,17 @@ layout(push_constant) uniform Push {
   float continues;  // 1, or 0 for the first frame that has one before
 } push;
 
-shared vec4 totals[64];
+const uint kSumLanes = 64u;
+shared vec4 totals[kSumLanes];
 
 void main() {
   uint lane = gl_LocalInvocationID.x;
   vec4 sum = vec4(0.0);
-  for (uint i = lane; i < push.count; i += 64u) sum += FETCH(sums, int(i));
+  for (uint i = lane; i < push.count; i += kSumLanes) sum += FETCH(sums, int(i));
   totals[lane] = sum;
   barrier();
   if (lane > 0u) return;
-  for (uint i = 1u; i < 64u; ++i) sum += totals[i];
+  for (uint i = 1u; i < kSumLanes; ++i) sum += totals[i];
   float frames = push.continues > 0.0 ? LOAD(cut_decision, 0)[CUT_FRAMES] : 0.0;
   vec4 decision;
   decision[CUT_MISMATCH] = sum.x / push.cells;

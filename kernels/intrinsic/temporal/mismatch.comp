@@ -52,10 +52,10 @@ void main() {
   uint at = cell.y * cell_size.x + cell.x;
   vec4 around = FETCH(guide_coarse, int((cell.y / 4u) * PACK4(cell_size.x) + cell.x / 4u)), guide = FETCH(cells, int(CELL_STRIDE * at));
   vec4 step = cell_state(guide, around) - FETCH(before, int(at));
-  float light = exp(guide.x), trust = light / (light + kLittleLight), unrest = variance(sum.x, squares.x, share);
+  float light = exp(guide.x), confidence = light / (light + kLittleLight), change_variance = variance(sum.x, squares.x, share);
   float structure = variance(sum.y, squares.y, share) + variance(sum.z, squares.z, share);
   float counts = structure / (structure + kLittleStructure);
-  vec3 differences = vec3(step.x * step.x, dot(step.yz, step.yz), unrest);
-  vec3 units = vec3(push.detail, push.chroma * trust, push.texture);
-  STORE(mismatch, at, vec4(dot(differences, units * units), counts * unrest, counts * structure, 0.0));
+  vec3 differences = vec3(step.x * step.x, dot(step.yz, step.yz), change_variance);
+  vec3 units = vec3(push.detail, push.chroma * confidence, push.texture);
+  STORE(mismatch, at, vec4(dot(differences, units * units), counts * change_variance, counts * structure, 0.0));
 }

@@ -6,7 +6,6 @@
 
 namespace inverse {
 namespace {
-constexpr uint32_t kSumLanes = 64;  // of cut_decision.comp
 /// One tile a 4 x 4 cells.
 constexpr uint64_t tiles_of(Extent cells) {
   return static_cast<uint64_t>(pack4_count(cells.width)) * ((cells.height + 3) / 4);
@@ -19,7 +18,7 @@ TemporalAnchor::TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Exten
       compare_(device, {}, 4, 4),
       copy_tiles_(device, {.stride = kMemoryStride}, 4, 16),
       static_tiles_(device),
-      decide_(device, {}, kSumLanes),
+      decide_(device, {}, shaders::intrinsic_temporal_cut_decision::kSumLanes),
       kept_(gpu::Buffer::create(device, gpu::Element::vec4, cells_.pixels())),
       memory_(gpu::Buffer::create(device, gpu::Element::vec4, kMemoryStride * pack4_count(extent))),
       now_(gpu::Buffer::create(device, gpu::Element::vec4, kMemoryStride * pack4_count(extent))),

@@ -23,14 +23,14 @@ void main() {
   uvec2 tile = grid_position(push.tiles.x);
   if (tile.y >= push.tiles.y) return;
   uint at = tile.y * push.tiles.x + tile.x;
-  vec4 most = vec4(0.0);
+  vec4 max_correction = vec4(0.0);
   for (uint y = 4u * tile.y; y < min(4u * tile.y + 4u, push.cell_packs.y); ++y)
-    most = max(most, abs(FETCH(correction, int(y * push.cell_packs.x + tile.x))));
-  vec4 known = LOAD(activity, at);
+    max_correction = max(max_correction, abs(FETCH(correction, int(y * push.cell_packs.x + tile.x))));
+  vec4 state = LOAD(activity, at);
   bool near = near_change(ivec2(tile), ivec2(push.tiles));
-  float frames = near ? 1.0 : known.y + 1.0;
-  float coarse = (1.0 - pow(push.hold, known.z)) / known.z * max(max(most.x, most.y), max(most.z, most.w));
-  bool skipped = !near && frames * max(known.x, coarse) <= push.tolerance;  // not for NaN
+  float frames = near ? 1.0 : state.y + 1.0;
+  float coarse = (1.0 - pow(push.hold, state.z)) / state.z * max(max(max_correction.x, max_correction.y), max(max_correction.z, max_correction.w));
+  bool skipped = !near && frames * max(state.x, coarse) <= push.tolerance;  // not for NaN
   STORE(flags, at, skipped ? 0u : 1u);
-  STORE(activity, at, vec4(known.x, frames, known.z, 0.0));
+  STORE(activity, at, vec4(state.x, frames, state.z, 0.0));
 }

@@ -13,7 +13,7 @@
 namespace inverse {
 
 /// The tiles of a frame that need work: those whose input changed, and those whose solution has not
-/// converged (active.comp, activity.comp; docs/reference/methods/intrinsicdecomp.md, 8). Without
+/// converged (active.comp, activity.comp; docs/reference/methods/intrinsicdecomp.md, 10). Without
 /// knowledge of changed tiles, frames are worked on as a whole.
 class ActiveTiles {
  public:

@@ -96,7 +96,7 @@ void MaterialFusion::add(const Material& estimate, const Params& params) {
   window_.push_back(estimate);
   if (window_.size() > kWindow) window_.pop_front();
   const Material middle = median(window_);
-  others_ = count_ && is_other(middle, mean_, params.other) ? others_ + 1 : 0;
+  others_ = count_ && is_other(middle, mean_, params.new_object_distance) ? others_ + 1 : 0;
   if (others_ >= kWindow) {
     reset();
     window_.push_back(estimate);
@@ -113,7 +113,7 @@ void MaterialFusion::add(const Material& estimate, const Params& params) {
 
 float MaterialFusion::drift() const { return count_ ? distance(recent_, mean_) : 0; }
 
-bool MaterialFusion::steady(float limit) const {
+bool MaterialFusion::converged(float limit) const {
   const float drift = this->drift();
   // A running mean of estimates with standard deviation s has standard error s sqrt(kRecent / (2 -
   // kRecent)): twice that is about s / 2.

@@ -18,7 +18,7 @@ class MaterialFusion {
     /// The mean restarts after five consecutive medians whose diffuse albedo differs from it by
     /// more than this (largest channel), specular albedo by twice as much, or a sixth of log2 of
     /// the shininess by three times as much.
-    float other = 0.2F;
+    float new_object_distance = 0.2F;
   };
 
   /// Adds the estimate of one frame; ignores it if values are not finite or bins are no
@@ -40,7 +40,7 @@ class MaterialFusion {
   /// Whether the mean has converged to within `limit`: its standard error is below `limit`, and the
   /// running mean deviates by no more than that plus its expected scatter. False before
   /// kMinEstimates.
-  bool steady(float limit) const;
+  bool converged(float limit) const;
   static constexpr uint64_t kMinEstimates = 12;
 
  private:

@@ -16,7 +16,7 @@ layout(push_constant) uniform Push {
   int side;
 } push;
 
-const int kMaxTaps = 12;  // along one side of a point; where it covers more pixels they are spread over it
+const int kMaxTaps = 12;  // along one side of a point; if it covers more pixels they are spread over it
 
 void main() {
   int i = int(gl_GlobalInvocationID.x);

@@ -23,7 +23,7 @@ bool is_static(const NetworkSchedule::Params& params, const NetworkSchedule::Kno
   // The reference image for layers is missing when drawing begins.
   const bool stale =
       is_watched(known) && (!known.changed || known.changed->largest > NetworkSchedule::kChanged);
-  return known.steady && known.moved < ObjectTracker::kMoved && !stale;
+  return known.converged && known.moved < ObjectTracker::kMoved && !stale;
 }
 
 }  // namespace
@@ -32,7 +32,7 @@ NetworkSchedule::Plan NetworkSchedule::next(const Params& params, const Known& k
   // A sudden change of lamps is analyzed at once; a continuing one at the regular rate.
   const bool relit = rested_in_place_ && is_relit(known);
   const bool resting = is_static(params, known) && !relit;
-  const bool rest = resting && ++rested_ < std::max(params.recheck, uint32_t{1});
+  const bool rest = resting && ++rested_ < std::max(params.estimate_interval, uint32_t{1});
   if (!rest) rested_ = 0;
   if (resting || !known.found)
     follow_ = 0;

@@ -15,7 +15,7 @@ class NetworkSchedule {
   /// Of LimeMaterial::Params, which documents them.
   struct Params {
     bool adaptive = true;
-    uint32_t recheck = 8;
+    uint32_t estimate_interval = 8;
   };
   /// State at a new frame, according to the last finished one.
   struct Known {
@@ -24,7 +24,7 @@ class NetworkSchedule {
     bool found = false;        ///< an object is present
     bool placed = false;       ///< its layers were computed from that same square
     float moved = 1;           ///< share of its points that changed
-    bool steady = false;       ///< its material is known
+    bool converged = false;    ///< its material is known
     bool draws = false;        ///< its layers are requested
     bool finds_light = false;  ///< its light is requested and can be estimated
     uint64_t views = 0;        ///< views of the object in the light

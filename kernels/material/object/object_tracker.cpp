@@ -5,12 +5,14 @@
 #include <cmath>
 #include <utility>
 
+#include "kernels/material_layers_layers.spv.hpp"
+
 namespace inverse {
 namespace {
 
-constexpr float kObject = 0.5F;      // probability
-constexpr float kMinShare = 0.005F;  // of the square
-constexpr float kFill = 0.66F;       // of the square: target of the object's longer side
+constexpr float kObject = shaders::material_layers_layers::kObject;  // probability
+constexpr float kMinShare = 0.005F;                                  // of the square
+constexpr float kFill = 0.66F;   // of the square: target of the object's longer side
 constexpr float kRest = 0.12F;   // of the square's size: smaller changes neither move nor resize it
 constexpr float kMinSize = 32;   // pixels
 constexpr float kCloser = 0.9F;  // ratio of sizes below which a square is a closer one

@@ -57,7 +57,7 @@ Method globalintrinsic(DeviceSession& session) {
                {"residual", [](Params& p) { p.residual = 0; }},
                {"own-color exclusion", [](Params& p) { p.own = 0; }},
                {"neutrality", [](Params& p) { p.neutral = 0; }},
-               {"near light", [](Params& p) { p.near = 0; }}};
+               {"near light", [](Params& p) { p.near_share = 0; }}};
   double order = 0;
   for (const auto& [part, leave_out] : parts) {
     Params params;

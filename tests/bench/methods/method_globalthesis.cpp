@@ -31,7 +31,7 @@ Params default_params() {
 Params still_params() {
   Params params = default_params();
   params.keyframes = 0;
-  params.cut_fraction = 0;
+  params.cut_chroma = 0;
   return params;
 }
 

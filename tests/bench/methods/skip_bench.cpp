@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What intrinsicdecomp skips depending on the scene: saved time and change of the result, for chroma
-// bins and the temporal anchor one by one (terms), and for everything by skip-error (error).
+// What intrinsicdecomp skips depending on the scene: saved time and change of the result, for
+// chroma bins and the temporal anchor one by one (terms), and for everything by skip-error (error).
 //
 //   skip-bench terms|error [--frames N] FOLDER…
 //

@@ -158,7 +158,7 @@ void turn_knobs(const Case& one, Params& params) {
     params.warm_cycles = less ? 1 : 8;
     params.anchor.hold = 0.99F;
     params.anchor.hold_light = less ? 1e-3F : 10;
-    params.scale.quantile = less ? 0 : 1;
+    params.scale.white_quantile = less ? 0 : 1;
   }
 }
 
@@ -181,10 +181,10 @@ GlobalIntrinsic::Params global_params_of(const Case& one) {
               same = either(0, 3), white = either(0, 1), cut = either(0, 1),
               renew = either(0.01F, 1), smoothing = either(0.5F, 2.5F), residual = either(0, 1);
   const bool one_color = random() % 2;
-  if (one.knobs & 1U) params.reach = reach, params.near = near, params.own = own;
+  if (one.knobs & 1U) params.reach = reach, params.near_share = near, params.own = own;
   if (one.knobs & 2U) params.amount = amount;
   if (one.knobs & 4U)
-    params.typical = typical, params.measurement_weight = measurement_weight,
+    params.typical_amount = typical, params.measurement_weight = measurement_weight,
     params.neutral = neutral;
   if (one.knobs & 8U) {
     params.base_colors = one_color ? 1 : 16;
@@ -193,8 +193,8 @@ GlobalIntrinsic::Params global_params_of(const Case& one) {
   }
   if (one.knobs & 16U) {
     params.white_balance = white;
-    params.cut = cut;
-    params.renew = renew;
+    params.cut_chroma = cut;
+    params.update_rate = renew;
     params.smoothing = smoothing;
     params.residual = residual;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Which tiles evaluate their edges again (docs/reference/methods/intrinsicdecomp.md, 8).
+// Which tiles evaluate their edges again (docs/reference/methods/intrinsicdecomp.md, 10).
 #include <algorithm>
 #include <bit>
 #include <limits>

@@ -204,7 +204,7 @@ TEST_F(IntrinsicTest, BinsAgreeWithReference) {
   const uint64_t packs = pack4_count(cells);
   Pixels terms(packs * 16), means(packs * 4), correction(packs * 4), far(packs * 4);
   std::vector<double> g(cells.pixels()), rho(cells.pixels());
-  const float largest = EdgePrior::kMaxChroma;
+  const float largest = EdgePrior::max_chroma();
   for (uint32_t y = 0; y < cells.height; ++y)
     for (uint32_t x = 0; x < cells.width; ++x) {
       const size_t i = static_cast<size_t>(y) * cells.width + x;
@@ -254,7 +254,7 @@ TEST_F(IntrinsicTest, OutputScaleAgreesWithReference) {
     OutputScale scale(device, guide.cell_extent());
     OutputScale::Params params;
     reference::ScaleParams wanted;
-    wanted.quantile = params.quantile = 0.83F;  // of no count of cells a whole number
+    wanted.quantile = params.white_quantile = 0.83F;  // of no count of cells a whole number
     reference::OutputScale expected(wanted);
     using History = OutputScale::History;
     const struct {

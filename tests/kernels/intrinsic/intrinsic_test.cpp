@@ -14,7 +14,7 @@ TEST_F(IntrinsicTest, ScaleBringsBrightReflectanceToTheWhiteLevel) {
     for (size_t i = 0; i < pixels.size(); i += 4)
       brightest.push_back(std::max({pixels[i], pixels[i + 1], pixels[i + 2]}));
     std::sort(brightest.begin(), brightest.end());
-    return brightest[static_cast<size_t>(params.scale.quantile *
+    return brightest[static_cast<size_t>(params.scale.white_quantile *
                                          static_cast<float>(brightest.size()))];
   };
   Pixels pixels = scene(extent, 4);

@@ -204,7 +204,7 @@ TEST_F(IntrinsicTilesTest, AStaticBackgroundIsReusedAndStaysNearTheWholeSolve) {
 
 // What moves leaves shading behind that is wrong for what it uncovers, and that fades for as long
 // as the video continues: also if tiles are skipped, to within the bound of
-// docs/reference/methods/intrinsicdecomp.md, 8.
+// docs/reference/methods/intrinsicdecomp.md, 10.
 TEST_F(IntrinsicTilesTest, TrailsOfMovingObjectsFade) {
   constexpr double kMaxRms = 0.04, kMaxTile = 0.15;
   const Extent extent{240, 176};

@@ -31,8 +31,8 @@ TEST_F(LimeTest, TheLightIsEstimatedIfRequested) {
 
 TEST_F(LimeTest, TheLightOfAnUnchangedObjectIsThatOfTheLamps) {
   params.light_asked = true;
-  params.recheck = 1000;
-  params.fusion.other = params.steady = 1;  // the material does not restart
+  params.estimate_interval = 1000;
+  params.fusion.new_object_distance = params.converged_error = 1;  // the material does not restart
   for (delay = 0; delay < gpu::kFramesInFlight; ++delay) {
     LimeMaterial lime(device, kFrame, HandMadeLime::models());
     for (int i = 0; i < 40; ++i) unseen(lime, .4F);
@@ -55,7 +55,7 @@ TEST_F(LimeTest, TheLightOfAnUnchangedObjectIsThatOfTheLamps) {
 
 TEST_F(LimeTest, TheLightFollowsLampsThatFade) {
   params.light_asked = true;
-  params.fusion.other = params.steady = 1;
+  params.fusion.new_object_distance = params.converged_error = 1;
   for (delay = 0; delay < gpu::kFramesInFlight; ++delay) {
     LimeMaterial lime(device, kFrame, HandMadeLime::models());
     const auto estimates = [&] { return lime.report(lime.recorded() - 1).estimates; };
@@ -75,7 +75,7 @@ TEST_F(LimeTest, TheLightFollowsLampsThatFade) {
 
 TEST_F(LimeTest, LightThatIsNotRequestedIsDiscarded) {
   params.light_asked = true;
-  params.fusion.other = params.steady = 1;
+  params.fusion.new_object_distance = params.converged_error = 1;
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   for (int i = 0; i < 40; ++i) unseen(lime, .4F);
   ASSERT_GE(lime.light_views(), 4U);
@@ -94,7 +94,7 @@ TEST_F(LimeTest, LightThatIsNotRequestedIsDiscarded) {
 TEST_F(LimeTest, TheLightIsAMeanWhileThingsMove) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   params.light_asked = true;
-  params.fusion.other = params.steady = 1;
+  params.fusion.new_object_distance = params.converged_error = 1;
   for (int i = 0; i < 40; ++i) unseen(lime, .4F);
   // An object that turns in its place restarts it once, and follows for a while.
   for (int i = 0; i < 150; ++i) unseen(lime, i % 2 ? .45F : .6F);
@@ -109,7 +109,7 @@ TEST_F(LimeTest, TheLightIsAMeanWhileThingsMove) {
 TEST_F(LimeTest, AnObjectThatStopsElsewhereGetsTheLightThere) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   params.light_asked = true;
-  params.fusion.other = params.steady = 1;
+  params.fusion.new_object_distance = params.converged_error = 1;
   const auto put = [&](float x, float blue) {
     run([&](gpu::Commands& commands) {
       lime.record(commands, scene(x, 30, 20, .4F, blue), params, false);

@@ -133,7 +133,7 @@ TEST_F(LimeTest, APictureWithoutAnObjectIsSearchedOnce) {
 
 TEST_F(LimeTest, AnUnchangedObjectIsEstimatedRarely) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
-  params.recheck = 5;
+  params.estimate_interval = 5;
   const Plane picture = scene(50, 30, 20);
   for (int i = 0; i < 30; ++i) frame(lime, picture);
   const auto before = lime.report(lime.recorded() - 1).estimates;
@@ -147,10 +147,10 @@ TEST_F(LimeTest, AnUnchangedObjectIsEstimatedRarely) {
 
 TEST_F(LimeTest, AChangingObjectIsNeverConfirmed) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
-  params.recheck = 1000;
+  params.estimate_interval = 1000;
   params.fusion.memory = 1;
-  params.fusion.other = 1;
-  params.steady = .01F;
+  params.fusion.new_object_distance = 1;
+  params.converged_error = .01F;
   for (int i = 0; i < 80; ++i) {
     run([&](gpu::Commands& commands) {
       lime.record(commands, scene(50, 30, 20, .5F, i % 3 ? .3F : .5F), params, false);
@@ -158,12 +158,13 @@ TEST_F(LimeTest, AChangingObjectIsNeverConfirmed) {
     lime.done(lime.recorded() - 1);
   }
   EXPECT_GE(lime.report(lime.recorded() - 1).estimates, 75U);
-  EXPECT_LT(lime.object().spread, params.steady * std::sqrt(60.F)) << "or any rule would do";
+  EXPECT_LT(lime.object().spread, params.converged_error * std::sqrt(60.F))
+      << "or any rule would do";
 }
 
 TEST_F(LimeTest, LayersOfAnUnchangedObjectFollowItsLight) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
-  params.recheck = 1000;
+  params.estimate_interval = 1000;
   const auto gloss = [&](float blue) {
     return download(frame(lime, scene(50, 30, 20, .5F, blue)).gloss->buffer)[4 * (30 * 96 + 50)];
   };
@@ -187,8 +188,8 @@ TEST_F(LimeTest, LayersOfAnUnchangedObjectFollowItsLight) {
 
 TEST_F(LimeTest, FirstDrawnLayersAreOfTheCurrentPicture) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
-  params.recheck = 1000;
-  params.fusion.other = 1;
+  params.estimate_interval = 1000;
+  params.fusion.new_object_distance = 1;
   const auto gloss = [&](float blue) {
     return download(frame(lime, scene(50, 30, 20, .5F, blue)).gloss->buffer)[4 * (30 * 96 + 50)];
   };
@@ -208,7 +209,7 @@ TEST_F(LimeTest, FirstDrawnLayersAreOfTheCurrentPicture) {
 
 TEST_F(LimeTest, ASteadyObjectThatLeavesIsLostAtOnce) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
-  params.recheck = 1000;
+  params.estimate_interval = 1000;
   for (int i = 0; i < 30; ++i) frame(lime, scene(50, 30, 20));
   EXPECT_FALSE(lime.report(lime.recorded() - 1).estimated);
   EXPECT_TRUE(lime.report(lime.recorded() - 1).segmented);

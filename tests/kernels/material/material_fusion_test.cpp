@@ -60,14 +60,15 @@ TEST(MaterialFusion, TheMeanOfManyThatScatterIsAsSteadyAsThatOfAFewThatDoNot) {
   MaterialFusion even, noisy;
   for (uint64_t i = 1; i <= 100; ++i) {
     even.add(material(.5F, .4F, 2), {});
-    EXPECT_EQ(even.steady(kLimit), i >= MaterialFusion::kMinEstimates) << i;
+    EXPECT_EQ(even.converged(kLimit), i >= MaterialFusion::kMinEstimates) << i;
     noisy.add(material(.5F + noise(random), .4F, 2), {});
-    EXPECT_EQ(noisy.steady(kLimit), i >= MaterialFusion::kMinEstimates &&
-                                        noisy.spread() < kLimit * std::sqrt(static_cast<float>(i)))
+    EXPECT_EQ(noisy.converged(kLimit),
+              i >= MaterialFusion::kMinEstimates &&
+                  noisy.spread() < kLimit * std::sqrt(static_cast<float>(i)))
         << i << ": what scatters drifts no further than its scatter explains";
   }
-  EXPECT_FALSE(even.steady(0));
-  EXPECT_FALSE(even.steady(std::numeric_limits<float>::quiet_NaN()));
+  EXPECT_FALSE(even.converged(0));
+  EXPECT_FALSE(even.converged(std::numeric_limits<float>::quiet_NaN()));
 }
 
 TEST(MaterialFusion, ASimilarObjectIsNotConfirmedBeforeItsMean) {
@@ -77,13 +78,13 @@ TEST(MaterialFusion, ASimilarObjectIsNotConfirmedBeforeItsMean) {
     std::normal_distribution<float> scatter(0, noise);
     MaterialFusion fusion;
     for (int i = 0; i < 100; ++i) fusion.add(material(.2F + scatter(random), .4F, 2), {});
-    ASSERT_TRUE(fusion.steady(kLimit));
+    ASSERT_TRUE(fusion.converged(kLimit));
     // Less than another object, which would restart it.
     for (int i = 0; i < 20; ++i) fusion.add(material(.35F + scatter(random), .4F, 2), {});
     EXPECT_EQ(fusion.count(), 120U);
-    EXPECT_FALSE(fusion.steady(kLimit));
+    EXPECT_FALSE(fusion.converged(kLimit));
     int more = 0;
-    while (!fusion.steady(kLimit) && more < 1000) {
+    while (!fusion.converged(kLimit) && more < 1000) {
       fusion.add(material(.35F + scatter(random), .4F, 2), {});
       ++more;
     }

@@ -18,7 +18,7 @@ struct Video {
                                .found = true,
                                .placed = true,
                                .moved = 0,
-                               .steady = true,
+                               .converged = true,
                                .changed = {}};
 
   NetworkSchedule::Plan next() { return schedule.next(params, known); }
@@ -50,9 +50,9 @@ TEST(NetworkSchedule, AnUnchangedObjectIsEstimatedOnceInSoManyFrames) {
     EXPECT_TRUE(plan.segments) << "it may begin to move";
     EXPECT_EQ(std::string(plan.skipped).empty(), plan.estimates) << k;
   }
-  video.params.recheck = 1;
+  video.params.estimate_interval = 1;
   EXPECT_EQ(video.estimated(5), 5U);
-  video.params.recheck = 0;
+  video.params.estimate_interval = 0;
   EXPECT_EQ(video.estimated(5), 5U);
 }
 
@@ -77,7 +77,7 @@ TEST(NetworkSchedule, AMovingOrUncertainObjectIsNotSkipped) {
   EXPECT_EQ(estimated([](Video& v) { v.known.moved = ObjectTracker::kMoved; }), 16U);
   EXPECT_EQ(estimated([=](Video& v) { v.known.moved = none; }), 16U);
   EXPECT_EQ(estimated([](Video& v) { v.known.placed = false; }), 16U);
-  EXPECT_EQ(estimated([](Video& v) { v.known.steady = false; }), 16U);
+  EXPECT_EQ(estimated([](Video& v) { v.known.converged = false; }), 16U);
   EXPECT_EQ(estimated([](Video& v) { v.params.adaptive = false; }), 16U);
 }
 

@@ -51,7 +51,7 @@ TEST_F(GlobalThesisTest, AColorThatIsGoneRetiresWithinTwoSeconds) {
   GlobalThesisParams params;
   params.steps = params.pcg_iterations = 1;
   params.refine_rounds = 0;
-  params.cut_fraction = 0;
+  params.cut_chroma = 0;
   method.set_params(params);
   const auto blue = [&] {
     int count = 0;
@@ -292,7 +292,7 @@ TEST_F(GlobalThesisTest, ACutDiscardsTheSceneAndBlocksNoFrame) {
   for (const float fraction : {0.2f, 0.0f}) {
     GlobalThesis method(device, extent);
     GlobalThesisParams params;
-    params.cut_fraction = fraction;
+    params.cut_chroma = fraction;
     params.refine_rounds = 2;
     params.keyframe_spacing = 1;
     params.steps = 2;

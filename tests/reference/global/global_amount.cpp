@@ -16,7 +16,7 @@ struct Moments {
 Moments moments(const AmountCost& cost, double measurement_weight, const AmountParams& params) {
   AmountCost energy;
   for (int i = 0; i < kCandidates; ++i) {
-    const double off = std::log(candidate(i) / params.typical) / params.spread;
+    const double off = std::log(candidate(i) / params.typical_amount) / params.spread;
     energy[std::size_t(i)] = measurement_weight * cost[std::size_t(i)] + 0.5 * off * off;
   }
   const double smallest = *std::min_element(energy.begin(), energy.end());

@@ -11,7 +11,7 @@ struct AmountParams {
   double manual = 0;              ///< Above 0: this amount, without measurement.
   double neutral = 1.5;           ///< Weight of neutrality beside sharpness; >= 0.
   double neutral_width = 0.2;     ///< Log chroma that still counts as neutral.
-  double typical = 0.5;           ///< Amount of a scene without evidence.
+  double typical_amount = 0.5;    ///< Amount of a scene without evidence.
   double spread = 0.65;           ///< Standard deviation of ln amount among scenes.
   double measurement_weight = 8;  ///< Log-likelihood of a difference of cost of 1,
   double full_spread = 0.35;      ///< from this spread of chroma on; below, in proportion to it.

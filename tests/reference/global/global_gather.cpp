@@ -76,8 +76,8 @@ Gather::Gather(const Grid& grid, const std::vector<int>& labels, int count,
     for (std::size_t j = 0; j < size(); ++j)
       for (std::size_t c = 0; c < 3; ++c)
         received_[k][j][c] =
-            params.near * (all[j][c] - own_ * emitted_[k][j][c]) / emitters(int(k), j) +
-            (1 - params.near) * frame[c];
+            params.near_share * (all[j][c] - own_ * emitted_[k][j][c]) / emitters(int(k), j) +
+            (1 - params.near_share) * frame[c];
   }
 }
 
@@ -105,12 +105,12 @@ Vec3 Gather::received(int label, int x, int y, int factor) const {
 Vec3 Gather::received_from(int k, int label, int x, int y, int factor) const {
   const auto& from = emitted_[std::size_t(k)];
   const Vec3& far = mean_[std::size_t(k)];
-  const double seen = params_.near * (k == label ? 1 - own_ : 1.0);
+  const double seen = params_.near_share * (k == label ? 1 - own_ : 1.0);
   return blend(
       [&](std::size_t j) {
         Vec3 out;
         for (std::size_t c = 0; c < 3; ++c)
-          out[c] = seen * from[j][c] / emitters(label, j) + (1 - params_.near) * far[c];
+          out[c] = seen * from[j][c] / emitters(label, j) + (1 - params_.near_share) * far[c];
         return out;
       },
       x, y, factor);

@@ -8,9 +8,9 @@
 namespace inverse::reference::global {
 
 struct GatherParams {
-  double reach = 0.4;  ///< Standard deviation of the blur, of the grid's width; > 0.
-  double near = 0.7;   ///< Share of the blur beside that of the frame's mean, 0 ... 1.
-  double own = 0.8;    ///< Share of a surface's own label that does not light it, 0 ... 1.
+  double reach = 0.4;       ///< Standard deviation of the blur, of the grid's width; > 0.
+  double near_share = 0.7;  ///< Share of the blur beside that of the frame's mean, 0 ... 1.
+  double own = 0.8;         ///< Share of a surface's own label that does not light it, 0 ... 1.
 };
 
 /// For every label k, on a grid of half the points: the blurred light and number of the surfaces of

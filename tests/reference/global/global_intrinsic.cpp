@@ -192,12 +192,12 @@ GlobalResult decompose_global(const double* input, int width, int height,
   const int factor = grid_factor(width, height, params.grid);
   // A cut is decided from the unprocessed frame.
   const Grid raw = make_grid(rgb, std::vector<double>(n, 1.0), width, height, factor);
-  if (warm && change_of(raw, scene.chroma) > params.cut) {
+  if (warm && change_of(raw, scene.chroma) > params.cut_chroma) {
     result.cut = true;
     scene = {};
   }
   scene.chroma = raw.chroma;
-  const double renew = std::max(params.renew, 1.0 / (scene.frames + 1));
+  const double renew = std::max(params.update_rate, 1.0 / (scene.frames + 1));
   if (params.white_balance > 0) {
     scene.white = scene.white + renew * (params.white_balance * illuminant(raw) - scene.white);
     const Vec3 color = color_of(scene.white);

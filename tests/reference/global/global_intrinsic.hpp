@@ -19,8 +19,8 @@ struct GlobalParams {
   ScaleParams scale;
   int warm_cycles = 2;       ///< Multigrid cycles of a frame that continues the one before.
   int grid = 40;             ///< Points along the longer side of the grid, at most.
-  double renew = 0.2;        ///< Weight of a frame in quantities averaged over time, 0 ... 1.
-  double cut = 0.3;          ///< Mean change of chroma, in halves, from which on a frame is a cut.
+  double update_rate = 0.2;  ///< Weight of a frame in quantities averaged over time, 0 ... 1.
+  double cut_chroma = 0.3;   ///< Mean change of chroma, in halves, from which on a frame is a cut.
   double white_balance = 0;  ///< Share of the illuminant's estimated log chroma that is removed.
   global::GatherParams gather;
   global::AmountParams amount;

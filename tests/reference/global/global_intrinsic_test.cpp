@@ -289,7 +289,7 @@ TEST(GlobalPalette, ASlotIsAnothersOnlyAfterLong) {
 TEST(GlobalAmount, HasNoConfidenceWithoutColors) {
   const AmountParams params;
   const Amount blind = amount_of({}, 1, params);
-  EXPECT_NEAR(blind.value, params.typical, 0.1);
+  EXPECT_NEAR(blind.value, params.typical_amount, 0.1);
   EXPECT_NEAR(blind.confidence, 0, 1e-9);
   AmountCost sharp{};
   sharp.fill(5);

@@ -32,14 +32,16 @@ void solve_row(Level& l, int first, int y) {
   std::array<double, 4> gain{}, value{};
   for (int k = 0; k < count; ++k) {
     const int x = first + k;
-    double f = l.f[l.at(x, y)] + l.cell_source[l.at(x, y)] + l.cell_screening[l.at(x, y)] * l.at_start[l.at(x, y)];
+    double f = l.f[l.at(x, y)] + l.cell_source[l.at(x, y)] +
+               l.cell_screening[l.at(x, y)] * l.at_start[l.at(x, y)];
     if (y > 0) f += l.down[l.at(x, y - 1)] * l.s[l.at(x, y - 1)];
     if (y + 1 < l.height) f += l.down[l.at(x, y)] * l.s[l.at(x, y + 1)];
     if (k == 0 && x > 0) f += l.right[l.at(x - 1, y)] * l.s[l.at(x - 1, y)];
     if (k == 3 && x + 1 < l.width) f += l.right[l.at(x, y)] * l.s[l.at(x + 1, y)];
     const auto i = static_cast<std::size_t>(k);
     const double before = k > 0 ? l.right[l.at(x - 1, y)] : 0;
-    const double pivot = l.diagonal(x, y) + l.cell_screening[l.at(x, y)] - (k > 0 ? before * gain[i - 1] : 0);
+    const double pivot =
+        l.diagonal(x, y) + l.cell_screening[l.at(x, y)] - (k > 0 ? before * gain[i - 1] : 0);
     gain[i] = (k + 1 < count ? l.right[l.at(x, y)] : 0) / pivot;
     value[i] = (f + (k > 0 ? before * value[i - 1] : 0)) / pivot;
   }
@@ -114,7 +116,8 @@ std::vector<double> halve(const std::vector<double>& fine, int width, int height
   return coarse;
 }
 
-std::vector<Level> hierarchy(const Level& finest, const std::vector<double>& screening, double scale) {
+std::vector<Level> hierarchy(const Level& finest, const std::vector<double>& screening,
+                             double scale) {
   std::vector<Level> levels{finest};
   while (levels.size() < 3 || levels.back().width * levels.back().height > 1) {
     levels.push_back(coarsen(levels.back(), scale));
@@ -185,7 +188,8 @@ void share(const std::vector<double>& cells, int columns, int size, const Level&
 }  // namespace
 
 void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& terms,
-           const std::vector<double>& screening, std::vector<double>& source, std::size_t together) {
+           const std::vector<double>& screening, std::vector<double>& source,
+           std::size_t together) {
   Level &l0 = levels[0], &l1 = levels[1], &l2 = levels[2];
   share(screening, l2.width, 4, l0, l0.cell_screening);
   share(screening, l2.width, 2, l1, l1.cell_screening);

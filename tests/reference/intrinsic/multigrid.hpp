@@ -37,14 +37,15 @@ void solve_row(Level& level, int first, int y);
 void smooth(Level& level, int color, int rows);
 
 /// The next coarser operator: masses add up; edges across the aggregates' borders add up, in series
-/// with the aggregates' inner edges, with at least the share `least`.
-Level coarsen(const Level& fine, double least);
+/// with the aggregates' inner edges, with at least the share `min_share`.
+Level coarsen(const Level& fine, double min_share);
 
 /// 2 x 2 means; the last row or column of an odd border counts twice.
 std::vector<double> halve(const std::vector<double>& fine, int width, int height);
 
 /// All levels down to a single pixel. `screening` is added to the masses of level 2.
-std::vector<Level> hierarchy(const Level& finest, const std::vector<double>& screening, double scale);
+std::vector<Level> hierarchy(const Level& finest, const std::vector<double>& screening,
+                             double scale);
 
 /// Cell terms within a cycle, as functions of the residual after the finer levels (`far`), the cell
 /// means of s and the level of the cells.
@@ -57,8 +58,8 @@ struct CellTerms {
   std::function<std::vector<double>(const std::vector<double>& means, const Level& cells)> after;
 };
 
-/// One cycle, as Multigrid::record_cycle without extrapolation; `screening` is the cells', `source` is
-/// read and renewed. Levels of at most `together` packs have blocks of single rows.
+/// One cycle, as Multigrid::record_cycle without extrapolation; `screening` is the cells', `source`
+/// is read and renewed. Levels of at most `together` packs have blocks of single rows.
 void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& terms,
            const std::vector<double>& screening, std::vector<double>& source,
            std::size_t together = 300);

@@ -16,8 +16,8 @@ constexpr double kMismatch = 0.1, kSteep = 0.05, kRenew = 0.003, kDarkest = -3.9
 constexpr std::size_t kSpan = 64, kOldest = 4;
 constexpr uint32_t kCandidates = 8;
 constexpr int kRounds = 10;
-constexpr double kWidth = 0.02, kNoZoom = 0.1, kFewest = 0.05, kSameScene = 0.5, kFollow = 0.1,
-                 kMoreLight = 0.25, kRemember = 1.0 / 64;
+constexpr double kWidth = 0.02, kNoZoom = 0.1, kMinFound = 0.05, kSameScene = 0.5, kFollow = 0.1,
+                 kMoreLight = 0.25, kMeanRate = 1.0 / 64;
 
 double mix(double a, double b, double share) { return a + share * (b - a); }
 }  // namespace
@@ -88,12 +88,13 @@ ScaleNormalization::Sample ScaleNormalization::track(Point& point, uint32_t inde
                                                      const std::vector<Point>& others,
                                                      const std::vector<ScaleCell>& cells) const {
   double offset = offset_;
-  if (!goes_on_ || point.history.empty()) {
+  if (!has_history_ || point.history.empty()) {
     const auto columns = static_cast<uint32_t>(columns_);
     const std::array<double, 2> place =
-        goes_on_ ? sparse_place(index, others)
-                 : std::array{std::min((index % columns + 0.5) * spacing_ - 0.5, width_ - 1.0),
-                              std::min((index / columns + 0.5) * spacing_ - 0.5, height_ - 1.0)};
+        has_history_
+            ? sparse_place(index, others)
+            : std::array{std::min((index % columns + 0.5) * spacing_ - 0.5, width_ - 1.0),
+                         std::min((index / columns + 0.5) * spacing_ - 0.5, height_ - 1.0)};
     point = {place[0], place[1], {}};
     offset = mix(offset_, target_, kRenew);
   }
@@ -237,15 +238,15 @@ double ScaleNormalization::update(const std::vector<ScaleCell>& input, const Sca
     known_ = known;
     target_ = offset_;
     motion_ = {};
-    goes_on_ = false;
+    has_history_ = false;
     return known ? log_white + offset_ : 0;
   }
-  const bool follows = known && found_ > kFewest;
+  const bool tracked = known && found_ > kMinFound;
   if (!known) {
     offset = target.offset;
   } else if (frozen || samples.empty()) {
     offset = offset_;
-  } else if (!follows) {
+  } else if (!tracked) {
     offset = mix(offset_, target.offset, kFollow);
   } else if (bright > bright_ && bright_ > 0) {
     const double growth =
@@ -255,9 +256,9 @@ double ScaleNormalization::update(const std::vector<ScaleCell>& input, const Sca
     for (Point& point : points_)
       for (double& value : point.history) value += shift;
   }
-  bright_ = known && bright_ > 0 ? mix(bright_, bright, kRemember) : bright;
-  motion_ = follows ? motion : Motion{};
-  goes_on_ = follows;
+  bright_ = known && bright_ > 0 ? mix(bright_, bright, kMeanRate) : bright;
+  motion_ = tracked ? motion : Motion{};
+  has_history_ = tracked;
   known_ = true;
   offset_ = offset;
   target_ = target.offset;

@@ -58,7 +58,7 @@ class ScaleNormalization {
   double spacing_;
   std::vector<ScaleCell> before_;
   std::vector<Point> points_;
-  bool known_ = false, goes_on_ = false;
+  bool known_ = false, has_history_ = false;
   Motion motion_;
   uint32_t frames_ = 0;  // that points were followed through
   double offset_ = 0, target_ = 0, bright_ = 0, found_ = 0;
