@@ -62,7 +62,7 @@ class Level {
   void solve() {
     struct Point {
       uint32_t at;
-      std::array<uint32_t, 4> neighbors;  // itself where u is not an unknown
+      std::array<uint32_t, 4> neighbors;  // itself if u is not an unknown
       float inverse;                      // of what u is multiplied by
     };
     std::vector<Point> points;

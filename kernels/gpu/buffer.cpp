@@ -40,7 +40,7 @@ uint32_t memory_type(const Device& device, uint32_t allowed, VkMemoryPropertyFla
   return static_cast<uint32_t>(best);
 }
 
-/// Lavapipe of Mesa before 23.3 compiles a kernel again where the size of a texel buffer becomes a
+/// Lavapipe of Mesa before 23.3 compiles a kernel again if the size of a texel buffer becomes a
 /// power of two or loses bits 8 … 15, or the reverse. With some bytes more all buffers are alike.
 uint64_t padded(const Device& device, uint64_t bytes) {
   constexpr uint64_t kPadding = 784;  // keeps the alignment of a vec4

@@ -118,7 +118,7 @@ class Commands {
   /// Whether `wait` would return at once.
   bool done() const;
 
-  /// Device time of the stages of the last submit that was waited for. Empty where the device has
+  /// Device time of the stages of the last submit that was waited for. Empty if the device has
   /// no timestamps.
   const std::vector<StageTime>& stages() const { return stages_; }
   /// Keeps an object alive until this submit is done.

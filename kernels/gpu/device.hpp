@@ -23,10 +23,10 @@ struct KernelSource;
 /// variant on any device.
 struct Variant {
   /// Plain storage buffers and shared-memory reductions instead of texel buffers and subgroup
-  /// arithmetic: chosen where texel views are too short or subgroup arithmetic is missing.
+  /// arithmetic: chosen if texel views are too short or subgroup arithmetic is missing.
   /// `INVERSE_PORTABLE=0|1`.
   bool portable = false;
-  /// Work that the device itself may leave out (Commands::when): where it has
+  /// Work that the device itself may skip (Commands::when), if it has
   /// VK_EXT_conditional_rendering and was opened with it. `INVERSE_CONDITIONAL=0` does without.
   bool conditional = false;
   /// Invocations per workgroup along x (specialization constant 0), a multiple of 8.
@@ -36,7 +36,7 @@ struct Variant {
   /// through atomics: what a CPU prefers. `INVERSE_OWN_TABLES=0|1`.
   bool own_tables = false;
   /// Invocations of a kernel that is one workgroup and works in steps with a barrier between: few
-  /// where a barrier costs by the invocation (lavapipe), many where a GPU wants its lanes filled.
+  /// if a barrier costs by the invocation (lavapipe), many if a GPU needs its lanes filled.
   /// A multiple of 8. `INVERSE_LONE_WORKGROUP=N`.
   uint32_t lone_workgroup = 32;
   /// Kernels are built before frames come (build_kernels). `INVERSE_WARM_UP=0` builds each with the
@@ -129,7 +129,7 @@ class Device : public std::enable_shared_from_this<Device> {
   const VkPhysicalDeviceMemoryProperties& memory_properties() const { return memory_; }
   void count_memory(int64_t bytes);
   void count_kernel_used() { ++kernels_used_; }
-  /// Around commands that run where the word at `offset` is not 0; where `variant().conditional`.
+  /// Around commands that run if the word at `offset` is not 0; needs `variant().conditional`.
   void begin_conditional(VkCommandBuffer commands, VkBuffer condition, uint64_t offset) const;
   void end_conditional(VkCommandBuffer commands) const;
   /// Submits under the queue's lock; throws Error(device_lost) or Error(out_of_memory).

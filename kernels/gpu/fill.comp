@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
 
-// Sets every word of a buffer, where a transfer command may not (Commands::when). One word an invocation.
+// Sets every word of a buffer, if a transfer command may not (Commands::when). One word an invocation.
 WORD_OUT(0, words);
 layout(push_constant) uniform Push {
   uint count;

@@ -11,7 +11,7 @@
 // With `gains` it computes w = 1/S(u, p), from all lights of the stage with weight 1. S is at least a quarter of its
 // value under as many uniform lights, for directions with few lights.
 PLANE_IN(0, lights);   // by twos: direction; weight
-PLANE_IN(1, gain);     // w = 1/S; anything where `gains`
+PLANE_IN(1, gain);     // w = 1/S; anything if `gains`
 PLANE_OUT(2, table);
 layout(push_constant) uniform Push {
   int lights;

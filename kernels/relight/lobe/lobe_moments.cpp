@@ -88,7 +88,7 @@ Direction LobeMoments::even(const Direction& seen_direction, const Direction& gu
       best = v;
     }
     if (error < kNear) break;
-    const double step = i < 8 ? 1.0 : 0.5;  // where it swings
+    const double step = i < 8 ? 1.0 : 0.5;  // if it oscillates
     for (size_t k = 0; k < 3; ++k) v[k] += step * off[k];
     if (const double size = length(v); size > kFurthest)
       for (double& x : v) x *= kFurthest / size;

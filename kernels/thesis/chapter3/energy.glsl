@@ -11,7 +11,7 @@
 //
 //   ω_iw = 1 − w_intensity (1 − |I|)                                                  (3.6)
 //   ω_cs = w_cs exp(−α_cs |c(x) − c(y)|),  c = (I + ε_c) / mean(I + ε_c)              (3.7)
-//   g_i = ω_iw where |c(x) − c_ti(y_i)| < τ_cc, else 0                                (3.13)
+//   g_i = ω_iw if |c(x) − c_ti(y_i)| < τ_cc, else 0                                (3.13)
 //   ω_clustering = w_clustering exp(−α_clustering |I|)                                (3.15)
 //
 // (3.10) is in log form, so that it is quadratic. Σ_x Σ_y meets each edge twice. An IRLS step replaces |d|^p by
@@ -33,7 +33,7 @@
 
 layout(push_constant) uniform Push {
   ivec2 size;         // of the level
-  ivec2 other_size;   // of the finer or coarser level, where there is one
+  ivec2 other_size;   // of the finer or coarser level, if there is one
   ivec2 shift;        // of the Schwarz blocks
   int count;          // partial sums to add up, or iterations inside a Schwarz block
   int clustered;      // 1: with the cluster prior

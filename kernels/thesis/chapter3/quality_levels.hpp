@@ -12,7 +12,7 @@ void thesis_level(ThesisParams& params) {
   params.pcg_iterations = kPcg;
 }
 
-/// The quality_levels of intrinsicdecompthesis. The thesis runs 4 x 8
+/// The quality levels of intrinsicdecompthesis. The thesis runs 4 x 8
 /// iterations (section 3.6.5) and shows convergence with 7 x 8.
 inline const QualityLevels<ThesisParams>& thesis_levels() {
   static const QualityLevels<ThesisParams> quality_levels{{{0.26, thesis_level<1, 4>},

@@ -64,7 +64,7 @@ void GlobalThesis::set_params(const Params& params) {
   }
   p.lambda_ir = std::clamp(p.lambda_ir, 1e-3f, 1e9f);
   p.lambda_cr = std::clamp(p.lambda_cr, 0.0f, 1e9f);
-  for (float* share : {&p.w_intensity, &p.indirect_start, &p.refine_tolerance, &p.cut_fraction})
+  for (float* share : {&p.w_intensity, &p.indirect_start, &p.refine_tolerance, &p.cut_chroma})
     *share = std::clamp(*share, 0.0f, 1.0f);
   for (float* floor : {&p.log_floor, &p.chroma_floor}) *floor = std::clamp(*floor, 1e-6f, 0.5f);
   for (float* floor : {&p.epsilon, &p.epsilon_r}) *floor = std::clamp(*floor, 1e-4f, 1.0f);
@@ -230,7 +230,7 @@ void GlobalThesis::clear(Readback& readback) const {
 GlobalThesis::Plan GlobalThesis::plan_frame(const Hints& hints) const {
   Plan plan;
   plan.warm = params_.warm_start && has_state_ && state_order_ == colors_.order();
-  plan.measure_change = params_.cut_fraction > 0;
+  plan.measure_change = params_.cut_chroma > 0;
   plan.has_change = plan.measure_change && compared_;
   plan.regions = hints.regions || hints.fixed_regions;
   plan.score = plan.regions && hints.scored_region > 0;
@@ -373,8 +373,8 @@ void GlobalThesis::collect(uint64_t frame) {
   if (readback.plan.refine) system_pending_ = false;
   if (readback.epoch != epoch_) return;  // from before a reset or cut
   const auto* values = readback.buffer->map_as<float>();
-  const bool compared = readback.plan.has_change && params_.cut_fraction > 0;
-  if (compared && values[4 * kChangeAt] > params_.cut_fraction) {
+  const bool compared = readback.plan.has_change && params_.cut_chroma > 0;
+  if (compared && values[4 * kChangeAt] > params_.cut_chroma) {
     readback.stats.cut = true;
     cut();
     return;

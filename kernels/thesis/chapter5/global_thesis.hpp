@@ -56,7 +56,7 @@ class GlobalThesis {
     int shortened = 0;           ///< steps, because they would have raised the energy
     std::vector<Energy> energy;  ///< as Params::energy and Params::trace ask for
     bool cut = false;            ///< found when the frame was collected
-    float change = 0;            ///< of chroma from the frame before, unit of Params::cut_fraction
+    float change = 0;            ///< of chroma from the frame before, unit of Params::cut_chroma
     float score = 0;             ///< Σ_k |T_k| over the region asked for in `record` (5.5.2.2)
     float region = 0;            ///< its pixels
   };

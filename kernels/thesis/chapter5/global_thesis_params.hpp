@@ -58,7 +58,7 @@ struct GlobalThesisParams {
   float refine_tolerance = 1e-3f;  ///< refinements end if no channel changes by more, 0…1
   /// Mean change of chroma, in units of 0.5 in ln chroma, above which a frame is a scene cut, 0…1;
   /// 0: no cuts. Within three videos it is at most .05, and .34, .75 and .77 between them.
-  float cut_fraction = 0.2f;
+  float cut_chroma = 0.2f;
   bool energy = false;  ///< evaluate the energy of the result, for stats
   bool trace = false;   ///< evaluate it at every step
   uint32_t seed = 1;    ///< of samples and clusters

@@ -6,11 +6,11 @@
 #include "kernels/thesis_chapter5_colors_normal_equations_total.spv.hpp"
 #include "kernels/thesis_chapter5_colors_residual.spv.hpp"
 #include "kernels/thesis_chapter5_energy_energy.spv.hpp"
-#include "kernels/thesis_chapter5_energy_energy_samples.spv.hpp"
 #include "kernels/thesis_chapter5_energy_total.spv.hpp"
 #include "kernels/thesis_chapter5_output_indirect.spv.hpp"
 #include "kernels/thesis_chapter5_output_layers.spv.hpp"
 #include "kernels/thesis_chapter5_regions_score.spv.hpp"
+#include "kernels/thesis_chapter5_samples_energy_samples.spv.hpp"
 #include "kernels/thesis_chapter5_samples_pack.spv.hpp"
 #include "kernels/thesis_chapter5_samples_sample.spv.hpp"
 #include "kernels/thesis_chapter5_samples_sample_past.spv.hpp"
@@ -47,7 +47,7 @@ struct GlobalThesis::Kernels {
   gpu::Program<shaders::thesis_chapter5_solve_limit_step> limit_step;
   gpu::Program<shaders::thesis_shared_scalars> scalars;
   gpu::Program<shaders::thesis_chapter5_energy_energy> energy;
-  gpu::Program<shaders::thesis_chapter5_energy_energy_samples> energy_samples;
+  gpu::Program<shaders::thesis_chapter5_samples_energy_samples> energy_samples;
   gpu::Program<shaders::thesis_chapter5_energy_total> total;
   gpu::Program<shaders::thesis_chapter5_output_layers> layers;
   gpu::Program<shaders::thesis_chapter5_output_indirect> indirect;

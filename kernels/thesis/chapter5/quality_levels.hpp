@@ -12,7 +12,7 @@ void global_thesis_level(GlobalThesisParams& params) {
   params.pcg_iterations = kPcg;
 }
 
-/// The quality_levels of globalintrinsicthesis: processor time on lavapipe, scenes cornell and room
+/// The quality levels of globalintrinsicthesis: processor time on lavapipe, scenes cornell and room
 /// at 160 × 120 with eight and nine layers. Their energies in relation to 16 × 64 steps, by level:
 /// cornell 7.95, 3.64, 1.14, 1.07, 1.04, 1.001; room 2.86, 1.45, 1.06, 1.04, 1.03, 1.01.
 inline const QualityLevels<GlobalThesisParams>& global_thesis_levels() {

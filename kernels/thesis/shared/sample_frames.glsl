@@ -2,7 +2,7 @@
 // Spatio-temporal samples (3.4.3): the frames that they are drawn from, at bindings 0 to 5.
 //
 // A frame holds (r, packed chromaticity) a pixel, so that a sample costs one gather. The frames of a level lie one
-// behind the other, the current one first, kSlots to a buffer: one buffer where the device can bind it. Bindings that
+// behind the other, the current one first, kSlots to a buffer: one buffer if the device can bind it. Bindings that
 // a level does not need are bound to the first buffer again.
 //
 // Of the push constants it takes size, samples (drawn a pixel), frames (to draw from: the current one and the keyframes so
@@ -20,7 +20,7 @@ PLANE_IN(4, frames4);
 PLANE_IN(5, frames5);
 
 vec4 sample_frame(int slot, int index) {
-  // Everything but the first fetch is folded away by the specialization constant where one buffer holds all slots.
+  // Everything but the first fetch is folded away by the specialization constant if one buffer holds all slots.
   // Fetches of buffers that the slot is not in go to pixel 0, which is in the cache.
   int b = kSlots < 6 ? slot / kSlots : 0;
   int at = (slot - b * kSlots) * push.size.x * push.size.y + index;

@@ -11,7 +11,7 @@
 namespace inverse {
 
 /// The base colors b_1 … b_K of a video (thesis, 5.5.1) on the host: found by the palette in
-/// ln chromaticity or given, refined, and each with an indirect layer where it needs one.
+/// ln chromaticity or given, refined, and each with an indirect layer if it needs one.
 ///
 /// Refinement changes the colors of the light only. The target of the reflectance (r_cluster) stays
 /// the estimated color: if it followed, the two would not converge.

@@ -15,7 +15,7 @@ GlobalThesis::Params params_of(const GlobalThesis& method) {
   GlobalThesis::Params params = method.params();
   params.keyframes = 0;
   params.refine_rounds = 0;
-  params.cut_fraction = 0;
+  params.cut_chroma = 0;
   params.warm_start = params.energy = params.trace = false;
   return params;
 }

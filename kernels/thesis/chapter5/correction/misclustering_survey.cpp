@@ -197,7 +197,7 @@ class Search {
         continue;
       for (const int m : neighbors(n)) {
         if (component(m) == component(n) || cluster(m) < 0) continue;
-        // A pixel further on each side, where there is one: the nearest are blurred.
+        // A pixel further on each side, if there is one: the nearest are blurred.
         const int step = m - n;
         add_step(component(n), further(n, -step), further(m, step), true_cluster(m));
       }

@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 
-// Marked regions where one of them is given a base color for trial.
+// Marked regions, one of them with a base color on trial.
 layout(push_constant) uniform Push {
   ivec2 size;
   int number;

@@ -7,7 +7,7 @@
 #include "thesis/chapter5/energy/table.glsl"
 
 // The layers: (R, S), S the mean of the shading, and the color of the light with the share of S that is direct,
-// (Σ_k b_k T_k / S, T_0 / S). Light that the penalty left below zero is none; where there is no light, it is white.
+// (Σ_k b_k T_k / S, T_0 / S). Light that the penalty left below zero is none; if there is no light, it is white.
 PLANE_IN(1, state);
 PLANE_OUT(2, intrinsic);
 PLANE_OUT(3, light);

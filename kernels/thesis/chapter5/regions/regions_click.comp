@@ -6,7 +6,7 @@
 #define ROOTS_SLOT 3
 #include "components.glsl"
 
-// One invocation for each click: the component under it becomes a region with its cluster, also where it is in one.
+// One invocation for each click: the component under it becomes a region with its cluster, also if it is in one already.
 PLANE_IN(0, features);
 WORD_IN(1, orders);
 WORD_OUT(2, clusters);

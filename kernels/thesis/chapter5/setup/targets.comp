@@ -11,7 +11,7 @@ PLANE_IN(1, features);
 PLANE_IN(2, regions);
 PLANE_OUT(3, targets);
 
-// Modes: by clusters, which marked regions overrule where their x is the slot of one.
+// Modes: by clusters, which marked regions overrule if their x is the slot of one.
 const int kClusters = 0, kRegions = 1;
 
 void main() {

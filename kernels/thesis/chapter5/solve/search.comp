@@ -7,7 +7,7 @@
 #include "search.glsl"
 
 // One workgroup: whether a step is taken as it is, by the energy without samples. A step is linear in what the data term
-// is not; where light spans decades it may overshoot by far, and is shortened then, at most twice before it is rejected.
+// is not; if light spans decades it may overshoot by far, and is shortened then, at most twice before it is rejected.
 // The penalty of negative light bounds nothing (energy.glsl): what a step adds of it falls in the steps after, and holding
 // it down slows them. Samples are in no bound either, as they follow the reflectance: with them a step may raise the energy
 // by kSamples, but no step to more than that above where the frame starts.
