@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Sourced by the scripts beside it.
 #
 # SOURCE and SINK in the environment replace a script's first and last elements, so that every

@@ -61,7 +61,7 @@ GstCaps* like_first(const GstCaps* caps) {
 }
 
 /// Those of `other`, all in the same memory, that have the format and, where possible, all else of
-/// `caps`; null if none has, or where the other side prefers layers.
+/// `caps`; null if none has, or if the other side prefers layers.
 GstCaps* keep_format(GstCaps* caps, GstCaps* other) {
   if (gst_caps_is_empty(other) || carries_layers(other)) return nullptr;
   const GstCapsFeatures* features = gst_caps_get_features(other, 0);

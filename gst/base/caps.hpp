@@ -54,7 +54,7 @@ GstCaps* transform_caps(GstCaps* caps, GstCaps* templates, GstCaps* filter);
 GstCaps* prefer_layers(const GstCaps* caps);
 
 /// GstBaseTransform::fixate_caps: takes the kind of memory that the other side lists first, and of
-/// the formats there the input's where it is allowed, so that nothing is converted without need,
+/// the formats there the input's if it is allowed, so that nothing is converted without need,
 /// else the first. Consumes `other`.
 GstCaps* fixate_caps(GstCaps* caps, GstCaps* other);
 

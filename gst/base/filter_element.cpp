@@ -179,7 +179,7 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
                                     : std::make_unique<FrameOutput>(out_info_);
     if (in_images_ || carries_images(out)) context_.find_neighbor();
     if (carries_images(out)) images_device_ = context_.for_images();
-    // Layers and images say with the first frame where they lie.
+    // The first frame of layers and images carries their device.
     if (!in_layers_ && !in_images_) configure(device_for(nullptr));
   });
 }

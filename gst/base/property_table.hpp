@@ -214,7 +214,7 @@ std::string values_of(GParamSpec* spec);
 std::vector<std::pair<std::string, std::string>> tuning_entries(const std::string& text);
 
 /// Reads `text` as a value of the property `spec` into `value`, which is unset. Throws
-/// Error(unsupported) where it is none, or out of range.
+/// Error(unsupported) if it is none, or out of range.
 void tuning_value(GParamSpec* spec, const std::string& text, GValue* value);
 
 /// The property `tuning`.
@@ -229,14 +229,14 @@ class PropertyStore {
   virtual void get(size_t index, GValue* value) const = 0;
   virtual void set(size_t index, const GValue* value) = 0;
   /// What is wrong with the text that `tuning` was set to last, and which names it takes; the text
-  /// before stays in force. Empty where nothing is.
+  /// before stays in force. Empty if nothing is.
   virtual std::string misconfigured() const { return {}; }
   /// The entries of `tuning`, one a line, "name: values (default): meaning"; empty if it has
   /// none.
   virtual std::string tuning_entries_text() const { return {}; }
 };
 
-/// Installs an element class's parameters, and lists the entries of `tuning` in its metadata, where
+/// Installs an element class's parameters, and lists the entries of `tuning` in its metadata, if
 /// gst-inspect-1.0 shows them.
 void install_parameters(gpointer element_class, const PropertyStore& parameters, guint first_id);
 /// GObject::set_property of one of them: a `tuning` that cannot be read becomes a warning.

@@ -35,8 +35,7 @@ struct MetaCopy {
   GstBuffer* target;
 };
 
-/// What is said about the picture stays true; what is said about its memory (the layers, too) does
-/// not.
+/// Copies metas about the picture; those about memory (the layers, too) do not hold for the copy.
 gboolean copy_meta(GstBuffer* source, GstMeta** meta, gpointer data) {
   const GstMetaInfo* info = (*meta)->info;
   if (!info->transform_func ||

@@ -48,7 +48,7 @@ class SplitBranch {
 
   /// The name of the template of pads that send `layer`.
   static const char* template_of(SplitLayer layer);
-  /// What such a pad can send where layers of these caps come in (template: ANY). New reference.
+  /// What such a pad can send if layers of these caps come in (template: ANY). New reference.
   static GstCaps* caps_for(SplitLayer layer, const GstCaps* layers);
 
   GstPad* pad() const { return pad_; }
@@ -72,7 +72,7 @@ class SplitBranch {
   void record(gpu::Commands& commands, const Layers& layers, Tools& tools,
               const SplitParams& params);
   /// Once the commands are done: the drawn frame as a buffer with the times, flags and descriptions
-  /// of `source`. `buffer` is set only where GST_FLOW_OK is returned.
+  /// of `source`. `buffer` is set only if GST_FLOW_OK is returned.
   GstFlowReturn take(GstBuffer* source, GstBuffer** buffer);
 
   bool stream_started = false;       ///< stream-start went out

@@ -341,12 +341,12 @@ GstFlowReturn SplitElement::chain(GstBuffer* buffer) {
 
 GstFlowReturn SplitElement::push(const std::vector<BranchPtr>& all,
                                  const std::vector<GstBuffer*>& frames) {
-  GstFlowReturn result = GST_FLOW_NOT_LINKED;  // where there is no pad at all, as tee says it
+  GstFlowReturn result = GST_FLOW_NOT_LINKED;  // without any pad, as in tee
   for (size_t i = 0; i < all.size(); ++i) {
     SplitBranch& branch = *all[i];
     if (frames[i]) branch.flow = gst_pad_push(branch.pad(), frames[i]);
     std::lock_guard lock(mutex_);
-    // A pad that was given back meanwhile says that it is flushing, which is nobody else's concern.
+    // The flow of a pad that was released meanwhile does not count for the others.
     result = branch.released
                  ? GST_FLOW_OK
                  : gst_flow_combiner_update_pad_flow(combiner_, branch.pad(), branch.flow);

@@ -50,7 +50,7 @@ class SplitElement {
   void send(const std::vector<BranchPtr>& to, GstEvent* event);
   void draw(GstBuffer* buffer, const std::vector<BranchPtr>& branches,
             std::vector<GstBuffer*>& frames);
-  /// Sends each branch its frame, where it has one; takes the frames.
+  /// Sends each branch its frame, if it has one; takes the frames.
   GstFlowReturn push(const std::vector<BranchPtr>& branches, const std::vector<GstBuffer*>& frames);
   void publish(double wall_ms);
   GstCaps* sink_caps(GstCaps* filter);

@@ -11,7 +11,7 @@ namespace inverse {
 /// flat scan lines or tiles; of several parts the first.
 class ExrPicture {
  public:
-  /// Opens it. Throws Error(file), which begins with `name`, where the file cannot be read, is
+  /// Opens it. Throws Error(file), which begins with `name`, if the file cannot be read, is
   /// larger than `max_side` pixels along a side, or has neither the channels R, G, B nor Y (those
   /// that it has are named).
   ExrPicture(const std::string& path, std::string name, int64_t max_side);

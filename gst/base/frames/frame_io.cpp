@@ -113,7 +113,7 @@ bool suits(const GstVideoInfo& info, GstBuffer* buffer) {
 }
 
 /// Whether all rows of a plane lie in the memory that was mapped for it. GStreamer checks only
-/// its first byte where strides and offsets come from a GstVideoMeta.
+/// its first byte if strides and offsets come from a GstVideoMeta.
 bool holds_rows(const GstVideoFrame& frame, const FrameFormat& format, uint32_t plane) {
   const GstMapInfo& map = frame.map[frame.meta ? plane : 0];
   const auto* begin = static_cast<const uint8_t*>(GST_VIDEO_FRAME_PLANE_DATA(&frame, plane));

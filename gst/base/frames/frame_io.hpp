@@ -35,12 +35,12 @@ class FrameInput {
   virtual gpu::BufferPtr make_buffer(const std::shared_ptr<gpu::Device>& device) const;
   void configure(const std::shared_ptr<gpu::Device>& device);
   /// Which tiles of 16 x 16 pixels differ from the frame that was asked for before: a byte a tile,
-  /// row by row, 0 if all bytes are the same. Empty where there was none, or where the pixels
+  /// row by row, 0 if all bytes are the same. Empty if there was none, or if the pixels
   /// are not in system memory. Throws as `record`.
   virtual std::span<const uint8_t> changed_tiles(GstBuffer* buffer);
   /// The next frame has none before it to be compared with.
   void forget() { changed_.reset(); }
-  /// Brings `buffer` into `raw`, which must be idle, and records the conversion into `plane`; where
+  /// Brings `buffer` into `raw`, which must be idle, and records the conversion into `plane`; if
   /// tiles are `listed`, of these alone. Throws Error(unsupported) if the buffer does not match its
   /// caps.
   void record(gpu::Commands& commands, GstBuffer* buffer, const gpu::BufferPtr& raw,
@@ -71,7 +71,7 @@ class FrameOutput {
   virtual gpu::BufferPtr make_buffer(const std::shared_ptr<gpu::Device>& device) const;
   void configure(const std::shared_ptr<gpu::Device>& device);
   /// Records drawing `picture` into `raw` and on to `buffer`, as far as the device does that. Alpha
-  /// comes from the input layer's w where there is one. Where tiles are `listed`, `raw` has the
+  /// comes from the input layer's w if there is one. If tiles are `listed`, `raw` has the
   /// others already.
   void record(gpu::Commands& commands, const Picture& picture, const Layers& layers,
               const gpu::BufferPtr& raw, GstBuffer* buffer, const TileList* listed = nullptr) const;

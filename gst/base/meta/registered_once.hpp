@@ -5,7 +5,7 @@
 namespace inverse {
 
 /// What several of our plugins in one process share by its name: the first one's serves all.
-/// `make` registers it where nobody has.
+/// `make` registers it if it is not registered yet.
 template <typename Make>
 GType type_registered_once(const char* name, Make make) {
   const GType known = g_type_from_name(name);

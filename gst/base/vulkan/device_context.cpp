@@ -56,7 +56,7 @@ DevicePtr device_in(GstContext* context) {
 }
 
 /// What the application has set on the element and GStreamer keeps for it, from NULL to NULL: the
-/// context that names a device, where that is from outside the pipeline. New reference, or null.
+/// context that names a device, if that is from outside the pipeline. New reference, or null.
 GstContext* context_from_outside(GstElement* element, gpointer family) {
   GstContext* context = gst_element_get_context(element, kDeviceContext);
   if (context && family_in(context) != family && device_in(context)) return context;

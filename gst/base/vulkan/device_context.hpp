@@ -22,23 +22,23 @@ class DeviceContext {
  public:
   explicit DeviceContext(GstElement* element) : element_(element) {}
 
-  /// The device for the element, from NULL → READY on: where `select` is not empty, the one that it
+  /// The device for the element, from NULL → READY on: if `select` is not empty, the one that it
   /// names. Else, in this order: one that was set on the element (now or before an earlier start),
   /// a neighbor's, one that the application provides on request, the best there is. A device that
   /// is opened here is announced to the rest of the pipeline. Throws Error(no_device).
   void acquire(const std::string& select);
-  /// Acquires again where the device was lost since. Throws Error(no_device).
+  /// Acquires again if the device was lost since. Throws Error(no_device).
   void renew(const std::string& select);
   void release();
   /// Waits for what Vulkan neighbors have left on their device when they were stopped.
   void wait_for_neighbor() const { neighbor_.wait_for_neighbor(); }
 
   /// Searches again for a device of Vulkan neighbors: some of them only have one in PAUSED. Throws
-  /// Error(no_device) where it is of no use to the kernels.
+  /// Error(no_device) if the kernels cannot run on it.
   void find_neighbor();
   /// The device to use for frames that are bound to none; null before `acquire`.
   std::shared_ptr<gpu::Device> current() const;
-  /// The device on which the neighbors expect images, after `find_neighbor`; where none of them has
+  /// The device on which the neighbors expect images, after `find_neighbor`; if none of them has
   /// one it is made. Throws Error(no_device) if that is not the device that is demanded.
   std::shared_ptr<gpu::Device> for_images();
   /// Throws Error(no_device) if frames lie on `device` and another one is demanded.

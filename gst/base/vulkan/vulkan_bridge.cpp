@@ -30,7 +30,7 @@ class Registry {
     return registry;
   }
 
-  /// The wrapped device; `queue` is where the neighbors submit, or null if nobody says.
+  /// The wrapped device; `queue` is where the neighbors submit, or null if unknown.
   DevicePtr adopt(GstVulkanDevice* device, GstVulkanQueue* queue) {
     std::lock_guard lock(mutex_);
     std::erase_if(entries_, [](const Entry& entry) { return entry.device.expired(); });
@@ -148,8 +148,8 @@ class Made {
   std::list<GWeakRef> refs_;
 };
 
-/// Set while an element of ours asks around: others of ours then say what they hold and make
-/// nothing.
+/// Set while an element of this library queries its neighbors: they answer with the device that
+/// they have, and create none.
 thread_local bool querying = false;
 
 [[noreturn]] void fail_to_open(const char* what, GError* error) {

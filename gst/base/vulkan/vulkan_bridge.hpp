@@ -35,7 +35,7 @@ class VulkanNeighbor {
 
   /// Searches for the device of neighbors, downstream first, and wraps it; null if there is none.
   /// The same GstVulkanDevice gives the same object everywhere in the process. Throws
-  /// Error(no_device) where the kernels cannot run on it.
+  /// Error(no_device) if the kernels cannot run on it.
   enum class Ask {
     what_there_is,  ///< our elements do not make one
     make_one,       ///< the first of our elements makes one: images are about to flow
@@ -56,7 +56,7 @@ class VulkanNeighbor {
   static bool asks_for_device(GstQuery* query);
 
   /// Waits until the device held has done all that was submitted to it, by whomever. vulkanupload
-  /// frees what the device still reads where a stream stops in the middle of a frame (GStreamer
+  /// frees what the device still reads if a stream stops in the middle of a frame (GStreamer
   /// 1.22).
   void wait_for_neighbor() const;
   /// Waits, then releases.
@@ -81,7 +81,7 @@ std::unique_ptr<FrameOutput> make_image_output(const GstVideoInfo& info);
 
 /// A configured pool of images on `device`, which VulkanNeighbor wrapped; `size` becomes the size
 /// of its buffers. New reference. Throws Error(limit) if the device has no images of this size,
-/// Error(out_of_memory), and Error(internal) where the device is no GstVulkanDevice.
+/// Error(out_of_memory), and Error(internal) if the device is no GstVulkanDevice.
 GstBufferPool* make_image_pool(const std::shared_ptr<gpu::Device>& device, GstCaps* caps,
                                guint* size);
 

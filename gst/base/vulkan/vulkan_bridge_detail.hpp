@@ -2,7 +2,7 @@
 #pragma once
 // Between the files of the Vulkan bridge: the GStreamer objects of an adopted device.
 #include <gst/video/video.h>
-extern "C" {  // 1.22 forgets to say so in gstvkqueue.h
+extern "C" {  // missing in gstvkqueue.h of 1.22
 #include <gst/vulkan/vulkan.h>
 }
 

@@ -5,8 +5,8 @@
 //
 // usage: adaptive-bench [--element NAME] [--size 640x480] [--frames N] [--unmeasured N]
 //                       [--whole N] [--brief] [--json FILE]
-// Scenes with much to skip ignore the first frames (--unmeasured, 24), while solves converge. Scenes
-// with nothing to skip show --whole frames, for an accurate ratio; --brief leaves them out.
+// Scenes with much to skip ignore the first frames (--unmeasured, 24), while solves converge.
+// Scenes with nothing to skip show --whole frames, for an accurate ratio; --brief leaves them out.
 #include <gst/check/gstharness.h>
 
 #include <cstdio>

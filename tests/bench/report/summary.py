@@ -12,7 +12,7 @@ ERRORS = ["lmse20", "lmse10", "mse", "dssim", "ms_ssim", "psnr", "whdr", "ind", 
 # What a method tells of a frame beside its layers: errors of base colors, clicks, how many layers there are.
 FIGURES = ["base_before", "base_after", "clicks", "clicks_right", "misclustered", "refining_frames", "layers"]
 TIMES = ["wall_ms", "processor_ms", "device_ms"]
-# Sets on whose frames constants of intrinsicdecomp were fitted (docs/reference/methods/intrinsicdecomp.md, 9), and their mark in tables.
+# Sets on whose frames constants of intrinsicdecomp were fitted (docs/reference/methods/intrinsicdecomp.md, 11), and their mark in tables.
 TRAINING = {"cornell", "room", "desk_rgbd", "lightchange", "courtyard"}
 MARK = " †"
 

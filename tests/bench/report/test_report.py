@@ -186,9 +186,9 @@ class Drift(unittest.TestCase):
         def row(picture, drift):
             return {"picture": picture, "motion": "pan", "method": "m", "drift": drift, "input": 0.01}
         own, photographs = brief.drift_of([row("own-a", 0.02), row("own-b", 0.04), row("c", 0.5)])
-        self.assertEqual((own["count"], own["within"], own["worst"]), (2, 1, 0.04))
+        self.assertEqual((own["count"], own["missed"], own["worst"]), (2, ["own-b"], 0.04))
         self.assertAlmostEqual(own["mean"], 0.03)
-        self.assertEqual((photographs["pictures"], photographs["within"]), ("photographs", 0))
+        self.assertEqual((photographs["pictures"], photographs["missed"]), ("photographs", ["c"]))
 
 
 class Brief(unittest.TestCase):

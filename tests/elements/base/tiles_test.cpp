@@ -56,8 +56,8 @@ TEST_P(TilesOfADecomposer, OnlyChangedTilesAreWorkedOnAndThePictureIsTheSame) {
       const auto picture = frame(4 * k);
       const auto got = some.process(picture), want = all.process(picture);
       ASSERT_FALSE(got.empty());
-      // Within a few percent of light, as docs/reference/methods/intrinsicdecomp.md, 8, promises on
-      // the average; reached were 12, 7, 0 and, with half the pixels, 21.
+      // Within a few percent of light, as docs/reference/methods/intrinsicdecomp.md, 10, promises
+      // on the average; reached were 12, 7, 0 and, with half the pixels, 21.
       EXPECT_LE(largest_difference(got, want), largest) << show << " " << k;
       double sum = 0;
       for (size_t i = 0; i < got.size(); ++i) sum += std::abs(int(got[i]) - int(want[i]));

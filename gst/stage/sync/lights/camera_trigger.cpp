@@ -99,7 +99,7 @@ void CameraTrigger::fire() {
   const std::lock_guard lock(mutex_of(camera));
   AravisError error;
   arv_camera_software_trigger(camera, error.out());
-  error.check("the camera of " + name() + " does not hear its trigger");
+  error.check("the camera of " + name() + " refused the trigger");
 }
 
 uint32_t CameraTrigger::frame_id_bits() const {
