@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A device with transfer functions, for tests, reports and benchmarks.
 #pragma once
+#include <cmath>
 #include <cstring>
 #include <memory>
 #include <utility>
@@ -56,11 +57,22 @@ class Lab {
   std::shared_ptr<gpu::Device> device_;
 };
 
+inline reference::Vec4 pixel_of(const Pixels& pixels, size_t n) {
+  return {pixels[4 * n], pixels[4 * n + 1], pixels[4 * n + 2], pixels[4 * n + 3]};
+}
+
+/// ln S of (R, S).
+inline std::vector<double> log_shading_of(const Pixels& layers) {
+  std::vector<double> log_shading;
+  for (size_t i = 3; i < layers.size(); i += 4)
+    log_shading.push_back(std::log(static_cast<double>(layers[i])));
+  return log_shading;
+}
+
 /// The same for the double-precision references.
 inline reference::Plane to_reference(Extent extent, const Pixels& pixels) {
   reference::Plane plane(static_cast<int>(extent.width), static_cast<int>(extent.height));
-  for (size_t n = 0; n < plane.size(); ++n)
-    for (size_t c = 0; c < 4; ++c) plane.data[n][c] = static_cast<double>(pixels[4 * n + c]);
+  for (size_t n = 0; n < plane.size(); ++n) plane.data[n] = pixel_of(pixels, n);
   return plane;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <random>
 #include <string>
@@ -24,6 +25,8 @@ class GpuTest : public ::testing::Test {
     if (data) memcpy(buffer->map(), data, count * gpu::element_bytes(element));
     return buffer;
   }
+  gpu::BufferPtr buffer(uint64_t count) { return Lab(device).buffer(count); }
+  gpu::BufferPtr upload(const Pixels& pixels) { return Lab(device).upload(pixels); }
   Plane plane(Extent extent, const Pixels& pixels = {}) {
     return {extent,
             upload(gpu::Element::vec4, pixels.empty() ? nullptr : pixels.data(), extent.pixels())};
@@ -35,6 +38,13 @@ class GpuTest : public ::testing::Test {
   template <typename Record>
   void run(Record record) {
     Lab(device).run(record);
+  }
+  /// What is in the plane that `record(commands)` returns.
+  template <typename Record>
+  Pixels result_of(Record record) {
+    PlanePtr plane;
+    run([&](gpu::Commands& commands) { plane = record(commands); });
+    return download(plane);
   }
   /// Plays `count` frames, kFramesInFlight at a time: record(commands, t) records frame t, and
   /// collect(t) follows when it is done. No frame is recorded after a collect() that returns false.
@@ -61,6 +71,8 @@ class GpuTest : public ::testing::Test {
     while (collected < recorded) collect_next();
   }
   Pixels download(const gpu::BufferPtr& buffer) { return Lab(device).download(buffer); }
+  Pixels download(const Plane& plane) { return download(plane.buffer); }
+  Pixels download(const PlanePtr& plane) { return download(plane->buffer); }
   /// Tolerance is relative where numbers exceed 1.
   static void expect_near(const Pixels& got, const reference::Plane& expected, double tolerance,
                           const std::string& what) {
@@ -100,6 +112,23 @@ inline Pixels random_pixels(Extent extent, unsigned seed, float low = 0.0f, floa
   for (float& p : pixels) p = value(random);
   return pixels;
 }
+
+/// Whether all numbers are finite.
+inline bool all_finite(const Pixels& pixels) {
+  return std::all_of(pixels.begin(), pixels.end(), [](float v) { return std::isfinite(v); });
+}
+/// Whether all numbers may be light: finite and not negative.
+inline bool are_light(const Pixels& pixels) {
+  return all_finite(pixels) &&
+         std::all_of(pixels.begin(), pixels.end(), [](float v) { return v >= 0; });
+}
+
+inline std::string name_of(Extent extent) {
+  return std::to_string(extent.width) + "x" + std::to_string(extent.height);
+}
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN(),
+                kInf = std::numeric_limits<float>::infinity();
 
 inline const std::vector<Extent> kOddSizes = {{1, 1},   {2, 3},   {1, 40},    {17, 5},
                                               {15, 10}, {64, 48}, {349, 287}, {8192, 16}};

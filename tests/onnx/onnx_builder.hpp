@@ -9,6 +9,34 @@
 
 namespace inverse::testing {
 
+/// Attributes of a node.
+inline onnx::AttributeProto attribute(const char* name, onnx::AttributeProto::AttributeType type) {
+  onnx::AttributeProto a;
+  a.set_name(name);
+  a.set_type(type);
+  return a;
+}
+inline onnx::AttributeProto attribute(const char* name, int value) {
+  auto a = attribute(name, onnx::AttributeProto::INT);
+  a.set_i(value);
+  return a;
+}
+inline onnx::AttributeProto attribute(const char* name, float value) {
+  auto a = attribute(name, onnx::AttributeProto::FLOAT);
+  a.set_f(value);
+  return a;
+}
+inline onnx::AttributeProto attribute(const char* name, const char* value) {
+  auto a = attribute(name, onnx::AttributeProto::STRING);
+  a.set_s(value);
+  return a;
+}
+inline onnx::AttributeProto attribute(const char* name, const std::vector<int64_t>& values) {
+  auto a = attribute(name, onnx::AttributeProto::INTS);
+  for (const int64_t v : values) a.add_ints(v);
+  return a;
+}
+
 /// Writes ONNX models as PyTorch exports them, with random weights.
 class OnnxBuilder {
  public:
@@ -43,65 +71,39 @@ class OnnxBuilder {
     t->set_raw_data(data.data(), data.size() * sizeof(float));
     return t->name();
   }
-  /// Appends a node; set attributes on the returned node, whose output(0) is the result.
-  onnx::NodeProto* node(const std::string& type, const std::vector<std::string>& inputs) {
+  /// Appends a node, whose output(0) is the result.
+  onnx::NodeProto* node(const std::string& type, const std::vector<std::string>& inputs,
+                        const std::vector<onnx::AttributeProto>& attributes = {}) {
     onnx::NodeProto* n = model_.mutable_graph()->add_node();
     n->set_op_type(type);
     n->set_name(fresh(type + "_"));
     for (const std::string& i : inputs) n->add_input(i);
     n->add_output(fresh("v"));
+    for (const onnx::AttributeProto& a : attributes) *n->add_attribute() = a;
     return n;
   }
-  std::string op(const std::string& type, const std::vector<std::string>& inputs) {
-    return node(type, inputs)->output(0);
-  }
-  static void set_list(onnx::NodeProto* n, const std::string& name,
-                       const std::vector<int64_t>& values) {
-    onnx::AttributeProto* a = n->add_attribute();
-    a->set_name(name);
-    a->set_type(onnx::AttributeProto::INTS);
-    for (const int64_t v : values) a->add_ints(v);
-  }
-  static void set(onnx::NodeProto* n, const std::string& name, int64_t value) {
-    onnx::AttributeProto* a = n->add_attribute();
-    a->set_name(name);
-    a->set_type(onnx::AttributeProto::INT);
-    a->set_i(value);
-  }
-  static void set_number(onnx::NodeProto* n, const std::string& name, float value) {
-    onnx::AttributeProto* a = n->add_attribute();
-    a->set_name(name);
-    a->set_type(onnx::AttributeProto::FLOAT);
-    a->set_f(value);
-  }
-  static void set_word(onnx::NodeProto* n, const std::string& name, const std::string& value) {
-    onnx::AttributeProto* a = n->add_attribute();
-    a->set_name(name);
-    a->set_type(onnx::AttributeProto::STRING);
-    a->set_s(value);
+  std::string op(const std::string& type, const std::vector<std::string>& inputs,
+                 const std::vector<onnx::AttributeProto>& attributes = {}) {
+    return node(type, inputs, attributes)->output(0);
   }
   std::string convolution(const std::string& from, int64_t in, int64_t out, int64_t kernel,
                           int64_t stride = 1) {
     const float spread = std::sqrt(2.0f / static_cast<float>(in * kernel * kernel));
-    onnx::NodeProto* n =
-        node("Conv", {from, tensor({out, in, kernel, kernel}, spread), tensor({out}, .1f)});
-    set_list(n, "kernel_shape", {kernel, kernel});
-    set_list(n, "strides", {stride, stride});
-    set_list(n, "pads", std::vector<int64_t>(4, kernel / 2));
-    set_list(n, "dilations", {1, 1});
-    set(n, "group", 1);
-    return n->output(0);
+    return op("Conv", {from, tensor({out, in, kernel, kernel}, spread), tensor({out}, .1f)},
+              {attribute("kernel_shape", {kernel, kernel}), attribute("strides", {stride, stride}),
+               attribute("pads", std::vector<int64_t>(4, kernel / 2)),
+               attribute("dilations", {1, 1}), attribute("group", 1)});
+  }
+  std::string max_pool(const std::string& from) {
+    return op("MaxPool", {from}, {attribute("kernel_shape", {2, 2}), attribute("strides", {2, 2})});
   }
   std::string upsample(const std::string& from) {
-    onnx::NodeProto* n = node("Resize", {from, "", constant({4}, {1, 1, 2, 2})});
-    set_word(n, "mode", "linear");
-    set_word(n, "coordinate_transformation_mode", "pytorch_half_pixel");
-    return n->output(0);
+    return op("Resize", {from, "", constant({4}, {1, 1, 2, 2})},
+              {attribute("mode", "linear"),
+               attribute("coordinate_transformation_mode", "pytorch_half_pixel")});
   }
   std::string concat(const std::vector<std::string>& parts) {
-    onnx::NodeProto* n = node("Concat", parts);
-    set(n, "axis", 1);
-    return n->output(0);
+    return op("Concat", parts, {attribute("axis", 1)});
   }
   std::string bytes() const { return model_.SerializeAsString(); }
 

@@ -100,8 +100,8 @@ class GlobalTruth : public GpuTest {
     const auto frame = std::make_shared<Plane>(plane(extent, truth().frame));
     Layers layers;
     run([&](gpu::Commands& commands) { layers = method.record(commands, frame, params, {true}); });
-    const Pixels intrinsic = download(layers[Role::intrinsic]->buffer),
-                 light = download(layers[Role::light]->buffer);
+    const Pixels intrinsic = download(layers[Role::intrinsic]),
+                 light = download(layers[Role::light]);
     Truth got;
     for (size_t i = 0; i < extent.pixels(); ++i)
       for (size_t c = 0; c < 3; ++c) {

@@ -52,9 +52,7 @@ TEST_F(MaterialTruth, TheNetworksAreAsGoodAsTheyWere) {
         pixels[4 * i + c] = srgb_light(static_cast<float>(truth.image[c * kPixels + i]) / 255);
     const Plane frame = plane({kSide, kSide}, pixels);
     lime.reset();
-    LimeMaterial::Params params;
-    params.adaptive = false;
-    params.layers_asked = true;
+    const LimeMaterial::Params params{.adaptive = false, .layers_asked = true};
     LimeMaterial::Layers layers;
     for (int k = 0; k < 2; ++k) {  // where the object is, then of what it is made
       run([&](gpu::Commands& commands) {
@@ -69,7 +67,7 @@ TEST_F(MaterialTruth, TheNetworksAreAsGoodAsTheyWere) {
       diffuse += std::abs(static_cast<double>(got.diffuse[c] - truth.of.diffuse[c])) / 3;
     alpha += std::abs(static_cast<double>(got.specular - truth.of.alpha));
     stops += std::abs(std::log2(static_cast<double>(got.shininess() / truth.of.shininess)));
-    const Pixels body = download(layers.diffuse->buffer), shine = download(layers.gloss->buffer);
+    const Pixels body = download(layers.diffuse), shine = download(layers.gloss);
     double both = 0, either = 0, off = 0, reflected = 0, inside = 0;
     for (size_t i = 0; i < kPixels; ++i) {
       const double there = truth.coverage[i] / 255.0, found = static_cast<double>(body[4 * i + 3]);

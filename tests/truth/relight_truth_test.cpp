@@ -67,9 +67,7 @@ class RelightTruth : public GpuTest {
     Relighting method(device, kExtent, stage_, models);
     const LightCells::Map map = LightCells::map(Environment::studio());
     method.set_environment(map);
-    Relighting::Params params;
-    params.model = model;
-    params.adaptive = false;
+    const Relighting::Params params{.model = model, .adaptive = false};
     const Plane target = plane(kExtent);
     Distance light, environment;
     constexpr size_t kEvery = 5;
@@ -80,14 +78,14 @@ class RelightTruth : public GpuTest {
       });
       std::vector<LightColor> one(kLights);
       one[i].fill(kLights / 4.0F);
-      light.add(download(target.buffer), true_picture(one));
+      light.add(download(target), true_picture(one));
     }
     run([&](gpu::Commands& commands) {
       method.record_pair(commands, {*a_, *b_}, params, kLights, true, false);
       method.record_relit(commands, params, target);
     });
     const auto weights = stage_->cells.weights(map);
-    environment.add(download(target.buffer), true_picture({weights.begin(), weights.end()}));
+    environment.add(download(target), true_picture({weights.begin(), weights.end()}));
     const Errors e{light.share(), environment.share()};
     printf("  one light %.4f, environment %.4f\n", e.light, e.environment);
     return e;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/differences.hpp"
 #include "tests/reference/global/global_intrinsic.hpp"
 #include "tests/reference/intrinsic/intrinsic_decomposition.hpp"
 #include "tests/reference/thesis/intrinsic_thesis.hpp"
@@ -19,13 +20,6 @@ std::string at(const std::string& what, uint32_t frame, size_t index, double val
          std::to_string(value);
 }
 
-reference::Plane to_plane(Extent extent, const Pixels& pixels) {
-  reference::Plane plane(static_cast<int>(extent.width), static_cast<int>(extent.height));
-  for (size_t i = 0; i < 4 * plane.size(); ++i)
-    plane.data[i / 4][i % 4] = static_cast<double>(pixels[i]);
-  return plane;
-}
-
 /// ln of the model R S of intrinsicdecompthesis is the reference's, for the same chromaticities and
 /// clusters: these are rounded, and single precision may round to the other side.
 std::optional<std::string> far_from_model(const Lab& lab, Extent extent, uint32_t frame,
@@ -35,16 +29,16 @@ std::optional<std::string> far_from_model(const Lab& lab, Extent extent, uint32_
   std::vector<reference::Plane> chromaticities;
   for (int n = 0; n < method.thesis_stats().levels; ++n) {
     const Plane level = thesis.sample_frame(n);
-    chromaticities.push_back(to_plane(level.extent, lab.download(level.buffer)));
+    chromaticities.push_back(to_reference(level.extent, lab.download(level.buffer)));
   }
   expected.set_chromaticities(chromaticities);
   expected.set_clusters(method.thesis_stats().clustered
-                            ? to_plane(extent, lab.download(thesis.clusters().buffer))
+                            ? to_reference(extent, lab.download(thesis.clusters().buffer))
                             : reference::Plane());
   Pixels light = input;
   for (float& value : light) value = finite_light(value, 65504);
-  const reference::Plane x = expected.decompose(to_plane(extent, light));
-  const reference::Plane got = to_plane(extent, lab.download(thesis.solution().buffer));
+  const reference::Plane x = expected.decompose(to_reference(extent, light));
+  const reference::Plane got = to_reference(extent, lab.download(thesis.solution().buffer));
   double sum = 0;
   for (size_t n = 0; n < x.size(); ++n)
     for (size_t c = 0; c < 3; ++c)
@@ -80,18 +74,11 @@ std::optional<std::string> rising_energy(const Lab& lab, const Case& one, const 
 /// when all cycles are made.
 std::optional<std::string> far_from_shading(const Lab& lab, const Case& one, const Pixels& input) {
   Method method(lab, one.solver, {one.width, one.height});
-  IntrinsicDecomposition::Params params;
-  params.tolerances.cycle = 0;
-  method.set(params);
+  method.set(IntrinsicDecomposition::Params{.tolerances = {.cycle = 0}});
   const Output got = method.decompose_unscaled(input);
-  const auto rgb = rgb_of(input);
-  const auto expected = reference::decompose(rgb.data(), static_cast<int>(one.width),
+  const auto expected = reference::decompose(rgb_of(input).data(), static_cast<int>(one.width),
                                              static_cast<int>(one.height), {}, nullptr);
-  double sum = 0;
-  for (size_t n = 0; n < expected.log_shading.size(); ++n)
-    sum += std::pow(
-        std::log(static_cast<double>(got.intrinsic[4 * n + 3])) - expected.log_shading[n], 2);
-  const double rms = std::sqrt(sum / static_cast<double>(expected.log_shading.size()));
+  const double rms = rms_difference(log_shading_of(got.intrinsic), expected.log_shading);
   if (rms < 2e-3) return {};
   return at("rms distance to the reference, log units", 0, 0, rms);
 }

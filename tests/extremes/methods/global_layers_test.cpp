@@ -69,9 +69,7 @@ TEST_F(GlobalLayerCounts, OneBaseColorMeansGrayLight) {
 
 TEST_F(GlobalLayerCounts, OneClusterOfTheThesisMethod) {
   Method method(lab(), Solver::global_thesis, kExtent);
-  GlobalThesisParams params;
-  params.clusters = 1;
-  method.set(params);
+  method.set(GlobalThesisParams{.clusters = 1});
   for (unsigned frame = 0; frame < 4; ++frame) {
     const Pixels picture = mosaic(kExtent, frame / 2);
     const Output got = method.decompose(picture);
@@ -87,9 +85,7 @@ TEST_F(GlobalLayerCounts, NoMoreColorsThanTheSceneHas) {
   const Pixels picture = walls(kExtent, {{0.8F, 0.15F, 0.1F}, {0.1F, 0.2F, 0.8F}}, 0);
   for (const Solver solver : kGlobalSolvers) {
     Method method(lab(), solver, kExtent);
-    GlobalThesisParams params;
-    params.clusters = 16;
-    if (solver == Solver::global_thesis) method.set(params);
+    if (solver == Solver::global_thesis) method.set(GlobalThesisParams{.clusters = 16});
     for (int frame = 0; frame < 4; ++frame) {
       const Output got = method.decompose(picture);
       EXPECT_EQ(got.colors(), 2U) << name_of(solver) << ", frame " << frame;

@@ -46,9 +46,7 @@ void make_quick(Method& method, Solver solver, bool whole) {
     params.clusters = 4;
     method.set(params);
   } else if (solver != Solver::multigrid) {
-    ThesisParams params;
-    params.irls_iterations = 1;
-    params.keyframes = 0;
+    ThesisParams params{.irls_iterations = 1, .keyframes = 0};
     if (!whole) params.levels = params.pcg_iterations = params.samples = 1;
     method.set(params);
   }

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "check.hpp"
+#include "tests/differences.hpp"
 #include "tests/extremes/support/window.hpp"
 
 namespace inverse::extremes {
@@ -45,11 +46,8 @@ Distance distance(const Output& a, const Output& b) {
   Distance sum;
   const auto log_of = [](float v) { return std::log(std::max(static_cast<double>(v), 1e-6)); };
   const auto pixels = static_cast<double>(a.intrinsic.size() / 4);
-  if (a.light.empty()) {
-    for (size_t i = 3; i < a.intrinsic.size(); i += 4)
-      sum.shading += std::pow(std::log(static_cast<double>(a.intrinsic[i] / b.intrinsic[i])), 2);
-    return {std::sqrt(sum.shading / pixels), 0, 0};
-  }
+  if (a.light.empty())
+    return {rms_difference(log_shading_of(a.intrinsic), log_shading_of(b.intrinsic)), 0, 0};
   for (size_t i = 0; i < a.light.size(); i += 4) {
     double off[3], mean = 0;
     for (size_t c = 0; c < 3; ++c) {

@@ -109,9 +109,7 @@ GlobalIntrinsic::Params converged() {
 
 /// Chromaticity and smoothness alone and nothing sampled, as random numbers have no symmetry.
 ThesisParams without_samples() {
-  ThesisParams params;
-  params.samples = 0;
-  params.w_clustering = 0;
+  const ThesisParams params{.w_clustering = 0, .samples = 0};
   return params;
 }
 
@@ -227,10 +225,7 @@ const Variant kMirrored[] = {
      {128, 64},
      4,
      [](Method& method, int, const Order&) {
-       IntrinsicDecomposition::Params params;
-       params.cycles = 32;
-       params.tolerances.cycle = 0;
-       method.set(params);
+       method.set(IntrinsicDecomposition::Params{.cycles = 32, .tolerances = {.cycle = 0}});
      },
      {1e-3, 1e-2}},
     // Whole points of the grid, of its coarse one and of the multigrid's cells. Sums in another
@@ -257,9 +252,7 @@ const Variant kBrighter[] = {
      {96, 64},
      5,
      [](Method& method, int, const Order&) {
-       IntrinsicDecomposition::Params params;
-       params.tolerances.cycle = 0;
-       method.set(params);
+       method.set(IntrinsicDecomposition::Params{.tolerances = {.cycle = 0}});
      },
      {INFINITY, 1e-3},
      {},
@@ -289,8 +282,7 @@ const Variant kBrighter[] = {
      {61, 43},
      5,
      [](Method& method, int n, const Order& order) {
-       GlobalThesisParams params;
-       params.chroma_floor = params.log_floor = 1e-4F;
+       GlobalThesisParams params{.log_floor = 1e-4F, .chroma_floor = 1e-4F};
        for (float* weight : {&params.lambda_data, &params.lambda_monochrome})
          *weight = std::ldexp(*weight, -2 * n);
        for (float* weight :

@@ -118,11 +118,11 @@ TEST(Dense, SpectrumAndSolutionOfAChain) {
   // The chain 2, −1 of n: eigenvalues 2 − 2 cos(k π/(n + 1)).
   constexpr size_t n = 40;
   const double pi = std::acos(-1.0);
-  Dense chain(n);
+  Eigen::MatrixXd chain = Eigen::MatrixXd::Zero(n, n);
   std::vector<double> b(n, 0), ones(n, 1);
   for (size_t i = 0; i < n; ++i) {
-    chain.at(i, i) = 2;
-    if (i + 1 < n) chain.at(i, i + 1) = chain.at(i + 1, i) = -1;
+    chain(i, i) = 2;
+    if (i + 1 < n) chain(i, i + 1) = chain(i + 1, i) = -1;
   }
   b.front() = b.back() = 1;
   const std::vector<double> values = eigenvalues(chain);

@@ -2,8 +2,6 @@
 #include "global_thesis_problem.hpp"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <memory>
 #include <random>
@@ -45,7 +43,7 @@ using Scalars = shaders::thesis_shared_scalars;
 
 Push push_of(const Step& step) {
   const Params& p = step.params;
-  auto push = std::bit_cast<Push>(std::array<std::byte, sizeof(Push)>{});
+  auto push = zero_push<Push>();
   push.size = {kWidth, kHeight};
   push.layers = kLayers;
   const auto set = [](auto& to, double from) { to = static_cast<float>(from); };
@@ -69,7 +67,7 @@ Pixels planes_of(const GlobalField& x) {
   return pixels;
 }
 
-/// The change that conjugate gradients find, in the order of a Dense matrix.
+/// The change that conjugate gradients find, in the order of the matrix.
 std::vector<double> solve_on_device(const Lab& lab, const Step& step) {
   const auto& device = lab.device();
   const uint64_t n = uint64_t{kWidth} * kHeight, field = (kGroups + 1) * n;
@@ -190,13 +188,14 @@ Problem problem_of(const std::string& name, const Step& step) {
   const reference::GlobalSystem system =
       assemble(kept->scene, kept->x, {{&nothing}, 0}, kept->params);
   const size_t unknowns = 4 + kLayers;
-  Dense matrix(kept->x.data.size());
+  const size_t size = kept->x.data.size();
+  Eigen::MatrixXd matrix(size, size);
   GlobalField unit(kWidth, kHeight, kLayers), column = unit;
-  for (size_t n = 0; n < matrix.size(); ++n) {
+  for (size_t n = 0; n < size; ++n) {
     unit.at(n / unknowns)[n % unknowns] = 1;
     reference::apply(system, unit, &column);
     unit.at(n / unknowns)[n % unknowns] = 0;
-    for (size_t m = 0; m < matrix.size(); ++m) matrix.at(m, n) = column.data[m];
+    for (size_t m = 0; m < size; ++m) matrix(m, n) = column.data[m];
   }
   return {name,
           Solver::global_thesis,
@@ -266,11 +265,6 @@ void add_global_thesis(std::vector<Problem>& problems) {
     Setting setting;
     change(setting);
     problems.push_back(problem_of(name, step_of(setting)));
-  };
-  const auto decade = [](double value) {
-    char text[32];
-    snprintf(text, sizeof text, "%g", value);
-    return std::string(text);
   };
   add("defaults", [](Setting&) {});
   for (const double epsilon : {1.0, 1e-2, 1e-3, 1e-4})

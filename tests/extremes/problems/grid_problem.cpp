@@ -27,27 +27,27 @@ GridSystem::GridSystem(Extent size) : extent(size), cells(half_of(half_of(size))
   for (auto* plane : {&screen, &pull, &anchor}) plane->assign(cells.pixels(), 0.0F);
 }
 
-Dense matrix_of(const GridSystem& system) {
+Eigen::MatrixXd matrix_of(const GridSystem& system) {
   const auto [width, height] = system.extent;
-  Dense matrix(system.extent.pixels());
+  const auto pixels = static_cast<Eigen::Index>(system.extent.pixels());
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(pixels, pixels);
   const auto edge = [&](size_t a, size_t b, double weight) {
-    matrix.at(a, a) += weight;
-    matrix.at(b, b) += weight;
-    matrix.at(a, b) -= weight;
-    matrix.at(b, a) -= weight;
+    matrix(a, a) += weight;
+    matrix(b, b) += weight;
+    matrix(a, b) -= weight;
+    matrix(b, a) -= weight;
   };
   for (uint32_t y = 0; y < height; ++y)
     for (uint32_t x = 0; x < width; ++x) {
       const size_t n = system.at(x, y), cell = system.cell(x, y);
-      matrix.at(n, n) +=
+      matrix(n, n) +=
           static_cast<double>(system.anchor[cell]) + static_cast<double>(reference::kMinDiagonal);
       if (x + 1 < width) edge(n, n + 1, static_cast<double>(system.right[n]));
       if (y + 1 < height) edge(n, n + width, static_cast<double>(system.down[n]));
       for (uint32_t v = y / 4 * 4; v < std::min(height, y / 4 * 4 + 4); ++v)
         for (uint32_t u = x / 4 * 4; u < std::min(width, x / 4 * 4 + 4); ++u)
-          matrix.at(n, system.at(u, v)) += static_cast<double>(system.screen[cell]) *
-                                           share(x, width) * share(y, height) * share(u, width) *
-                                           share(v, height);
+          matrix(n, system.at(u, v)) += static_cast<double>(system.screen[cell]) * share(x, width) *
+                                        share(y, height) * share(u, width) * share(v, height);
     }
   return matrix;
 }

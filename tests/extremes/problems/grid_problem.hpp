@@ -23,7 +23,7 @@ struct GridSystem {
 };
 
 /// Its matrix; the right-hand side is f plus every pixel's share of its cell's pull.
-Dense matrix_of(const GridSystem& system);
+Eigen::MatrixXd matrix_of(const GridSystem& system);
 std::vector<double> right_hand_side(const GridSystem& system);
 
 /// The unknown after each of `cycles` cycles from zero, as the device's multigrid makes them with

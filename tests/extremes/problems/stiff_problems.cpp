@@ -94,12 +94,6 @@ Problem irls_problem(const std::string& name, Solver solver, const ThesisParams&
   return thesis_problem(name, solver, image, params, sources, assemble(level, x0, sources, params));
 }
 
-std::string decade(double value) {
-  char text[32];
-  snprintf(text, sizeof text, "%g", value);
-  return text;
-}
-
 void add_thesis(std::vector<Problem>& problems, Solver solver) {
   const auto add = [&](const std::string& name, const ThesisParams& params, Start start,
                        const std::vector<double>& strokes) {
@@ -107,13 +101,11 @@ void add_thesis(std::vector<Problem>& problems, Solver solver) {
   };
   add("defaults", {}, Start::image, {10, 10});
   for (const double epsilon : {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
-    ThesisParams params;
-    params.epsilon = epsilon;
+    ThesisParams params{.epsilon = epsilon};
     add("epsilon " + decade(epsilon) + " at zero gradient", params, Start::flat, {10, 10});
   }
   for (const double p : {2.0, 1.0, 0.3, 0.01}) {
-    ThesisParams params;
-    params.p = p;
+    ThesisParams params{.p = p};
     params.epsilon = p == 1 ? 1e-6 : params.epsilon;
     add("p " + decade(p) + (p == 1 ? ", epsilon 1e-06" : "") + " at zero gradient", params,
         Start::flat, {10, 10});
@@ -121,8 +113,7 @@ void add_thesis(std::vector<Problem>& problems, Solver solver) {
   for (const double stroke : {1e-2, 1e3, 1e5})
     add("stroke of " + decade(stroke), {}, Start::image, {stroke, stroke});
   add("strokes of 1e-1 and 1e5", {}, Start::image, {1e-1, 1e5});
-  ThesisParams params;
-  params.w_data = 1e6;
+  ThesisParams params{.w_data = 1e6};
   add("data 1e6", params, Start::image, {10, 10});
   params = {};
   params.w_reflectance = 1e4;
@@ -212,6 +203,12 @@ void add_grids(std::vector<Problem>& problems) {
 }
 
 }  // namespace
+
+std::string decade(double value) {
+  char text[32];
+  snprintf(text, sizeof text, "%g", value);
+  return text;
+}
 
 const char* name_of(Solver solver) {
   switch (solver) {

@@ -50,37 +50,19 @@ ThesisLab::ThesisLab(const Lab& lab, const reference::Plane& image,
 }
 
 ThesisLab::Push ThesisLab::push() const {
-  const auto number = [](double value) { return static_cast<float>(value); };
+  auto push = zero_push<Push>();
+  push.size = extent_;
+  const auto set = [](auto& to, double from) { to = static_cast<float>(from); };
+  set(push.w_data, params_.w_data), set(push.w_intensity, params_.w_intensity);
+  set(push.w_reflectance, params_.w_reflectance), set(push.w_shading, params_.w_shading);
+  set(push.w_chromaticity, params_.w_chromaticity);
+  set(push.w_cs, params_.w_cs), set(push.alpha_cs, params_.alpha_cs);
+  set(push.log_floor, params_.log_floor), set(push.chroma_floor, params_.chroma_floor);
   // A frozen system comes with its weights: p = 2 leaves them alone.
   const double p = frozen_ ? 2 : params_.p;
-  return {.size = extent_,
-          .other_size = {0, 0},
-          .shift = {0, 0},
-          .count = 0,
-          .clustered = 0,
-          .samples = 0,
-          .frames = 0,
-          .ring_start = 0,
-          .ring_capacity = 0,
-          .slot = 0,
-          .stream = 0,
-          .seed = 0,
-          .w_data = number(params_.w_data),
-          .w_intensity = number(params_.w_intensity),
-          .w_reflectance = number(params_.w_reflectance),
-          .w_shading = number(params_.w_shading),
-          .w_chromaticity = number(params_.w_chromaticity),
-          .w_non_local = 0,
-          .w_clustering = 0,
-          .w_cs = number(params_.w_cs),
-          .alpha_cs = number(params_.alpha_cs),
-          .alpha_clustering = 0,
-          .sample_threshold = 0,
-          .log_floor = number(params_.log_floor),
-          .chroma_floor = number(params_.chroma_floor),
-          .p = number(p),
-          .epsilon2 = frozen_ ? 1.0F : number(params_.epsilon * params_.epsilon),
-          .irls_factor = number(params_.consistent_irls ? p / 2 : 1)};
+  set(push.p, p), set(push.epsilon2, frozen_ ? 1 : params_.epsilon * params_.epsilon);
+  set(push.irls_factor, params_.consistent_irls ? p / 2 : 1);
+  return push;
 }
 
 void ThesisLab::set_up() const {
@@ -188,9 +170,10 @@ reference::Plane in_single_precision(reference::Plane plane) {
   return plane;
 }
 
-Dense matrix_of(const reference::ThesisSystem& system) {
+Eigen::MatrixXd matrix_of(const reference::ThesisSystem& system) {
   const int width = system.node.width, height = system.node.height;
-  Dense matrix(4 * system.node.size());
+  const auto unknowns = static_cast<Eigen::Index>(4 * system.node.size());
+  Eigen::MatrixXd matrix(unknowns, unknowns);
   reference::Plane unit(width, height), column(width, height);
   for (size_t n = 0; n < unit.size(); ++n)
     for (size_t c = 0; c < 4; ++c) {
@@ -198,7 +181,7 @@ Dense matrix_of(const reference::ThesisSystem& system) {
       reference::apply(system, unit, 0, 0, width, height, &column);
       unit.data[n][c] = 0;
       for (size_t m = 0; m < column.size(); ++m)
-        for (size_t k = 0; k < 4; ++k) matrix.at(4 * m + k, 4 * n + c) = column.data[m][k];
+        for (size_t k = 0; k < 4; ++k) matrix(4 * m + k, 4 * n + c) = column.data[m][k];
     }
   return matrix;
 }

@@ -2,6 +2,8 @@
 // Systems of an IRLS step of intrinsicdecompthesis
 // (tests/reference/thesis/intrinsic_thesis_energy.hpp), put to the kernels as they are.
 #pragma once
+#include <array>
+#include <bit>
 #include <vector>
 
 #include "kernels/thesis_chapter3_direction.spv.hpp"
@@ -14,6 +16,12 @@
 #include "tests/reference/thesis/intrinsic_thesis_energy.hpp"
 
 namespace inverse::extremes {
+
+/// Push constants that are all 0, nothing sampled and nothing clustered.
+template <typename Push>
+Push zero_push() {
+  return std::bit_cast<Push>(std::array<std::byte, sizeof(Push)>{});
+}
 
 /// The kernels of intrinsicdecompthesis on one level of the pyramid, driven one by one: for frozen
 /// systems and for IRLS with frozen samples and clusters, which the method as a whole never shows.
@@ -56,7 +64,7 @@ class ThesisLab {
 /// Rounded to what a float holds, every number of it.
 reference::Plane in_single_precision(reference::Plane plane);
 
-/// The frozen system's unknowns in the order of a Dense matrix: pixel · 4 + channel.
-Dense matrix_of(const reference::ThesisSystem& system);
+/// The frozen system's unknowns in the order of the matrix: pixel · 4 + channel.
+Eigen::MatrixXd matrix_of(const reference::ThesisSystem& system);
 
 }  // namespace inverse::extremes

@@ -12,50 +12,41 @@
 namespace inverse::extremes {
 namespace {
 
-auto mapped(const Dense& matrix) {
-  const auto n = static_cast<Eigen::Index>(matrix.size());
-  return Eigen::MatrixXd::ConstMapType(matrix.data(), n, n);
-}
-
 Eigen::VectorXd::ConstMapType mapped(const std::vector<double>& vector) {
   return {vector.data(), static_cast<Eigen::Index>(vector.size())};
 }
 
 }  // namespace
 
-std::vector<double> eigenvalues(const Dense& matrix) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(mapped(matrix),
-                                                              Eigen::EigenvaluesOnly);
+std::vector<double> eigenvalues(const Eigen::MatrixXd& matrix) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix, Eigen::EigenvaluesOnly);
   if (solver.info() != Eigen::Success) throw std::runtime_error("the eigenvalues do not converge");
   return {solver.eigenvalues().begin(), solver.eigenvalues().end()};
 }
 
-double condition_number(const Dense& matrix) {
+double condition_number(const Eigen::MatrixXd& matrix) {
   const std::vector<double> values = eigenvalues(matrix);
   return values.front() > 0 ? values.back() / values.front()
                             : std::numeric_limits<double>::infinity();
 }
 
-Dense scaled_by_diagonal(const Dense& matrix) {
-  Dense scaled = matrix;
-  for (size_t i = 0; i < matrix.size(); ++i)
-    for (size_t j = 0; j < matrix.size(); ++j)
-      scaled.at(i, j) /= std::sqrt(matrix.at(i, i) * matrix.at(j, j));
-  return scaled;
+Eigen::MatrixXd scaled_by_diagonal(const Eigen::MatrixXd& matrix) {
+  const Eigen::VectorXd scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
+  return scale.asDiagonal() * matrix * scale.asDiagonal();
 }
 
-std::vector<double> solve(const Dense& matrix, const std::vector<double>& b) {
+std::vector<double> solve(const Eigen::MatrixXd& matrix, const std::vector<double>& b) {
   using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
-  const Eigen::LLT<Matrix> factor(mapped(matrix).cast<long double>());
+  const Eigen::LLT<Matrix> factor(matrix.cast<long double>());
   const Eigen::VectorXd x = factor.solve(mapped(b).cast<long double>()).cast<double>();
   if (factor.info() != Eigen::Success || !x.allFinite())
     throw std::domain_error("the matrix is not positive definite");
   return {x.begin(), x.end()};
 }
 
-std::vector<double> plain_single_precision(const Dense& matrix, const std::vector<double>& b,
-                                           int iterations) {
-  const Eigen::SparseMatrix<float, Eigen::RowMajor> a = mapped(matrix).cast<float>().sparseView();
+std::vector<double> plain_single_precision(const Eigen::MatrixXd& matrix,
+                                           const std::vector<double>& b, int iterations) {
+  const Eigen::SparseMatrix<float, Eigen::RowMajor> a = matrix.cast<float>().sparseView();
   const Eigen::VectorXf right = mapped(b).cast<float>();
   Eigen::VectorXf x = Eigen::VectorXf::Zero(right.size()), best = x;
   Eigen::VectorXf residual = right, direction = right;

@@ -35,7 +35,7 @@ inline constexpr auto solver_name = [](const auto& info) {
 struct Problem {
   std::string name;
   Solver solver;
-  Dense matrix;
+  Eigen::MatrixXd matrix;
   std::vector<double> b;
   /// Solves it in single precision on the device, from zero, and returns x in the order of b.
   std::function<std::vector<double>(const Lab& lab)> solve_on_device;
@@ -51,6 +51,9 @@ struct Outcome {
   bool finite = false;
 };
 Outcome judge(const Problem& problem, const Lab& lab);
+
+/// A number in the name of a system.
+std::string decade(double value);
 
 /// Systems of conditions from 1e2 to 1e8 for every solver.
 std::vector<Problem> stiff_problems();

@@ -7,42 +7,43 @@
 
 #include "kernels/edit/compose.hpp"
 #include "kernels/edit/recolor.hpp"
+#include "tests/differences.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
 
 namespace inverse::testing {
 namespace {
 
-reference::Rgba pixel_of(const Pixels& pixels, size_t n) {
-  return {pixels[4 * n], pixels[4 * n + 1], pixels[4 * n + 2], pixels[4 * n + 3]};
-}
-
 /// Random layers, every seventh number replaced by one that breaks careless arithmetic.
 Pixels hostile_pixels(Extent extent, unsigned seed) {
   using Limits = std::numeric_limits<float>;
-  const float evil[] = {0.0f,
+  const float evil[] = {0,
                         -0.0f,
                         1e-30f,
                         Limits::denorm_min(),
-                        -1.0f,
+                        -1,
                         1e30f,
                         Limits::max(),
-                        Limits::infinity(),
+                        kInf,
                         -Limits::max(),
-                        65504.0f,
-                        1.0f,
-                        -Limits::infinity(),
+                        65504,
+                        1,
+                        -kInf,
                         1e-6f,
                         Limits::min(),
                         1e8f,
-                        Limits::quiet_NaN(),
-                        255.0f,
+                        kNan,
+                        255,
                         -1e-30f,
-                        -Limits::quiet_NaN()};
+                        -kNan};
   Pixels pixels = random_pixels(extent, seed);
   std::mt19937 random(seed + 1);
   for (float& p : pixels)
     if (random() % 7 == 0) p = evil[random() % std::size(evil)];
   return pixels;
+}
+
+Pixels any_pixels(Extent extent, unsigned seed, bool hostile) {
+  return hostile ? hostile_pixels(extent, seed) : random_pixels(extent, seed, 0, 1.5f);
 }
 
 void expect_pixels(const Pixels& got, const std::function<reference::Rgba(size_t)>& expected,
@@ -58,17 +59,9 @@ void expect_pixels(const Pixels& got, const std::function<reference::Rgba(size_t
 }
 
 reference::RecolorSpec spec_of(const RecolorParams& params) {
-  reference::RecolorSpec spec;
-  for (int c = 0; c < 3; ++c) {
-    spec.key[c] = params.key[c];
-    spec.target[c] = params.target[c];
-  }
-  spec.tolerance = params.tolerance;
-  spec.value_tolerance = params.value_tolerance;
-  spec.softness = params.softness;
-  spec.texture = params.texture;
-  spec.strength = params.strength;
-  return spec;
+  const auto &k = params.key, &t = params.target;
+  return {{k[0], k[1], k[2]}, {t[0], t[1], t[2]}, params.tolerance, params.value_tolerance,
+          params.softness,    params.texture,     params.strength};
 }
 
 }  // namespace
@@ -84,14 +77,18 @@ class EditTest : public GpuTest {
   }
   void run_recolor(Layers& layers, const RecolorParams& params) {
     Recolor recolor(device, layers.extent);
+    record(recolor, layers, params);
+  }
+  void record(Recolor& recolor, Layers& layers, const RecolorParams& params) {
     run([&](gpu::Commands& commands) { recolor.record(commands, layers, params); });
+  }
+  std::vector<Palette::Cluster> clusters_of(const Recolor& recolor, const RecolorParams& params) {
+    return Palette::read(download(recolor.palette()->colors()).data(), params.clusters);
   }
 };
 
 TEST_F(EditTest, RecolorAgreesWithReference) {
-  RecolorParams params;
-  params.key = {0.6f, 0.3f, 0.2f};
-  params.target = {0.1f, 0.7f, 0.9f};
+  RecolorParams params{.key = {0.6f, 0.3f, 0.2f}, .target = {0.1f, 0.7f, 0.9f}};
   for (const Extent extent : kOddSizes)
     for (const bool hostile : {false, true})
       for (const float value_tolerance : {0.5f, RecolorParams::kAnyValue})
@@ -99,12 +96,11 @@ TEST_F(EditTest, RecolorAgreesWithReference) {
           params.value_tolerance = value_tolerance;
           params.texture = texture;
           params.strength = texture == 1 ? 1.0f : 0.7f;
-          const Pixels pixels = hostile ? hostile_pixels(extent, extent.width)
-                                        : random_pixels(extent, extent.width, 0, 1.5f);
+          const Pixels pixels = any_pixels(extent, extent.width, hostile);
           Layers frame = layers(extent, pixels);
           run_recolor(frame, params);
           ASSERT_NO_FATAL_FAILURE(expect_pixels(
-              download(frame[Role::intrinsic]->buffer),
+              download(frame[Role::intrinsic]),
               [&](size_t n) {
                 return reference::recolor(pixel_of(pixels, n), 1.0, spec_of(params));
               },
@@ -118,13 +114,10 @@ TEST_F(EditTest, RecolorAgreesWithReference) {
 TEST_F(EditTest, HardEdgeSelectsExactlyTheKeysNeighborhood) {
   const Extent extent{64, 33};
   const Pixels pixels = random_pixels(extent, 5);
-  RecolorParams params;
-  params.key = {0.5f, 0.4f, 0.3f};
-  params.softness = 0;
-  params.texture = 0;
+  const RecolorParams params{.key = {0.5f, 0.4f, 0.3f}, .softness = 0, .texture = 0};
   Layers frame = layers(extent, pixels);
   run_recolor(frame, params);
-  const Pixels got = download(frame[Role::intrinsic]->buffer);
+  const Pixels got = download(frame[Role::intrinsic]);
   reference::RecolorSpec spec = spec_of(params);
   size_t inside = 0, outside = 0;
   for (size_t n = 0; n < extent.pixels(); ++n) {
@@ -144,25 +137,21 @@ TEST_F(EditTest, HardEdgeSelectsExactlyTheKeysNeighborhood) {
 }
 
 TEST_F(EditTest, KeyBecomesTargetAndShadingStays) {
-  RecolorParams params;
-  params.key = {0.6f, 0.2f, 0.1f};
-  params.target = {0.2f, 0.3f, 0.8f};
+  const RecolorParams params{.key = {0.6f, 0.2f, 0.1f}, .target = {0.2f, 0.3f, 0.8f}};
   Layers frame = layers({1, 1}, {0.6f, 0.2f, 0.1f, 0.7f});
   run_recolor(frame, params);
-  const Pixels got = download(frame[Role::intrinsic]->buffer);
+  const Pixels got = download(frame[Role::intrinsic]);
   for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(got[c], params.target[c], 1e-5);
   EXPECT_EQ(got[3], 0.7f);
 }
 
 TEST_F(EditTest, SelectionSurvivesShadowAndDarkPaint) {
   // The same paint in light, in shadow and twice as dark is one color; texture keeps its variation.
-  RecolorParams params;
-  params.key = {0.6f, 0.2f, 0.1f};
-  params.target = {0.2f, 0.3f, 0.8f};
+  const RecolorParams params{.key = {0.6f, 0.2f, 0.1f}, .target = {0.2f, 0.3f, 0.8f}};
   Layers frame =
       layers({3, 1}, {0.6f, 0.2f, 0.1f, 1.0f, 0.6f, 0.2f, 0.1f, 0.05f, 0.3f, 0.1f, 0.05f, 1.0f});
   run_recolor(frame, params);
-  const Pixels got = download(frame[Role::intrinsic]->buffer);
+  const Pixels got = download(frame[Role::intrinsic]);
   for (size_t c = 0; c < 3; ++c) {
     EXPECT_NEAR(got[c], params.target[c], 1e-4);
     EXPECT_NEAR(got[4 + c], params.target[c], 1e-4);
@@ -173,8 +162,7 @@ TEST_F(EditTest, SelectionSurvivesShadowAndDarkPaint) {
 TEST_F(EditTest, MaskMultipliesAndSelectionIsPassedOn) {
   const Extent extent{37, 11};
   const Pixels pixels = random_pixels(extent, 7), matte = hostile_pixels(extent, 8);
-  RecolorParams params;
-  params.write_mask = true;
+  RecolorParams params{.write_mask = true};
   for (const bool use_mask : {true, false}) {
     params.use_mask = use_mask;
     Layers frame = layers(extent, pixels);
@@ -183,12 +171,12 @@ TEST_F(EditTest, MaskMultipliesAndSelectionIsPassedOn) {
     const auto matte_at = [&](size_t n) { return use_mask ? matte[4 * n] : 1.0f; };
     const reference::RecolorSpec spec = spec_of(params);
     expect_pixels(
-        download(frame[Role::intrinsic]->buffer),
+        download(frame[Role::intrinsic]),
         [&](size_t n) { return reference::recolor(pixel_of(pixels, n), matte_at(n), spec); }, 1e-4,
         "intrinsic");
     EXPECT_NE(frame[Role::mask], mask);
     expect_pixels(
-        download(frame[Role::mask]->buffer),
+        download(frame[Role::mask]),
         [&](size_t n) -> reference::Rgba {
           return {reference::selection(pixel_of(pixels, n), spec) *
                       std::min(reference::finite(matte_at(n)), 1.0),
@@ -217,18 +205,14 @@ TEST_F(EditTest, ClusterRecolorsItsStripeOnly) {
       {0.8, 0.8, 0.8}, {0.1, 0.1, 0.1}, {0.6, 0.1, 0.1}, {0.1, 0.2, 0.6}};
   const Pixels pixels = striped_pixels(extent, colors, 1);
   Recolor recolor(device, extent);
-  RecolorParams params;
-  params.clusters = 6;
-  params.target = {0.1f, 0.7f, 0.2f};
-  params.texture = 0;
+  RecolorParams params{.clusters = 6, .target = {0.1f, 0.7f, 0.2f}, .texture = 0};
   std::vector<bool> found(colors.size());
   for (params.cluster = 0; params.cluster < params.clusters; ++params.cluster) {
     Layers frame = layers(extent, pixels);
-    run([&](gpu::Commands& commands) { recolor.record(commands, frame, params); });
-    const Pixels got = download(frame[Role::intrinsic]->buffer);
+    record(recolor, frame, params);
+    const Pixels got = download(frame[Role::intrinsic]);
     ASSERT_NE(recolor.palette(), nullptr);
-    const auto clusters =
-        Palette::read(download(recolor.palette()->colors()).data(), params.clusters);
+    const auto clusters = clusters_of(recolor, params);
     const int stands = clusters[static_cast<size_t>(params.cluster)].index;
     size_t changed = 0;
     std::vector<size_t> by_stripe(colors.size());
@@ -253,19 +237,14 @@ TEST_F(EditTest, ClusterRecolorsItsStripeOnly) {
 TEST_F(EditTest, ClusterSelectionAgreesWithReference) {
   for (const Extent extent : kOddSizes)
     for (const bool hostile : {false, true}) {
-      const Pixels pixels =
-          hostile ? hostile_pixels(extent, 21) : random_pixels(extent, 21, 0, 1.5f);
+      const Pixels pixels = any_pixels(extent, 21, hostile);
       const Pixels already = random_pixels(extent, 22);  // edited before
       Layers frame = layers(extent, pixels);
       frame[Role::intrinsic] = shared_plane(extent, already);
       Recolor recolor(device, extent);
-      RecolorParams params;
-      params.cluster = 2;
-      params.clusters = 7;
-      params.texture = 0.5f;
-      run([&](gpu::Commands& commands) { recolor.record(commands, frame, params); });
-      const auto clusters =
-          Palette::read(download(recolor.palette()->colors()).data(), params.clusters);
+      const RecolorParams params{.cluster = 2, .clusters = 7, .texture = 0.5f};
+      record(recolor, frame, params);
+      const auto clusters = clusters_of(recolor, params);
       const int chosen = clusters[2].index;
       std::vector<reference::Rgb> others;
       reference::Rgb own{};
@@ -281,7 +260,7 @@ TEST_F(EditTest, ClusterSelectionAgreesWithReference) {
         for (const double c : color) key_value += std::exp(c) / 3;
       }
       ASSERT_NO_FATAL_FAILURE(expect_pixels(
-          download(frame[Role::intrinsic]->buffer),
+          download(frame[Role::intrinsic]),
           [&](size_t n) {
             const double selected = chosen < 0 ? 0
                                                : reference::selection(pixel_of(pixels, n), own,
@@ -296,8 +275,7 @@ TEST_F(EditTest, StrengthZeroRecordsNothing) {
   Layers frame = layers({16, 16}, random_pixels({16, 16}, 3));
   const Layers before = frame;
   Recolor recolor(device, frame.extent);
-  RecolorParams params;
-  params.strength = 0;
+  const RecolorParams params{.strength = 0};
   run([&](gpu::Commands& commands) {
     recolor.record(commands, frame, params);
     EXPECT_EQ(commands.dispatches(), 0u);
@@ -311,55 +289,52 @@ TEST_F(EditTest, SharedPlanesStayUnchangedAndOwnOnesAreReused) {
   Layers frame = layers(extent, pixels);
   const PlanePtr model = frame[Role::model];
   Recolor recolor(device, extent);
-  RecolorParams params;
-  params.tolerance = 3;
-  run([&](gpu::Commands& commands) { recolor.record(commands, frame, params); });
+  RecolorParams params{.tolerance = 3};
+  record(recolor, frame, params);
   EXPECT_NE(frame[Role::intrinsic], model);
-  EXPECT_EQ(download(model->buffer), pixels);
+  EXPECT_EQ(download(model), pixels);
   // The second edit reuses a plane that is not in use elsewhere.
   const Plane* first = frame[Role::intrinsic].get();
-  const Pixels once = download(frame[Role::intrinsic]->buffer);
+  const Pixels once = download(frame[Role::intrinsic]);
   params.target = {0.9f, 0.8f, 0.1f};
-  run([&](gpu::Commands& commands) { recolor.record(commands, frame, params); });
+  record(recolor, frame, params);
   EXPECT_EQ(frame[Role::intrinsic].get(), first);
   expect_pixels(
-      download(frame[Role::intrinsic]->buffer),
+      download(frame[Role::intrinsic]),
       [&](size_t n) { return reference::recolor(pixel_of(once, n), 1.0, spec_of(params)); }, 2e-4,
       "in place");
   // A third while a tee holds it.
   const Layers branch = frame;
-  const Pixels twice = download(branch[Role::intrinsic]->buffer);
-  run([&](gpu::Commands& commands) { recolor.record(commands, frame, params); });
+  const Pixels twice = download(branch[Role::intrinsic]);
+  record(recolor, frame, params);
   EXPECT_NE(frame[Role::intrinsic], branch[Role::intrinsic]);
-  EXPECT_EQ(download(branch[Role::intrinsic]->buffer), twice);
+  EXPECT_EQ(download(branch[Role::intrinsic]), twice);
 }
 
 TEST_F(EditTest, ExtremeParametersGiveFinitePictures) {
   using Limits = std::numeric_limits<float>;
   const Extent extent{33, 5};
   const Pixels pixels = hostile_pixels(extent, 2);
-  for (const float absurd : {Limits::quiet_NaN(), Limits::infinity(), -Limits::infinity(), -1.0f,
-                             Limits::max(), 0.0f, Limits::denorm_min()}) {
-    RecolorParams params;
-    params.key = params.target = {absurd, absurd, absurd};
-    params.tolerance = params.value_tolerance = params.softness = absurd;
-    params.texture = absurd;
-    params.write_mask = true;
+  for (const float absurd : {kNan, kInf, -kInf, -1.0f, Limits::max(), 0.0f, Limits::denorm_min()}) {
+    const RecolorParams params{.key = {absurd, absurd, absurd},
+                               .tolerance = absurd,
+                               .value_tolerance = absurd,
+                               .softness = absurd,
+                               .target = {absurd, absurd, absurd},
+                               .texture = absurd,
+                               .write_mask = true};
     Layers frame = layers(extent, pixels);
     run_recolor(frame, params);
     for (const Role role : {Role::intrinsic, Role::mask})
-      for (const float value : download(frame[role]->buffer))
-        ASSERT_TRUE(std::isfinite(value)) << "parameters " << absurd;
+      ASSERT_TRUE(all_finite(download(frame[role]))) << "parameters " << absurd;
   }
 }
 
 TEST_F(EditTest, ComposeAgreesWithReference) {
   for (const Extent extent : kOddSizes)
     for (const bool hostile : {false, true}) {
-      const auto make = [&](unsigned seed) {
-        return hostile ? hostile_pixels(extent, seed) : random_pixels(extent, seed, 0, 1.5f);
-      };
-      const Pixels input = make(1), model = make(2), intrinsic = make(3);
+      const Pixels input = any_pixels(extent, 1, hostile), model = any_pixels(extent, 2, hostile),
+                   intrinsic = any_pixels(extent, 3, hostile);
       Layers frame;
       frame.extent = extent;
       frame[Role::input] = shared_plane(extent, input);
@@ -370,11 +345,9 @@ TEST_F(EditTest, ComposeAgreesWithReference) {
       const double tolerance = hostile ? 1e-2 : 1e-5;
       for (const Residual residual : {Residual::add, Residual::ratio, Residual::none})
         for (const float strength : {1.0f, 0.4f}) {
-          PlanePtr picture;
-          run([&](gpu::Commands& commands) {
-            picture = compose.record(commands, frame, {residual, strength});
+          const Pixels got = result_of([&](gpu::Commands& commands) {
+            return compose.record(commands, frame, {residual, strength});
           });
-          const Pixels got = download(picture->buffer);
           ASSERT_NO_FATAL_FAILURE(expect_pixels(
               got,
               [&](size_t n) {
@@ -391,11 +364,9 @@ TEST_F(EditTest, ComposeAgreesWithReference) {
               },
               tolerance, hostile ? "hostile" : "random"));
         }
-      PlanePtr picture;
-      run([&](gpu::Commands& commands) { picture = compose.record_difference(commands, frame); });
-      const Pixels got = download(picture->buffer);
       ASSERT_NO_FATAL_FAILURE(expect_pixels(
-          got,
+          result_of(
+              [&](gpu::Commands& commands) { return compose.record_difference(commands, frame); }),
           [&](size_t n) {
             return reference::difference(pixel_of(input, n), pixel_of(model, n),
                                          pixel_of(intrinsic, n));
@@ -422,22 +393,20 @@ TEST_F(EditTest, EqualCopiesGiveTheInputBack) {
   Layers frame = layers(extent, intrinsic);
   frame[Role::intrinsic] = shared_plane(extent, intrinsic);
   Compose compose(device, extent);
-  const Pixels input = download(frame[Role::input]->buffer);
+  const Pixels input = download(frame[Role::input]);
   for (const Residual residual : {Residual::add, Residual::ratio}) {
-    PlanePtr picture;
-    run([&](gpu::Commands& commands) { picture = compose.record(commands, frame, {residual, 1}); });
-    const Pixels got = download(picture->buffer);
-    for (size_t i = 0; i < got.size(); ++i) ASSERT_NEAR(got[i], input[i], 1e-6);
+    const Pixels got = result_of([&](gpu::Commands& commands) {
+      return compose.record(commands, frame, {residual, 1});
+    });
+    EXPECT_LE(max_difference(got, input), 1e-6);
   }
 }
 
 TEST_F(EditTest, DiffuseAndSpecularAreTheFrameAgain) {
   for (const Extent extent : kOddSizes)
     for (const bool hostile : {false, true}) {
-      const auto make = [&](unsigned seed) {
-        return hostile ? hostile_pixels(extent, seed) : random_pixels(extent, seed, 0, 1.5f);
-      };
-      const Pixels input = make(1), diffuse = make(2), specular = make(3);
+      const Pixels input = any_pixels(extent, 1, hostile), diffuse = any_pixels(extent, 2, hostile),
+                   specular = any_pixels(extent, 3, hostile);
       const Layers frame =
           material_layers(shared_plane(extent, input), shared_plane(extent, diffuse),
                           shared_plane(extent, specular));
@@ -453,17 +422,16 @@ TEST_F(EditTest, DiffuseAndSpecularAreTheFrameAgain) {
           continue;
         }
         ASSERT_NO_FATAL_FAILURE(expect_pixels(
-            download(picture->buffer),
+            download(picture),
             [&](size_t n) {
               return reference::recombine(pixel_of(input, n), pixel_of(diffuse, n),
                                           pixel_of(specular, n), strength);
             },
             tolerance, "recombined"));
       }
-      PlanePtr picture;
-      run([&](gpu::Commands& commands) { picture = compose.record_difference(commands, frame); });
       ASSERT_NO_FATAL_FAILURE(expect_pixels(
-          download(picture->buffer),
+          result_of(
+              [&](gpu::Commands& commands) { return compose.record_difference(commands, frame); }),
           [&](size_t n) {
             return reference::recombine_difference(pixel_of(input, n), pixel_of(diffuse, n),
                                                    pixel_of(specular, n));
@@ -477,12 +445,10 @@ TEST_F(EditTest, MaskIsDrawnAsGray) {
   const Pixels matte = random_pixels(extent, 9);
   Layers frame = layers(extent, random_pixels(extent, 10));
   frame[Role::mask] = shared_plane(extent, matte);
-  const Pixels input = download(frame[Role::input]->buffer);
+  const Pixels input = download(frame[Role::input]);
   Compose compose(device, extent);
-  PlanePtr picture;
-  run([&](gpu::Commands& commands) { picture = compose.record_mask(commands, frame); });
   expect_pixels(
-      download(picture->buffer),
+      result_of([&](gpu::Commands& commands) { return compose.record_mask(commands, frame); }),
       [&](size_t n) -> reference::Rgba {
         return {matte[4 * n], matte[4 * n], matte[4 * n], input[4 * n + 3]};
       },

@@ -10,9 +10,9 @@
 
 #include "common/error.hpp"
 #include "kernels/environment/normal_map.hpp"
+#include "light_map.hpp"
 #include "normal_map_file.hpp"
 #include "tests/expect_error.hpp"
-#include "tests/reference/environment/lit_sphere.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -24,14 +24,6 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr std::array<float, 3> kAlbedo{.6F, .3F, .15F};
 constexpr float kAlpha = .4F;
 
-reference::LightMap light_map(const Environment& light) {
-  reference::LightMap map;
-  map.rows = static_cast<int>(light.extent().height);
-  for (size_t i = 0; i < light.extent().pixels(); ++i)
-    map.radiance.push_back({light.rgb()[3 * i], light.rgb()[3 * i + 1], light.rgb()[3 * i + 2]});
-  return map;
-}
-
 /// A reddish window up at the left, a bluish one at the right, a gray rest.
 Environment windows() {
   constexpr Extent kExtent{64, 32};
@@ -40,16 +32,10 @@ Environment windows() {
     for (uint32_t column = 0; column < kExtent.width; ++column) {
       const bool left = row >= 6 && row < 12 && column >= 18 && column < 26;
       const bool right = row >= 12 && row < 18 && column >= 40 && column < 44;
-      for (const float v : {left    ? 9.F
-                            : right ? 5.F
-                                    : .4F,
-                            left    ? 7.F
-                            : right ? 6.F
-                                    : .4F,
-                            left    ? 5.F
-                            : right ? 8.F
-                                    : .4F})
-        rgb.push_back(v);
+      const std::array color = left    ? std::array{9.F, 7.F, 5.F}
+                               : right ? std::array{5.F, 6.F, 8.F}
+                                       : std::array{.4F, .4F, .4F};
+      rgb.insert(rgb.end(), color.begin(), color.end());
     }
   return {kExtent, std::move(rgb)};
 }
@@ -126,22 +112,18 @@ std::optional<Environment> fitted(const std::vector<Point>& points,
 }
 
 double correlation(const Environment& truth, const Environment& light) {
-  double ab = 0, aa = 0, bb = 0, a_mean = 0, b_mean = 0, all = 0;
+  double ab = 0, aa = 0, bb = 0, a_sum = 0, b_sum = 0, all = 0;
   const auto gray = [](const Environment& e, size_t i) {
     return static_cast<double>(e.rgb()[3 * i] + e.rgb()[3 * i + 1] + e.rgb()[3 * i + 2]) / 3;
   };
-  for (const bool second : {false, true})
-    for (size_t i = 0; i < truth.extent().pixels(); ++i) {
-      const double area = truth.solid_angle(static_cast<uint32_t>(i / truth.extent().width));
-      const double a = gray(truth, i), b = gray(light, i);
-      if (!second) {
-        a_mean += area * a, b_mean += area * b, all += area;
-        continue;
-      }
-      ab += area * (a - a_mean / all) * (b - b_mean / all);
-      aa += area * std::pow(a - a_mean / all, 2), bb += area * std::pow(b - b_mean / all, 2);
-    }
-  return ab / std::sqrt(aa * bb);
+  for (size_t i = 0; i < truth.extent().pixels(); ++i) {
+    const double area = truth.solid_angle(static_cast<uint32_t>(i / truth.extent().width));
+    const double a = gray(truth, i), b = gray(light, i);
+    a_sum += area * a, b_sum += area * b, all += area;
+    ab += area * a * b, aa += area * a * a, bb += area * b * b;
+  }
+  return (ab - a_sum * b_sum / all) /
+         std::sqrt((aa - a_sum * a_sum / all) * (bb - b_sum * b_sum / all));
 }
 
 }  // namespace

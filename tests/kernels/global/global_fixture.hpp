@@ -65,15 +65,14 @@ class GlobalTest : public IntrinsicTest {
     run([&](gpu::Commands& commands) {
       result.layers = method.record(commands, input(extent, frame), params, info);
     });
-    result.intrinsic = download(result.layers[Role::intrinsic]->buffer);
-    result.light = download(result.layers[Role::light]->buffer);
+    result.intrinsic = download(result.layers[Role::intrinsic]);
+    result.light = download(result.layers[Role::light]);
     result.found = method.findings(method.recorded() - 1);
     return result;
   }
   static GlobalIntrinsic::Params to_the_letter() {
     GlobalIntrinsic::Params params;
     params.adaptive = false;
-
     return params;
   }
   /// The specification's result for a frame.
@@ -82,6 +81,14 @@ class GlobalTest : public IntrinsicTest {
                                              reference::GlobalState* state = nullptr) {
     return reference::decompose_global(rgb_of(frame).data(), int(extent.width), int(extent.height),
                                        params, state);
+  }
+  /// R S L is the frame, and direct light is part of all.
+  static void expect_product(const Result& got, const Pixels& frame) {
+    for (size_t i = 0; i < frame.size(); ++i) {
+      if (i % 4 == 3) continue;
+      ASSERT_NEAR(got.intrinsic[i] * got.intrinsic[i | 3] * got.light[i], frame[i], 1e-5) << i;
+      ASSERT_GE(got.light[i], got.light[i | 3] - 1e-6F) << i;
+    }
   }
   /// Light's color and direct share, base colors and reflectance against the specification.
   static void expect_agreement(const Result& got, const reference::GlobalResult& expected,

@@ -29,7 +29,7 @@ class GlobalWarmUp : public OnANewDevice<IntrinsicTest> {
           own, picture, params,
           {false, shares, same ? std::span<const uint8_t>(nothing) : std::span<const uint8_t>()});
       own.submit();
-      const auto& stats = method.stats(method.recorded() - 1);
+      const auto& stats = last_stats(method);
       seen.held += stats.light.reused();
       seen.listed += stats.light.reused() && method.drawn();
       seen.plain += stats.light.gray;

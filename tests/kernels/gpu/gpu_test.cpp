@@ -65,8 +65,8 @@ TEST_F(DeviceTest, KernelsAreSkippedIfTheirConditionIsZero) {
       });
     });
     const bool ran = runs || !device->variant().conditional;
-    EXPECT_EQ(download(target.buffer), Pixels(4, ran ? 1.0f : 5.0f));
-    EXPECT_EQ(download(filled.buffer), Pixels(4, ran ? 1.0f : 5.0f));
+    EXPECT_EQ(download(target), Pixels(4, ran ? 1.0f : 5.0f));
+    EXPECT_EQ(download(filled), Pixels(4, ran ? 1.0f : 5.0f));
   }
 }
 

@@ -2,7 +2,6 @@
 // What surrounds the conversion kernels: transfer curves, layouts, refusals, the mosaic.
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <string>
 
 #include "kernels/image/format/convert.hpp"
@@ -193,10 +192,7 @@ TEST_F(FrameTest, MosaicAgreesWithReference) {
     const reference::Plane expected =
         reference::mosaic({{{&one}, {&two}, {&two, true, 0.5}, {}}}, static_cast<int>(extent.width),
                           static_cast<int>(extent.height));
-    const Pixels got = download(target.buffer);
-    for (size_t i = 0; i < got.size(); ++i)
-      ASSERT_NEAR(got[i], expected.data[i / 4][i % 4], 1e-6)
-          << extent.width << "x" << extent.height << " at " << i;
+    expect_near(download(target), expected, 1e-6, name_of(extent));
   }
 }
 

@@ -3,7 +3,6 @@
 #include "tests/reference/image/pixel_format.hpp"
 
 #include <cstring>
-#include <limits>
 
 #include "kernels/image/format/convert.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
@@ -54,8 +53,8 @@ Bytes random_bytes(const FrameFormat& format, unsigned seed) {
 }
 
 std::string label(const FrameFormat& f, uint32_t n) {
-  return std::string(name_of(f.format)) + " " + std::to_string(f.extent.width) + "x" +
-         std::to_string(f.extent.height) + " variation " + std::to_string(n);
+  return std::string(name_of(f.format)) + " " + name_of(f.extent) + " variation " +
+         std::to_string(n);
 }
 
 /// Codes that differ, out of how many, and by how much at most.
@@ -102,7 +101,7 @@ class PixelFormatTest : public GpuTest, public ::testing::WithParamInterface<Pix
     const Plane target = plane(format.extent);
     const auto raw = raw_buffer(format, bytes);
     run([&](gpu::Commands& commands) { unpack.record(commands, raw, target); });
-    return download(target.buffer);
+    return download(target);
   }
 
   Bytes pack(const FrameFormat& format, const Pixels& picture, Drawing::Source source, float gain,
@@ -181,8 +180,6 @@ TEST_P(PixelFormatTest, PackAgreesWithReference) {
 }
 
 TEST_P(PixelFormatTest, BadPixelsBecomeBlackOrWhite) {
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  constexpr float kInf = std::numeric_limits<float>::infinity();
   const float bad[] = {kNan, -kNan, -kInf, -1e30f, -0.0f, 1e-40f, kInf, 1e30f};
   FrameFormat format{GetParam(), {8, 2}};
   format.matrix = Matrix::bt709();

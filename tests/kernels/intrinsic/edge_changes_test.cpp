@@ -2,7 +2,6 @@
 // Which tiles evaluate their edges again (docs/reference/methods/intrinsicdecomp.md, 10).
 #include <algorithm>
 #include <bit>
-#include <limits>
 #include <random>
 
 #include "kernels/image/pack4.hpp"
@@ -63,16 +62,13 @@ TEST_F(EdgeChangesTest, AgreesWithItsDefinition) {
     std::vector<uint32_t> expected = changed_tiles(kSize, now, saved);
     if (all) std::fill(expected.begin(), expected.end(), 1);
     EXPECT_EQ(std::count(expected.begin(), expected.end(), 1U), flagged) << what;
-    const auto buffer = [&](const Pixels& values) {
-      return upload(gpu::Element::vec4, values.data(), values.size() / 4);
-    };
     const auto flags = gpu::Buffer::create(device, gpu::Element::word, expected.size());
     run([&](gpu::Commands& commands) {
       commands.dispatch(change,
-                        {.level1 = buffer(now.level1),
-                         .kept = buffer(saved.level1),
-                         .statistics = buffer(now.statistics),
-                         .kept_statistics = buffer(saved.statistics),
+                        {.level1 = upload(now.level1),
+                         .kept = upload(saved.level1),
+                         .statistics = upload(now.statistics),
+                         .kept_statistics = upload(saved.statistics),
                          .flags = flags},
                         {.size = kSize, .tolerance = kTolerance, .all = all},
                         line_of(static_cast<uint32_t>(expected.size())));
@@ -91,7 +87,7 @@ TEST_F(EdgeChangesTest, AgreesWithItsDefinition) {
   now.level1[4 * (8 * kSize.width + 8) + 1] += .2F;
   expect_definition(now, false, 4, "a cell at the corner of four tiles");
   now = saved;
-  now.level1[4 * (12 * kSize.width + 20) + 2] = std::numeric_limits<float>::quiet_NaN();
+  now.level1[4 * (12 * kSize.width + 20) + 2] = kNan;
   expect_definition(now, false, 1, "a cell that is NaN");
   for (size_t k : {0, 4, 5, 6, 7}) {
     const float allowed = k == 0 ? 4 * kTolerance : kTolerance;
@@ -102,7 +98,7 @@ TEST_F(EdgeChangesTest, AgreesWithItsDefinition) {
     expect_definition(now, false, kTiles, "statistic " + std::to_string(k) + " beyond");
   }
   now = saved;
-  now.statistics[5] = std::numeric_limits<float>::quiet_NaN();
+  now.statistics[5] = kNan;
   expect_definition(now, false, kTiles, "a statistic that is NaN");
 }
 

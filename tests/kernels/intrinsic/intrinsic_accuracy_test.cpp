@@ -90,7 +90,7 @@ TEST_F(IntrinsicTest, AccuracyOnTheClip) {
     ThesisDecomposition thesis(device, extent);
     run([&](gpu::Commands& commands) { thesis.record(commands, plane(extent, pixels), layers); });
     const double trivial = lmse(brightest, truth),
-                 chapter3 = lmse(download(layers[Role::intrinsic]->buffer), truth),
+                 chapter3 = lmse(download(layers[Role::intrinsic]), truth),
                  ours = lmse(decompose(extent, pixels), truth);
     RecordProperty("lmse", std::to_string(ours));
     std::printf("LMSE: R = I / max_c I %.4f, thesis %.4f, intrinsicdecomp %.4f\n", trivial,

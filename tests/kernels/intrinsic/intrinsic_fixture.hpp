@@ -6,8 +6,10 @@
 #include <cstring>
 #include <limits>
 
+#include "kernels/image/pack4.hpp"
 #include "kernels/image/pyramid.hpp"
 #include "kernels/intrinsic/intrinsic_decomposition.hpp"
+#include "tests/differences.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
 #include "tests/reference/intrinsic/intrinsic_decomposition.hpp"
 #include "tests/reference/intrinsic/multigrid.hpp"
@@ -48,14 +50,32 @@ inline std::vector<double> rgb_of(const Pixels& pixels) {
   return rgb;
 }
 
-inline std::string name_of(Extent extent) {
-  return std::to_string(extent.width) + "x" + std::to_string(extent.height);
+inline reference::Guide guide_of(Extent extent, const Pixels& pixels) {
+  return reference::make_guide(rgb_of(pixels).data(), int(extent.width), int(extent.height));
+}
+
+/// The place of a pixel's k-th number in a buffer that has `stride` of each, in packs of four.
+inline size_t packed(Extent extent, uint32_t x, uint32_t y, size_t stride = 1, size_t k = 0) {
+  return 4 * (stride * (size_t{y} * pack4_count(extent.width) + x / 4) + k) + x % 4;
+}
+
+/// Root mean square difference of ln S of two planes of (R, S).
+inline double shading_distance(const Pixels& one, const Pixels& other) {
+  return rms_difference(log_shading_of(one), log_shading_of(other));
 }
 
 class IntrinsicTest : public GpuTest {
  protected:
-  PlanePtr input(Extent extent, const Pixels& pixels) {
-    return std::make_shared<Plane>(plane(extent, pixels));
+  PlanePtr input(Extent extent, const Pixels& pixels) { return shared_plane(extent, pixels); }
+  static reference::IntrinsicResult expected_of(Extent extent, const Pixels& pixels,
+                                                const reference::IntrinsicParams& params = {},
+                                                reference::IntrinsicState* state = nullptr) {
+    return reference::decompose(rgb_of(pixels).data(), int(extent.width), int(extent.height),
+                                params, state);
+  }
+  template <typename Method>
+  static const auto& last_stats(const Method& method) {
+    return method.stats(method.recorded() - 1);
   }
 
   /// One frame through `method`; its intrinsic plane.
@@ -71,7 +91,7 @@ class IntrinsicTest : public GpuTest {
                           const IntrinsicDecomposition::Params& params = {}, bool reset = true) {
     Layers layers;
     run([&](gpu::Commands& commands) { layers = method.record(commands, frame, params, {reset}); });
-    return download(layers[Role::intrinsic]->buffer);
+    return download(layers[Role::intrinsic]);
   }
   Pixels decompose(Extent extent, const Pixels& pixels,
                    const IntrinsicDecomposition::Params& params = {}) {

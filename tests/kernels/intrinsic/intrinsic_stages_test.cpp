@@ -8,16 +8,11 @@ namespace inverse::testing {
 TEST_F(IntrinsicTest, GuideAndPriorAgreeWithReference) {
   for (const Extent extent : kOddSizes) {
     const Pixels pixels = scene(extent, 2);
-    const auto rgb = rgb_of(pixels);
-    const auto guide = reference::make_guide(rgb.data(), static_cast<int>(extent.width),
-                                             static_cast<int>(extent.height));
+    const auto guide = guide_of(extent, pixels);
     const auto expected = reference::edge_prior(guide, {});
     Guide made(device, extent);
     EdgePrior prior(device, extent);
     const Extent cells = made.cell_extent();
-    const auto buffer = [&](uint64_t count) {
-      return gpu::Buffer::create(device, gpu::Element::vec4, count);
-    };
     const EdgePrior::Target target{buffer(pack4_count(extent) * 3),
                                    buffer(pack4_count(extent) * EdgePrior::kFluxStride),
                                    buffer(pack4_count(cells) * EdgePrior::kValueStride)};
@@ -36,10 +31,8 @@ TEST_F(IntrinsicTest, GuideAndPriorAgreeWithReference) {
                  value = download(target.value);
     for (uint32_t y = 0; y < extent.height; ++y)
       for (uint32_t x = 0; x < 4 * pack4_count(extent.width); ++x) {
-        const size_t pack = static_cast<size_t>(y) * pack4_count(extent.width) + x / 4,
-                     lane = x % 4;
         const auto at = [&](const Pixels& p, size_t stride, size_t k) {
-          return p[(stride * pack + k) * 4 + lane];
+          return p[packed(extent, x, y, stride, k)];
         };
         const auto same = [&](double got, double want) {
           ASSERT_NEAR(got, want, 2e-3 * (std::abs(want) + 0.01))
@@ -63,13 +56,11 @@ TEST_F(IntrinsicTest, GuideAndPriorAgreeWithReference) {
     for (uint32_t y = 0; y < cells.height; ++y)
       for (uint32_t x = 0; x < 4 * pack4_count(cells.width); ++x) {
         const size_t i = static_cast<size_t>(y) * cells.width + x;
-        const float* got =
-            &value[12 * (static_cast<size_t>(y) * pack4_count(cells.width) + x / 4) + x % 4];
         const bool inside = x < cells.width;
         const double want[] = {inside ? expected.v[i] : 0, inside ? expected.V[i] : 0,
                                inside ? expected.g[i] : 0};
         for (size_t k = 0; k < 3; ++k)
-          ASSERT_NEAR(got[4 * k], want[k], 2e-3 * (std::abs(want[k]) + 0.01))
+          ASSERT_NEAR(value[packed(cells, x, y, 3, k)], want[k], 2e-3 * (std::abs(want[k]) + 0.01))
               << name_of(extent) << " cell " << x << "," << y;
       }
   }
@@ -102,43 +93,33 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
     Multigrid multigrid(device, extent);
     Guide guide(device, extent);
     ChromaBins bins(device, cells);
-    const uint32_t packs = pack4_count(extent.width), cell_packs = pack4_count(cells.width);
     Pixels system(pack4_count(extent) * 12), field(pack4_count(extent) * 4),
-        terms(pack4_count(cells) * 16);
+        terms(pack4_count(cells) * 16), source(pack4_count(cells) * 12);
     for (uint32_t y = 0; y < extent.height; ++y)
       for (uint32_t x = 0; x < extent.width; ++x) {
         const size_t i = finest.at(static_cast<int>(x), static_cast<int>(y));
-        const size_t pack = static_cast<size_t>(y) * packs + x / 4, lane = x % 4;
-        system[12 * pack + lane] = static_cast<float>(finest.right[i]);
-        system[12 * pack + 4 + lane] = static_cast<float>(finest.down[i]);
-        system[12 * pack + 8 + lane] = static_cast<float>(finest.f[i]);
-        field[4 * pack + lane] = static_cast<float>(finest.s[i]);
+        system[packed(extent, x, y, 3, 0)] = static_cast<float>(finest.right[i]);
+        system[packed(extent, x, y, 3, 1)] = static_cast<float>(finest.down[i]);
+        system[packed(extent, x, y, 3, 2)] = static_cast<float>(finest.f[i]);
+        field[packed(extent, x, y)] = static_cast<float>(finest.s[i]);
       }
     for (uint32_t y = 0; y < cells.height; ++y)
       for (uint32_t x = 0; x < cells.width; ++x) {
-        const size_t pack = static_cast<size_t>(y) * cell_packs + x / 4, lane = x % 4;
-        terms[16 * pack + lane] =
-            static_cast<float>(screening[static_cast<size_t>(y) * cells.width + x]);
-        terms[16 * pack + 4 + lane] =
-            static_cast<float>(data[static_cast<size_t>(y) * cells.width + x]);
-      }  // g = 0: the bins have no say
-    const auto frame = plane(extent, scene(extent, 3));
-    const auto system_buffer = upload(gpu::Element::vec4, system.data(), system.size() / 4);
-    const auto field_buffer = upload(gpu::Element::vec4, field.data(), field.size() / 4);
-    const auto terms_buffer = upload(gpu::Element::vec4, terms.data(), terms.size() / 4);
-    Pixels source(pack4_count(cells) * 12);
-    for (size_t pack = 0; pack < pack4_count(cells); ++pack)
-      std::copy_n(&terms[16 * pack], 4, &source[12 * pack + 4]);  // screening; no source term yet
-    for (uint32_t y = 0; y < cells.height; ++y)
-      for (uint32_t x = 0; x < cells.width; ++x) {
+        const size_t i = size_t{y} * cells.width + x;
         const float mass = unit(random) < 0.3 ? 0.0F : static_cast<float>(unit(random));
-        source[12 * (static_cast<size_t>(y) * cell_packs + x / 4) + 8 + x % 4] = mass;
+        // No source term yet; g = 0: the bins have no say.
+        terms[packed(cells, x, y, 4, 0)] = source[packed(cells, x, y, 3, 1)] =
+            static_cast<float>(screening[i]);
+        terms[packed(cells, x, y, 4, 1)] = static_cast<float>(data[i]);
+        source[packed(cells, x, y, 3, 2)] = mass;
         for (uint32_t v = 4 * y; v < std::min(extent.height, 4 * y + 4); ++v)
           for (uint32_t u = 4 * x; u < std::min(extent.width, 4 * x + 4); ++u)
             finest.mass[finest.at(static_cast<int>(u), static_cast<int>(v))] +=
                 static_cast<double>(mass);
       }
-    const auto source_buffer = upload(gpu::Element::vec4, source.data(), source.size() / 4);
+    const auto frame = plane(extent, scene(extent, 3));
+    const auto system_buffer = upload(system), field_buffer = upload(field),
+               terms_buffer = upload(terms), source_buffer = upload(source);
     Multigrid::Params params;
     run([&](gpu::Commands& commands) {
       guide.record(commands, frame.buffer);
@@ -180,11 +161,10 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
     }
     const Pixels got = download(multigrid.field());
     for (uint32_t y = 0; y < extent.height; ++y)
-      for (uint32_t x = 0; x < 4 * packs; ++x) {
+      for (uint32_t x = 0; x < 4 * pack4_count(extent.width); ++x) {
         const double want =
             x < extent.width ? levels[0].s[finest.at(static_cast<int>(x), static_cast<int>(y))] : 0;
-        const double value = got[4 * (static_cast<size_t>(y) * packs + x / 4) + x % 4];
-        ASSERT_NEAR(value, want, 1e-3 * (1 + std::abs(want)))
+        ASSERT_NEAR(got[packed(extent, x, y)], want, 1e-3 * (1 + std::abs(want)))
             << name_of(extent) << " at " << x << "," << y;
       }
   }
@@ -193,9 +173,7 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
 TEST_F(IntrinsicTest, BinsAgreeWithReference) {
   const Extent extent{349, 287};
   const Pixels pixels = scene(extent, 4);
-  const auto rgb = rgb_of(pixels);
-  const auto reference_guide = reference::make_guide(rgb.data(), static_cast<int>(extent.width),
-                                                     static_cast<int>(extent.height));
+  const auto reference_guide = guide_of(extent, pixels);
   const auto& level = reference_guide.level[reference::kCellLevel];
   Guide guide(device, extent);
   const Extent cells = guide.cell_extent();
@@ -207,20 +185,16 @@ TEST_F(IntrinsicTest, BinsAgreeWithReference) {
   const float largest = EdgePrior::max_chroma();
   for (uint32_t y = 0; y < cells.height; ++y)
     for (uint32_t x = 0; x < cells.width; ++x) {
-      const size_t i = static_cast<size_t>(y) * cells.width + x;
-      const size_t pack = static_cast<size_t>(y) * pack4_count(cells.width) + x / 4, lane = x % 4;
+      const size_t i = static_cast<size_t>(y) * cells.width + x, at = packed(cells, x, y);
       g[i] = 16 * std::exp(7.5 * unit(random) - 4.5);
-      terms[16 * pack + 8 + lane] = static_cast<float>(g[i]);
-      terms[16 * pack + 12 + lane] = static_cast<float>(level.m[i]);
-      means[4 * pack + lane] = static_cast<float>(-3 * unit(random));
-      correction[4 * pack + lane] = static_cast<float>(0.1 * unit(random));
-      rho[i] = level.m[i] - means[4 * pack + lane] - correction[4 * pack + lane];
+      terms[packed(cells, x, y, 4, 2)] = static_cast<float>(g[i]);
+      terms[packed(cells, x, y, 4, 3)] = static_cast<float>(level.m[i]);
+      means[at] = static_cast<float>(-3 * unit(random));
+      correction[at] = static_cast<float>(0.1 * unit(random));
+      rho[i] = level.m[i] - means[at] - correction[at];
     }
-  const auto buffer = [&](const Pixels& p) {
-    return upload(gpu::Element::vec4, p.data(), p.size() / 4);
-  };
-  const auto system = upload(gpu::Element::vec4, nullptr, packs * 4);
-  const ChromaBins::State state{buffer(terms), buffer(means), buffer(correction), buffer(far),
+  const auto system = buffer(packs * 4);
+  const ChromaBins::State state{upload(terms), upload(means), upload(correction), upload(far),
                                 system};
   ChromaBins bins(device, cells);
   const auto frame = plane(extent, pixels);
@@ -240,10 +214,8 @@ TEST_F(IntrinsicTest, BinsAgreeWithReference) {
       const size_t i = static_cast<size_t>(y) * cells.width + x;
       const double want =
           g[i] * (level.m[i] - reference::slice_bins(expected, level.c0[i], level.c1[i]));
-      const double value =
-          got[16 * (static_cast<size_t>(y) * pack4_count(cells.width) + x / 4) + 8 + x % 4];
-      ASSERT_NEAR(value, want, 0.01 * g[i])
-          << x << "," << y;  // fixed point: a hundredth in log reflectance
+      // Fixed point: a hundredth in log reflectance.
+      ASSERT_NEAR(got[packed(cells, x, y, 4, 2)], want, 0.01 * g[i]) << x << "," << y;
     }
   EXPECT_EQ(got, once()) << "the sums' order must not matter";
 }
@@ -276,23 +248,17 @@ TEST_F(IntrinsicTest, OutputScaleAgreesWithReference) {
         for (uint32_t x = 0; x < extent.width; ++x) {
           const float s = value(random);
           shading[static_cast<size_t>(y) * extent.width + x] = static_cast<double>(s);
-          packs[4 * (static_cast<size_t>(y) * pack4_count(extent.width) + x / 4) + x % 4] = s;
+          packs[packed(extent, x, y)] = s;
         }
-      const float verdict[] = {0, frame.same, 0, 0};
       const auto input = plane(extent, pixels);
-      const auto field = upload(gpu::Element::vec4, packs.data(), pack4_count(extent));
-      const auto judged = upload(gpu::Element::vec4, verdict, 1);
+      const auto field = upload(packs), judged = upload({0, frame.same, 0, 0});
       run([&](gpu::Commands& commands) {
         guide.record(commands, input.buffer);
         scale.record(commands, guide, field, judged, frame.history, params);
       });
-      const auto rgb = rgb_of(pixels);
       const bool carries =
           frame.history == History::taken || (frame.history == History::decided && frame.same > 0);
-      const double want =
-          expected.update(reference::make_guide(rgb.data(), static_cast<int>(extent.width),
-                                                static_cast<int>(extent.height)),
-                          shading, carries);
+      const double want = expected.update(guide_of(extent, pixels), shading, carries);
       EXPECT_NEAR(download(scale.value())[0], want, 0.5 / 32 + 1e-3)  // half a bin
           << name_of(extent) << ", frame " << seed - 21;
     }

@@ -4,6 +4,7 @@
 #include "intrinsic_fixture.hpp"
 #include "kernels/image/format/changed_tiles.hpp"
 #include "kernels/image/format/convert.hpp"
+#include "tests/changed_tiles.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/update_max.hpp"
 
@@ -23,16 +24,8 @@ class Video {
   explicit Video(Extent extent) : extent_(extent) {}
   /// The tiles of `next` that differ from the frame before; none if there is none.
   std::vector<uint8_t> changed(const Pixels& next) {
-    const uint32_t columns = (extent_.width + 15) / 16, rows = (extent_.height + 15) / 16;
-    std::vector<uint8_t> changed;
-    if (!last_.empty()) {
-      changed.assign(size_t{columns} * rows, 0);
-      for (size_t i = 0; i < extent_.pixels(); ++i)
-        if (memcmp(&last_[4 * i], &next[4 * i], 16) != 0)
-          changed[i / extent_.width / 16 * columns + i % extent_.width / 16] = 1;
-    }
-    last_ = next;
-    return changed;
+    const Pixels last = std::exchange(last_, next);
+    return last.empty() ? std::vector<uint8_t>() : changed_tiles(extent_, last, next);
   }
 
  private:
@@ -49,14 +42,6 @@ Pixels with_patch(Pixels pixels, Extent extent, size_t left, size_t top) {
   return pixels;
 }
 
-/// Rms of log shading.
-double distance(const Pixels& one, const Pixels& other) {
-  double sum = 0;
-  for (size_t i = 3; i < one.size(); i += 4)
-    sum += std::pow(std::log(static_cast<double>(one[i]) / static_cast<double>(other[i])), 2);
-  return std::sqrt(sum / static_cast<double>(one.size() / 4));
-}
-
 /// Distance of log shading without the outputs' scales, whose logarithms these are.
 struct Distance {
   double rms = 0;
@@ -67,9 +52,9 @@ Distance distance(Extent extent, const Pixels& one, double scale, const Pixels& 
   Distance distance;
   const uint32_t columns = (extent.width + 15) / 16, rows = (extent.height + 15) / 16;
   std::vector<double> sums(size_t{columns} * rows), counts(sums.size());
+  const auto log_one = log_shading_of(one), log_other = log_shading_of(other);
   for (size_t i = 0; i < extent.pixels(); ++i) {
-    const double d = std::log(static_cast<double>(one[4 * i + 3])) + scale -
-                     std::log(static_cast<double>(other[4 * i + 3])) - other_scale;
+    const double d = log_one[i] + scale - log_other[i] - other_scale;
     const size_t tile = i / extent.width / 16 * columns + i % extent.width / 16;
     distance.rms += d * d;
     sums[tile] += d;
@@ -92,10 +77,8 @@ class IntrinsicTilesTest : public IntrinsicTest {
     });
     return layers;
   }
-  Pixels pixels_of(const Layers& layers) { return download(layers[Role::intrinsic]->buffer); }
-  bool listed(const IntrinsicDecomposition& method) {
-    return method.stats(method.recorded() - 1).plan.tiles();
-  }
+  Pixels pixels_of(const Layers& layers) { return download(layers[Role::intrinsic]); }
+  bool listed(const IntrinsicDecomposition& method) { return last_stats(method).plan.tiles(); }
 };
 
 }  // namespace
@@ -122,15 +105,13 @@ TEST_F(IntrinsicTilesTest, KernelsOverAllTilesDoWhatTheyDoOverTheFrame) {
     // Operators, a cycle and its extrapolation, on a system such as the prior makes.
     Multigrid grids[] = {Multigrid(device, extent), Multigrid(device, extent)};
     const Extent cells = whole.cell_extent();
-    const auto flux = gpu::Buffer::create(device, gpu::Element::vec4, pack4_count(extent) * 2);
-    const auto value = gpu::Buffer::create(device, gpu::Element::vec4, pack4_count(cells) * 3);
+    const auto flux = buffer(pack4_count(extent) * 2), value = buffer(pack4_count(cells) * 3);
     EdgePrior prior(device, extent);
     Pixels start(pack4_count(extent) * 4);
     for (uint32_t y = 0; y < extent.height; ++y)
       for (uint32_t x = 0; x < extent.width; ++x)
-        start[4 * (size_t{y} * pack4_count(extent.width) + x / 4) + x % 4] =
-            -1.0F - 0.01F * static_cast<float>((x * 7 + y * 3) % 50);
-    const auto field = upload(gpu::Element::vec4, start.data(), pack4_count(extent));
+        start[packed(extent, x, y)] = -1.0F - 0.01F * static_cast<float>((x * 7 + y * 3) % 50);
+    const auto field = upload(start);
     for (size_t k = 0; k < 2; ++k)
       run([&](gpu::Commands& commands) {
         Multigrid& grid = grids[k];
@@ -162,8 +143,7 @@ TEST_F(IntrinsicTilesTest, AStaticBackgroundIsReusedAndStaysNearTheWholeSolve) {
   const Extent extent{349, 287};
   const Pixels background = scene(extent, 21);
   IntrinsicDecomposition some(device, extent), whole(device, extent);
-  IntrinsicDecomposition::Params all;
-  all.adaptive = false;
+  const IntrinsicDecomposition::Params all{.adaptive = false};
   Video video(extent);
   Pixels before;
   unsigned listed_frames = 0;
@@ -177,7 +157,7 @@ TEST_F(IntrinsicTilesTest, AStaticBackgroundIsReusedAndStaysNearTheWholeSolve) {
       if (i % 4 < 3) {
         ASSERT_NEAR(got[i] * got[i | 3], frame[i], 1e-5) << "R S must be I, frame " << k;
       }
-    update_max(worst, distance(got, want));
+    update_max(worst, shading_distance(got, want));
     worst_scale = std::max(
         worst_scale, static_cast<double>(std::abs(some.findings().scale - whole.findings().scale)));
     if (listed(some)) {
@@ -211,8 +191,7 @@ TEST_F(IntrinsicTilesTest, TrailsOfMovingObjectsFade) {
   for (const unsigned seed : {26U, 27U}) {
     const Pixels background = scene(extent, seed);
     IntrinsicDecomposition some(device, extent), whole(device, extent);
-    IntrinsicDecomposition::Params all;
-    all.adaptive = false;
+    const IntrinsicDecomposition::Params all{.adaptive = false};
     Video video(extent);
     double before = 0;
     unsigned refreshed = 0, tiles = 0;
@@ -250,14 +229,14 @@ TEST_F(IntrinsicTilesTest, AChangeEverywhereIsSolvedEverywhere) {
   Video video(extent);
   const auto step = [&] {
     const Pixels got = pixels_of(next(some, extent, frame, video.changed(frame), params));
-    return distance(got, pixels_of(next(whole, extent, frame, {}, all)));
+    return shading_distance(got, pixels_of(next(whole, extent, frame, {}, all)));
   };
   for (int k = 0; k < 12; ++k) step();
   EXPECT_TRUE(listed(some)) << "a still video must come to be worked on by tiles";
   for (float& v : frame) v *= 0.7F;  // the light is dimmed
   EXPECT_LT(step(), 0.06);
   EXPECT_FALSE(listed(some));
-  EXPECT_EQ(some.findings().tiles_active, some.stats(some.recorded() - 1).tiles);
+  EXPECT_EQ(some.findings().tiles_active, last_stats(some).tiles);
   for (int k = 0; k < 12; ++k) step();
   EXPECT_TRUE(listed(some));
   params.prior.shading_weight = all.prior.shading_weight = 2;
@@ -398,8 +377,8 @@ TEST_F(IntrinsicTilesTest, FramesAreConvertedByTile) {
       pack.record(commands, {.picture = planes[0]}, whole);
       pack.record(commands, {.picture = planes[0]}, listed, &all);
     });
-    const Pixels got = download(planes[0].buffer), part = download(planes[2].buffer);
-    EXPECT_EQ(got, download(planes[1].buffer)) << name_of(pixel);
+    const Pixels got = download(planes[0]), part = download(planes[2]);
+    EXPECT_EQ(got, download(planes[1])) << name_of(pixel);
     EXPECT_EQ(memcmp(whole->map(), listed->map(), whole->bytes()), 0) << name_of(pixel);
     for (size_t i = 0; i < format.extent.pixels(); ++i) {
       const size_t x = i % format.extent.width, y = i / format.extent.width;

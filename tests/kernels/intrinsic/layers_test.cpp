@@ -2,8 +2,6 @@
 // The output's scale and the fade between resolutions against their reference.
 #include "tests/reference/intrinsic/layers.hpp"
 
-#include <limits>
-
 #include "kernels/image/pack4.hpp"
 #include "kernels/image/tiles/tile_list.hpp"
 #include "kernels/intrinsic/resolution/layer_fade.hpp"
@@ -19,8 +17,6 @@ constexpr double kTolerance = 3e-5;
 /// Random pixels with black, NaN, infinite, negative and huge ones among them.
 Pixels extreme_pixels(Extent extent, unsigned seed) {
   Pixels pixels = random_pixels(extent, seed);
-  using Limits = std::numeric_limits<float>;
-  constexpr float kInf = Limits::infinity(), kNan = Limits::quiet_NaN();
   const float values[] = {0, kNan, kInf, -kInf, -1, 1e9F, 1e-30F};
   for (size_t i = 0; i < pixels.size(); i += 11) pixels[i] = values[i / 11 % std::size(values)];
   return pixels;
@@ -45,12 +41,8 @@ TEST_F(LayersTest, OutputScaleAgreesWithReference) {
       const Pixels frame = extreme_pixels(size, 3);
       const uint64_t packs = pack4_count(size);
       Pixels shading = random_pixels({uint32_t(packs), 1}, 4, -30, 30);
-      const Pixels scale{log_scale, 1, 0, 0};
-      const auto zeros = [&](uint64_t count) {
-        const Pixels values(4 * count);
-        return upload(gpu::Element::vec4, values.data(), count);
-      };
-      const auto field = upload(gpu::Element::vec4, shading.data(), packs);
+      const auto zeros = [&](uint64_t count) { return upload(Pixels(4 * count)); };
+      const auto field = upload(shading);
       const auto memory = zeros(packs * Shader::MEMORY_STRIDE);
       const auto intrinsic = zeros(size.pixels());
       run([&](gpu::Commands& commands) {
@@ -58,7 +50,7 @@ TEST_F(LayersTest, OutputScaleAgreesWithReference) {
                         {.frame = plane(size, frame).buffer,
                          .cells = zeros(size.pixels() * Shader::CELL_STRIDE),
                          .guide_coarse = zeros(size.pixels()),
-                         .scale = upload(gpu::Element::vec4, scale.data(), 1),
+                         .scale = upload({log_scale, 1, 0, 0}),
                          .start = zeros(packs * Shader::START_STRIDE),
                          .before = zeros(packs * Shader::MEMORY_STRIDE),
                          .now = memory,
@@ -111,7 +103,7 @@ TEST_F(LayersTest, FadeAgreesWithReference) {
           expected.data[i] =
               reference::faded(reference::fade_from(first.data[i], old.data[i], base.data[i]),
                                share, rgb.data[i], next.data[i]);
-        expect_near(download(got->buffer), expected, kTolerance,
+        expect_near(download(got), expected, kTolerance,
                     std::to_string(size.width) + " wide, frame " + std::to_string(k));
       }
     }

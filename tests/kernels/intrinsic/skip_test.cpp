@@ -3,7 +3,7 @@
 #include "intrinsic_fixture.hpp"
 #include "kernels/intrinsic/resolution/layer_distance.hpp"
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
-#include "tests/update_max.hpp"
+#include "tests/differences.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -27,14 +27,6 @@ bool tells(const std::vector<std::string>& skipped, const char* what) {
                      [&](const std::string& reason) { return reason.starts_with(what); });
 }
 
-/// Root mean square difference of log shading of two intrinsic planes.
-double apart(const Pixels& one, const Pixels& other) {
-  double sum = 0;
-  for (size_t i = 3; i < one.size(); i += 4)
-    sum += std::pow(std::log(static_cast<double>(one[i]) / static_cast<double>(other[i])), 2);
-  return std::sqrt(sum / static_cast<double>(one.size() / 4));
-}
-
 }  // namespace
 
 class SkipTest : public IntrinsicTest {
@@ -43,10 +35,7 @@ class SkipTest : public IntrinsicTest {
                bool reset = false) {
     Layers layers;
     run([&](gpu::Commands& commands) { layers = method.record(commands, in, params, {reset}); });
-    return download(layers[Role::intrinsic]->buffer);
-  }
-  static const ScaledIntrinsic::Stats& last(const ScaledIntrinsic& method) {
-    return method.stats(method.recorded() - 1);
+    return download(layers[Role::intrinsic]);
   }
 };
 
@@ -66,7 +55,7 @@ TEST_F(SkipTest, BinsWithoutWeightAreAlwaysSkipped) {
     EXPECT_TRUE(tells(without.stats(0).plan.skipped, "chroma bins: their weight is 0"));
     EXPECT_TRUE(with.stats(0).plan.bins);
     EXPECT_FALSE(tells(with.stats(0).plan.skipped, "chroma bins"));
-    EXPECT_LT(apart(got, want), 1e-4);
+    EXPECT_LT(shading_distance(got, want), 1e-4);
   }
 }
 
@@ -88,9 +77,6 @@ TEST_F(SkipTest, TheEffectOfBinsIsBoundedBeforehand) {
       // The weights of the value prior, one of whose cells is 4 x 4 pixels.
       Guide guide(device, extent);
       EdgePrior prior(device, extent);
-      const auto buffer = [&](uint64_t count) {
-        return gpu::Buffer::create(device, gpu::Element::vec4, count);
-      };
       const Extent cells = guide.cell_extent();
       const EdgePrior::Target target{buffer(pack4_count(extent) * 3),
                                      buffer(pack4_count(extent) * 2),
@@ -101,16 +87,15 @@ TEST_F(SkipTest, TheEffectOfBinsIsBoundedBeforehand) {
       });
       const Pixels value = download(target.value);
       double sum = 0, weights = 0;
+      const auto with_bins = log_shading_of(bound), without_bins = log_shading_of(free);
       for (uint32_t y = 0; y < cells.height; ++y)
         for (uint32_t x = 0; x < cells.width; ++x) {
           double change = 0;
           for (uint32_t k = 0; k < 16; ++k) {
             const size_t pixel = (4 * y + k / 4) * extent.width + 4 * x + k % 4;
-            change += std::log(static_cast<double>(bound[4 * pixel + 3])) -
-                      std::log(static_cast<double>(free[4 * pixel + 3]));
+            change += with_bins[pixel] - without_bins[pixel];
           }
-          const double v = static_cast<double>(
-              value[12 * (static_cast<size_t>(y) * pack4_count(cells.width) + x / 4) + x % 4]);
+          const double v = value[packed(cells, x, y, 3)];
           sum += v * change * change / 256;
           weights += v;
         }
@@ -131,21 +116,21 @@ TEST_F(SkipTest, APictureWithoutColorsSkipsBins) {
   int skipped = 0;
   for (int i = 0; i < 16; ++i) {
     const Pixels got = decompose(method, plain, params, false);
-    EXPECT_LT(apart(got, decompose(whole, plain, always, false)), 0.005);
+    EXPECT_LT(shading_distance(got, decompose(whole, plain, always, false)), 0.005);
     decompose(all, plain, off, false);
-    const auto& stats = method.stats(method.recorded() - 1);
+    const auto& stats = last_stats(method);
     skipped += !stats.plan.bins;
     EXPECT_EQ(tells(stats.plan.skipped, "chroma bins: their effect is below its tolerance"),
               !stats.plan.bins);
-    EXPECT_TRUE(whole.stats(whole.recorded() - 1).plan.bins);
-    EXPECT_TRUE(all.stats(all.recorded() - 1).plan.bins);
+    EXPECT_TRUE(last_stats(whole).plan.bins);
+    EXPECT_TRUE(last_stats(all).plan.bins);
   }
   EXPECT_GE(skipped, 9);
   EXPECT_LE(skipped, 12) << "now and then it has to look";
   for (int i = 0; i < 8; ++i) decompose(method, colored, params, false);
   for (int i = 0; i < 8; ++i) {
     decompose(method, colored, params, false);
-    EXPECT_TRUE(method.stats(method.recorded() - 1).plan.bins) << "a new scene needs them";
+    EXPECT_TRUE(last_stats(method).plan.bins) << "a new scene needs them";
   }
 }
 
@@ -158,20 +143,19 @@ TEST_F(SkipTest, PixelsAreNotComparedIfEverythingMoves) {
   for (unsigned i = 0; i < 16; ++i) {  // a cut at every frame
     const PlanePtr in = input(extent, scene(extent, i % 2 ? 4 : 5));
     const Pixels got = decompose(method, in, params, false);
-    EXPECT_LT(apart(got, decompose(whole, in, always, false)), 0.01) << "frame " << i;
-    const auto& stats = method.stats(method.recorded() - 1);
+    EXPECT_LT(shading_distance(got, decompose(whole, in, always, false)), 0.01) << "frame " << i;
+    const auto& stats = last_stats(method);
     skipped += stats.plan.history && !stats.plan.compares_pixels;
     EXPECT_EQ(tells(stats.plan.skipped, "anchor of pixels"),
               stats.plan.history && !stats.plan.compares_pixels);
-    EXPECT_EQ(whole.stats(whole.recorded() - 1).plan.compares_pixels, i > 0);
+    EXPECT_EQ(last_stats(whole).plan.compares_pixels, i > 0);
   }
   EXPECT_GE(skipped, 8);
   const PlanePtr still = input(extent, scene(extent, 4));
   for (int i = 0; i < 8; ++i) decompose(method, still, params, false);
   for (int i = 0; i < 4; ++i) {
     decompose(method, still, params, false);
-    EXPECT_TRUE(method.stats(method.recorded() - 1).plan.compares_pixels)
-        << "what stands still is held";
+    EXPECT_TRUE(last_stats(method).plan.compares_pixels) << "what stands still is held";
   }
 }
 
@@ -189,19 +173,19 @@ TEST_F(SkipTest, AnotherResolutionStartsFromTheFirstsResult) {
       params.quarter_resolution = at == 2;
       const bool crosses = i > 0 && i % 10 == 0;
       const Pixels now[2] = {frame(carried, still, params), frame(forgets, still, params, crosses)};
-      EXPECT_EQ(last(carried).crossed, crosses);
-      EXPECT_EQ(last(carried).halvings, at == 3 ? 0U : static_cast<size_t>(at));
-      EXPECT_EQ(last(carried).plan.history, i > 0);
+      EXPECT_EQ(last_stats(carried).crossed, crosses);
+      EXPECT_EQ(last_stats(carried).halvings, at == 3 ? 0U : static_cast<size_t>(at));
+      EXPECT_EQ(last_stats(carried).plan.history, i > 0);
       EXPECT_FALSE(carried.findings(carried.recorded() - 1).cut);
       if (crosses) {
         EXPECT_LT(carried.findings(carried.recorded() - 1).mismatch, 1e-4);
       }
-      for (const float value : now[0]) ASSERT_TRUE(std::isfinite(value));
+      ASSERT_TRUE(all_finite(now[0]));
       if (i >= 10) {
-        update_max(largest, apart(now[0], before[0]));
-        update_max(max_anew, apart(now[1], before[1]));
+        update_max(largest, shading_distance(now[0], before[0]));
+        update_max(max_anew, shading_distance(now[1], before[1]));
         if (crosses) {
-          EXPECT_LT(apart(now[0], before[0]), 0.01) << name_of(extent) << " at " << i;
+          EXPECT_LT(shading_distance(now[0], before[0]), 0.01) << name_of(extent) << " at " << i;
         }
       }
       before[0] = now[0];
@@ -231,14 +215,15 @@ TEST_F(SkipTest, HalfResolutionIsChosenWithinItsBound) {
       distance.record(commands, in->buffer, one[Role::intrinsic]->buffer,
                       other[Role::intrinsic]->buffer, slot);
     });
-    EXPECT_EQ(last(full).halvings, 0U);
-    EXPECT_EQ(last(all).halvings, 0U);
+    EXPECT_EQ(last_stats(full).halvings, 0U);
+    EXPECT_EQ(last_stats(all).halvings, 0U);
     return distance.value(slot);
   };
   for (uint64_t i = 0; i < 40; ++i) {
     EXPECT_LT(step(soft, i), params.tolerances.half) << "frame " << i;
-    EXPECT_EQ(last(method).compared, i == ResolutionPlanner::kFirst) << "frame " << i;
-    EXPECT_EQ(last(method).halvings, i < ResolutionPlanner::kFirst + 3 ? 0U : 1U) << "frame " << i;
+    EXPECT_EQ(last_stats(method).compared, i == ResolutionPlanner::kFirst) << "frame " << i;
+    EXPECT_EQ(last_stats(method).halvings, i < ResolutionPlanner::kFirst + 3 ? 0U : 1U)
+        << "frame " << i;
   }
   const float soft_distance = method.findings(method.recorded() - 1).half_distance;
   EXPECT_GT(soft_distance, 0);
@@ -248,7 +233,7 @@ TEST_F(SkipTest, HalfResolutionIsChosenWithinItsBound) {
   float off_by = 0;
   for (uint64_t i = 0; i < 90; ++i) {  // the anchor leads on to what full resolution finds
     off_by = step(sharp, i);
-    EXPECT_EQ(last(method).halvings, 0U) << "frame " << i;
+    EXPECT_EQ(last_stats(method).halvings, 0U) << "frame " << i;
   }
   EXPECT_LT(off_by, params.tolerances.half);
   EXPECT_GT(method.findings(method.recorded() - 1).half_distance, params.tolerances.half);

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -51,10 +50,7 @@ class LimeKernels : public GpuTest {
   gpu::BufferPtr points(const Pixels& pixels) {
     Pixels padded(4, 0.F);
     padded.insert(padded.end(), pixels.begin(), pixels.end());
-    return upload(gpu::Element::vec4, padded.data(), padded.size() / 4);
-  }
-  gpu::BufferPtr empty(uint64_t count) {
-    return gpu::Buffer::create(device, gpu::Element::vec4, count);
+    return upload(padded);
   }
   Pixels download_points(const gpu::BufferPtr& buffer) {
     Pixels all = download(buffer);
@@ -62,13 +58,10 @@ class LimeKernels : public GpuTest {
   }
 };
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN(),
-                kInf = std::numeric_limits<float>::infinity();
-
 /// What a frame must not bring down.
 Pixels with_extremes(Pixels pixels, unsigned seed) {
   std::mt19937 random(seed);
-  const float bad[] = {kNaN, -kInf, kInf, -3, 1e30F, 0, 1e-30F};
+  const float bad[] = {kNan, -kInf, kInf, -3, 1e30F, 0, 1e-30F};
   for (size_t i = 0; i < pixels.size(); i += 1 + random() % 23) pixels[i] = bad[random() % 7];
   return pixels;
 }
@@ -79,7 +72,7 @@ TEST_F(LimeKernels, SquareOfTheFrame) {
     for (const bool extreme : {false, true}) {
       const Pixels plain = random_pixels(extent, ++seed);
       const Pixels frame = extreme ? with_extremes(plain, seed) : plain;
-      const gpu::BufferPtr out = empty(1 + 32 * 32);
+      const gpu::BufferPtr out = buffer(1 + 32 * 32);
       run([&](gpu::Commands& commands) {
         commands.dispatch(gpu::Program<shaders::material_networks_crop>(device),
                           {.frame = plane(extent, frame).buffer, .image = out}, place, {32 * 32});
@@ -115,7 +108,7 @@ TEST_F(LimeKernels, ForeignPointsAreOfNoObject) {
 TEST_F(LimeKernels, PictureOfTheObject) {
   const Extent side{32, 32};
   const Pixels image = random_pixels(side, 3), probability = random_pixels(side, 4);
-  const gpu::BufferPtr out = empty(1 + side.pixels());
+  const gpu::BufferPtr out = buffer(1 + side.pixels());
   run([&](gpu::Commands& commands) {
     commands.dispatch(gpu::Program<shaders::material_networks_to_specular>(device),
                       {.image = points(image), .probability = points(probability), .result = out},
@@ -144,8 +137,8 @@ TEST_F(LimeKernels, OutputsOfTheSecondAndThirdNetwork) {
   for (size_t i = 3; i < masked.size(); i += 4) masked[i] = masked[i] < .6F ? 1 : 0;
   const Pixels specular = with_extremes(extreme_codes(side, 6), 6),
                mirror = with_extremes(extreme_codes(side, 7), 7);
-  const gpu::BufferPtr mirror_in = empty(1 + count), albedo_in = empty(1 + count),
-                       exponent_in = empty(1 + count);
+  const gpu::BufferPtr mirror_in = buffer(1 + count), albedo_in = buffer(1 + count),
+                       exponent_in = buffer(1 + count);
   run([&](gpu::Commands& commands) {
     commands.dispatch(gpu::Program<shaders::material_networks_to_mirror_and_albedo>(device),
                       {.masked = points(masked),
@@ -190,7 +183,7 @@ TEST_F(LimeKernels, SphereBeforeTheFrame) {
             .middle = {x * static_cast<float>(extent.width), y * static_cast<float>(extent.height)},
             .radius = radius * shorter,
             .side = kTable};
-        const gpu::BufferPtr out = empty(extent.pixels());
+        const gpu::BufferPtr out = buffer(extent.pixels());
         run([&](gpu::Commands& commands) {
           commands.dispatch(gpu::Program<shaders::material_preview_preview>(device),
                             {.frame = plane(extent, frame).buffer,
@@ -332,7 +325,7 @@ TEST_F(LimeKernels, LayersHaveTheEdgesOfTheFrame) {
         codes[4 * i] = static_cast<float>(std::log1p(4 * exposure * shares[i] / 2) / 2);
     }
     GuidedLayers guided(device, kSide);
-    const gpu::BufferPtr diffuse = empty(frame.pixels()), gloss = empty(frame.pixels());
+    const gpu::BufferPtr diffuse = buffer(frame.pixels()), gloss = buffer(frame.pixels());
     run([&](gpu::Commands& commands) {
       guided.record_mask(commands, points(means), points(mask));
       guided.record_specular(commands, points(means), points(codes));
@@ -369,7 +362,7 @@ TEST_F(LimeKernels, LayersOfTheFrame) {
                    codes = random_pixels(side, ++seed, -.2F, 1.2F),
                    lines = random_pixels(side, ++seed, -.1F, 1.1F);
       const Pixels under = random_pixels(side, ++seed, 0, .6F);
-      const gpu::BufferPtr diffuse = empty(extent.pixels()), gloss = empty(extent.pixels());
+      const gpu::BufferPtr diffuse = buffer(extent.pixels()), gloss = buffer(extent.pixels());
       // Without an object there is light alone, whatever the rest holds.
       for (const bool found : {true, false}) {
         run([&](gpu::Commands& commands) {

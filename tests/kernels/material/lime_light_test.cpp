@@ -58,7 +58,7 @@ TEST_F(LimeTest, TheLightFollowsLampsThatFade) {
   params.fusion.new_object_distance = params.converged_error = 1;
   for (delay = 0; delay < gpu::kFramesInFlight; ++delay) {
     LimeMaterial lime(device, kFrame, HandMadeLime::models());
-    const auto estimates = [&] { return lime.report(lime.recorded() - 1).estimates; };
+    const auto estimates = [&] { return last_report(lime).estimates; };
     for (int i = 0; i < 60; ++i) unseen(lime, .4F);
     const uint64_t known = estimates();
     for (int i = 0; i < 16; ++i) unseen(lime, .4F);
@@ -110,12 +110,7 @@ TEST_F(LimeTest, AnObjectThatStopsElsewhereGetsTheLightThere) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   params.light_asked = true;
   params.fusion.new_object_distance = params.converged_error = 1;
-  const auto put = [&](float x, float blue) {
-    run([&](gpu::Commands& commands) {
-      lime.record(commands, scene(x, 30, 20, .4F, blue), params, false);
-    });
-    lime.done(lime.recorded() - 1);
-  };
+  const auto put = [&](float x, float blue) { unseen(lime, scene(x, 30, 20, .4F, blue)); };
   for (int i = 0; i < 1000; ++i) put(40, .4F);
   const double before = blueness(lime);
   const uint64_t views = lime.light_views();

@@ -32,8 +32,8 @@ class LimeTest : public GpuTest {
   }
   /// Two scenes' discs in one.
   Plane together(const Plane& one, const Plane& two) {
-    Pixels pixels = download(one.buffer);
-    const Pixels other = download(two.buffer);
+    Pixels pixels = download(one);
+    const Pixels other = download(two);
     for (size_t i = 0; i < pixels.size(); ++i)
       if (other[i] != kGray) pixels[i] = other[i];
     return plane(kFrame, pixels);
@@ -51,10 +51,18 @@ class LimeTest : public GpuTest {
   }
   /// A frame whose layers are not read.
   LimeMaterial::Report unseen(LimeMaterial& lime, float blue, float green = .4F) {
-    run([&](gpu::Commands& commands) {
-      lime.record(commands, scene(50, 30, 20, green, blue), params, false);
-    });
+    return unseen(lime, scene(50, 30, 20, green, blue));
+  }
+  LimeMaterial::Report unseen(LimeMaterial& lime, const Plane& picture) {
+    run([&](gpu::Commands& commands) { lime.record(commands, picture, params, false); });
     if (lime.recorded() > delay) lime.done(lime.recorded() - 1 - delay);
+    return last_report(lime);
+  }
+  /// In the middle of the object, as a frame shows it.
+  float gloss_of(LimeMaterial& lime, float blue) {
+    return download(frame(lime, scene(50, 30, 20, .5F, blue)).gloss)[4 * (30 * kFrame.width + 50)];
+  }
+  static LimeMaterial::Report last_report(const LimeMaterial& lime) {
     return lime.report(lime.recorded() - 1);
   }
   /// Of the light's map, all of it.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The material of one object, by networks whose results are known.
 #include <cmath>
-#include <limits>
 
 #include "lime_material_fixture.hpp"
 
@@ -22,7 +21,7 @@ TEST_F(LimeTest, AnotherObjectInTheSquareIsNotMixedIn) {
   const Material &m = beside.object().latest, &expected = alone.object().latest;
   EXPECT_NEAR(m.specular, expected.specular, 1e-5);
   for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(m.diffuse[c], expected.diffuse[c], 1e-5);
-  const Pixels diffuse = download(layers.diffuse->buffer);
+  const Pixels diffuse = download(layers.diffuse);
   EXPECT_EQ(diffuse[4 * (58 * kFrame.width + 88) + 3], 0) << "nor in the mask";
   EXPECT_GT(diffuse[4 * (30 * kFrame.width + 60) + 3], .9);
 }
@@ -74,7 +73,7 @@ TEST_F(LimeTest, EstimatesAreThoseOfTheNetworks) {
   EXPECT_NEAR(object.material.specular, 1 / (1 + std::exp(1 - 8 * code * object.share)), .01);
   EXPECT_NEAR((object.box.left + object.box.right) / 2, 60, 2);
 
-  const Pixels diffuse = download(layers.diffuse->buffer), gloss = download(layers.gloss->buffer);
+  const Pixels diffuse = download(layers.diffuse), gloss = download(layers.gloss);
   const auto pixel = [](const Pixels& p, uint32_t x, uint32_t y) {
     return &p[4 * (size_t{y} * kFrame.width + x)];
   };
@@ -93,21 +92,21 @@ TEST_F(LimeTest, WithoutAnObjectOnlyTheSearchRuns) {
   const Plane empty = scene(0, 0, 0);
   for (int i = 0; i < 5; ++i) {
     const auto layers = frame(lime, empty);
-    EXPECT_TRUE(lime.report(lime.recorded() - 1).segmented);
-    EXPECT_FALSE(lime.report(lime.recorded() - 1).estimated);
-    for (const float v : download(layers.gloss->buffer)) ASSERT_EQ(v, 0);
+    EXPECT_TRUE(last_report(lime).segmented);
+    EXPECT_FALSE(last_report(lime).estimated);
+    for (const float v : download(layers.gloss)) ASSERT_EQ(v, 0);
   }
   EXPECT_FALSE(lime.object().found);
   frame(lime, scene(60, 30, 20));
   frame(lime, scene(60, 30, 20));
-  EXPECT_TRUE(lime.report(lime.recorded() - 1).estimated);
+  EXPECT_TRUE(last_report(lime).estimated);
 }
 
 TEST_F(LimeTest, APictureWithoutAnObjectIsSearchedOnce) {
   for (delay = 0; delay < gpu::kFramesInFlight; ++delay) {
     LimeMaterial lime(device, kFrame, HandMadeLime::models());
     const Plane empty = scene(0, 0, 0), disc = scene(50, 30, 20);
-    const auto searched = [&] { return lime.report(lime.recorded() - 1).segmentations; };
+    const auto searched = [&] { return last_report(lime).segmentations; };
     params.adaptive = true;
     frame(lime, empty);
     for (int i = 0; i < 5; ++i) frame(lime, empty, true);
@@ -136,13 +135,13 @@ TEST_F(LimeTest, AnUnchangedObjectIsEstimatedRarely) {
   params.estimate_interval = 5;
   const Plane picture = scene(50, 30, 20);
   for (int i = 0; i < 30; ++i) frame(lime, picture);
-  const auto before = lime.report(lime.recorded() - 1).estimates;
-  const Pixels expected = download(frame(lime, picture).diffuse->buffer);
-  for (int i = 0; i < 19; ++i) EXPECT_EQ(download(frame(lime, picture).diffuse->buffer), expected);
-  EXPECT_EQ(lime.report(lime.recorded() - 1).estimates, before + 4);
+  const auto before = last_report(lime).estimates;
+  const Pixels expected = download(frame(lime, picture).diffuse);
+  for (int i = 0; i < 19; ++i) EXPECT_EQ(download(frame(lime, picture).diffuse), expected);
+  EXPECT_EQ(last_report(lime).estimates, before + 4);
   params.adaptive = false;
   for (int i = 0; i < 5; ++i) frame(lime, picture);
-  EXPECT_EQ(lime.report(lime.recorded() - 1).estimates, before + 9);
+  EXPECT_EQ(last_report(lime).estimates, before + 9);
 }
 
 TEST_F(LimeTest, AChangingObjectIsNeverConfirmed) {
@@ -151,52 +150,42 @@ TEST_F(LimeTest, AChangingObjectIsNeverConfirmed) {
   params.fusion.memory = 1;
   params.fusion.new_object_distance = 1;
   params.converged_error = .01F;
-  for (int i = 0; i < 80; ++i) {
-    run([&](gpu::Commands& commands) {
-      lime.record(commands, scene(50, 30, 20, .5F, i % 3 ? .3F : .5F), params, false);
-    });
-    lime.done(lime.recorded() - 1);
-  }
-  EXPECT_GE(lime.report(lime.recorded() - 1).estimates, 75U);
-  EXPECT_LT(lime.object().spread, params.converged_error * std::sqrt(60.F))
-      << "or any rule would do";
+  for (int i = 0; i < 80; ++i) unseen(lime, i % 3 ? .3F : .5F, .5F);
+  EXPECT_GE(last_report(lime).estimates, 75U);
+  EXPECT_LT(lime.object().spread, params.converged_error * std::sqrt(60.F)) << "or any rule would do";
 }
 
 TEST_F(LimeTest, LayersOfAnUnchangedObjectFollowItsLight) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   params.estimate_interval = 1000;
-  const auto gloss = [&](float blue) {
-    return download(frame(lime, scene(50, 30, 20, .5F, blue)).gloss->buffer)[4 * (30 * 96 + 50)];
-  };
+  const auto gloss = [&](float blue) { return gloss_of(lime, blue); };
   for (int i = 0; i < 30; ++i) gloss(.4F);
-  ASSERT_FALSE(lime.report(lime.recorded() - 1).estimated);
-  const auto estimates = lime.report(lime.recorded() - 1).estimates;
+  ASSERT_FALSE(last_report(lime).estimated);
+  const auto estimates = last_report(lime).estimates;
   // Less than a change: what was found stays.
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(gloss(.41F), decoded(.5F * .4F), 1e-3);
-  EXPECT_EQ(lime.report(lime.recorded() - 1).estimates, estimates);
+  EXPECT_EQ(last_report(lime).estimates, estimates);
   // A highlight comes: by the second frame it is seen, and then all is still again.
   gloss(.5F);
   EXPECT_NEAR(gloss(.5F), decoded(.5F * .5F), 1e-3);
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(gloss(.5F), decoded(.5F * .5F), 1e-3);
-  EXPECT_EQ(lime.report(lime.recorded() - 1).estimates, estimates + 2);
+  EXPECT_EQ(last_report(lime).estimates, estimates + 2);
   // Layers are not read: the material is unchanged.
   for (int i = 0; i < 10; ++i) unseen(lime, i % 2 ? .5F : .47F, .5F);
-  EXPECT_LE(lime.report(lime.recorded() - 1).estimates, estimates + 4);
+  EXPECT_LE(last_report(lime).estimates, estimates + 4);
   for (int i = 0; i < 10; ++i) gloss(i % 2 ? .5F : .47F);
-  EXPECT_GE(lime.report(lime.recorded() - 1).estimates, estimates + 6);
+  EXPECT_GE(last_report(lime).estimates, estimates + 6);
 }
 
 TEST_F(LimeTest, FirstDrawnLayersAreOfTheCurrentPicture) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   params.estimate_interval = 1000;
   params.fusion.new_object_distance = 1;
-  const auto gloss = [&](float blue) {
-    return download(frame(lime, scene(50, 30, 20, .5F, blue)).gloss->buffer)[4 * (30 * 96 + 50)];
-  };
+  const auto gloss = [&](float blue) { return gloss_of(lime, blue); };
   for (int i = 0; i < 30; ++i) unseen(lime, .4F, .5F);
-  ASSERT_FALSE(lime.report(lime.recorded() - 1).estimated);
+  ASSERT_FALSE(last_report(lime).estimated);
   unseen(lime, .5F, .5F);
-  ASSERT_FALSE(lime.report(lime.recorded() - 1).estimated) << "nobody draws what has changed";
+  ASSERT_FALSE(last_report(lime).estimated) << "nobody draws what has changed";
   gloss(.5F);
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(gloss(.5F), decoded(.5F * .5F), 1e-3);
   // Drawn, then not, while estimates go on; then drawn again.
@@ -211,10 +200,10 @@ TEST_F(LimeTest, ASteadyObjectThatLeavesIsLostAtOnce) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   params.estimate_interval = 1000;
   for (int i = 0; i < 30; ++i) frame(lime, scene(50, 30, 20));
-  EXPECT_FALSE(lime.report(lime.recorded() - 1).estimated);
-  EXPECT_TRUE(lime.report(lime.recorded() - 1).segmented);
+  EXPECT_FALSE(last_report(lime).estimated);
+  EXPECT_TRUE(last_report(lime).segmented);
   frame(lime, scene(50, 30, 20), true);
-  EXPECT_FALSE(lime.report(lime.recorded() - 1).segmented);
+  EXPECT_FALSE(last_report(lime).segmented);
   for (int i = 0; i < 4; ++i) frame(lime, scene(0, 0, 0));
   EXPECT_FALSE(lime.object().found);
 }
@@ -225,7 +214,7 @@ TEST_F(LimeTest, AResetDiscardsTheObject) {
   lime.reset();
   EXPECT_FALSE(lime.object().found);
   EXPECT_EQ(lime.square().size, kFrame.width);
-  for (const float v : download(frame(lime, scene(50, 30, 20)).gloss->buffer)) ASSERT_EQ(v, 0);
+  for (const float v : download(frame(lime, scene(50, 30, 20)).gloss)) ASSERT_EQ(v, 0);
 }
 
 TEST_F(LimeTest, FramesInFlightAtAResetAreIgnored) {
@@ -246,28 +235,24 @@ TEST_F(LimeTest, FramesInFlightAtAResetAreIgnored) {
 TEST_F(LimeTest, BadFramesGiveFiniteEstimates) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   Pixels pixels(kFrame.pixels() * 4);
-  const float bad[] = {std::numeric_limits<float>::quiet_NaN(), -3,
-                       std::numeric_limits<float>::infinity(), 1e30F, 0};
+  const float bad[] = {kNan, -3, kInf, 1e30F, 0};
   for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = bad[i % 5];
   for (int i = 0; i < 4; ++i) {
     const auto layers = frame(lime, plane(kFrame, pixels));
-    for (const auto* layer : {&layers.diffuse, &layers.gloss})
-      for (const float v : download((*layer)->buffer)) ASSERT_TRUE(std::isfinite(v));
+    for (const PlanePtr& layer : {layers.diffuse, layers.gloss})
+      ASSERT_TRUE(all_finite(download(layer)));
   }
 }
 
 TEST_F(LimeTest, FramesOfEverySizeHaveLayers) {
   for (const Extent extent : {Extent{1, 1}, Extent{3, 200}, Extent{500, 7}}) {
     LimeMaterial lime(device, extent, HandMadeLime::models());
-    const Plane red = plane(extent, [&] {
-      Pixels pixels(extent.pixels() * 4, 0.0F);
-      for (size_t i = 0; i < pixels.size(); i += 4) pixels[i] = 1;
-      return pixels;
-    }());
+    Pixels red(extent.pixels() * 4, 0.0F);
+    for (size_t i = 0; i < red.size(); i += 4) red[i] = 1;
     LimeMaterial::Layers layers;
-    for (int i = 0; i < 4; ++i) layers = frame(lime, red);
+    for (int i = 0; i < 4; ++i) layers = frame(lime, plane(extent, red));
     EXPECT_TRUE(lime.object().found);
-    const Pixels diffuse = download(layers.diffuse->buffer);
+    const Pixels diffuse = download(layers.diffuse);
     EXPECT_EQ(diffuse[4 * (extent.pixels() / 2) + 3], 1);
   }
 }
@@ -300,10 +285,7 @@ TEST_F(LimeTest, NonFiniteNetworksGiveFiniteLayers) {
       graph.weights.insert(graph.weights.end(), more.begin(), more.end());
     return graph;
   };
-  Pixels pixels = download(scene(50, 30, 20).buffer);
-  const Pixels spot = download(scene(50, 30, 8, .4F, .95F).buffer);
-  for (size_t i = 0; i < pixels.size(); ++i)
-    if (spot[i] != kGray) pixels[i] = spot[i];
+  const Plane picture = together(scene(50, 30, 20), scene(50, 30, 8, .4F, .95F));
   for (const bool mask : {true, false}) {
     LimeModels models = HandMadeLime::models();
     if (mask)
@@ -312,12 +294,12 @@ TEST_F(LimeTest, NonFiniteNetworksGiveFiniteLayers) {
       models.specular = spoilt(4, {0, 0, .5F, 0}, 0, network::Activation::none);
     LimeMaterial lime(device, kFrame, std::move(models));
     LimeMaterial::Layers layers;
-    for (int i = 0; i < 6; ++i) layers = frame(lime, plane(kFrame, pixels));
+    for (int i = 0; i < 6; ++i) layers = frame(lime, picture);
     EXPECT_TRUE(lime.object().known()) << mask;
-    EXPECT_GT(download(layers.diffuse->buffer)[4 * (30 * kFrame.width + 62) + 3], .9F)
+    EXPECT_GT(download(layers.diffuse)[4 * (30 * kFrame.width + 62) + 3], .9F)
         << "beside them all is well";
     for (const PlanePtr& layer : {layers.diffuse, layers.gloss})
-      for (const float v : download(layer->buffer)) ASSERT_TRUE(std::isfinite(v) && v >= 0) << mask;
+      ASSERT_TRUE(are_light(download(layer))) << mask;
   }
 }
 

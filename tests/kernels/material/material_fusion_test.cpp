@@ -95,8 +95,7 @@ TEST(MaterialFusion, ASimilarObjectIsNotConfirmedBeforeItsMean) {
 
 TEST(MaterialFusion, TheMeanHasAtMostTheLengthOfItsMemory) {
   MaterialFusion fusion;
-  MaterialFusion::Params params;
-  params.memory = 5;
+  const MaterialFusion::Params params{.memory = 5};
   for (uint64_t i = 1; i <= 20; ++i) {
     fusion.add(material(.3F, .4F, 2), params);
     EXPECT_EQ(fusion.count(), i);
@@ -106,8 +105,7 @@ TEST(MaterialFusion, TheMeanHasAtMostTheLengthOfItsMemory) {
 
 TEST(MaterialFusion, AGrowingMemoryOmitsDiscardedEstimates) {
   MaterialFusion fusion;
-  MaterialFusion::Params params;
-  params.memory = 1;
+  MaterialFusion::Params params{.memory = 1};
   for (int i = 0; i < 50; ++i) fusion.add(material(.3F, .4F, 2), params);
   params.memory = 1000;
   for (int i = 0; i < 20; ++i) fusion.add(material(.4F, .4F, 2), params);

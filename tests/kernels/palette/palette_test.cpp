@@ -2,8 +2,6 @@
 // The palette on the device against the double-precision reference.
 #include "kernels/palette/palette.hpp"
 
-#include <limits>
-
 #include "kernels/palette/scene_palette.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
 #include "tests/reference/palette/palette.hpp"
@@ -17,6 +15,13 @@ class PaletteTest : public GpuTest {
     run([&](gpu::Commands& commands) { palette.record_update(commands, log_reflectance); });
     const Pixels colors = download(palette.colors());
     return Palette::read(colors.data(), palette.params().clusters);
+  }
+
+  /// Clusters that have pixels and are not merged into another.
+  static int used(const std::vector<Palette::Cluster>& clusters) {
+    int count = 0;
+    for (size_t k = 0; k < clusters.size(); ++k) count += clusters[k].index == static_cast<int>(k);
+    return count;
   }
 
   /// ln R of pixels around `colors` distinct colors.
@@ -43,16 +48,9 @@ TEST_F(PaletteTest, AgreesWithReferenceOverTime) {
     for (const int colors : {1, 4, 7, 10, -4, -10}) {
       // Negative: as the thesis' global method asks for it.
       Palette palette(device);
-      Palette::Params params;
-      reference::PaletteParams wanted;
-      if (colors < 0) {
-        params.fade = 0.3f;
-        params.apart = 0.3f;
-        wanted.fade = 0.3;
-        wanted.apart = 0.3;
-      }
-      palette.set_params(params);
-      reference::Palette expected{wanted};
+      if (colors < 0) palette.set_params({.fade = 0.3f, .apart = 0.3f});
+      reference::Palette expected(colors < 0 ? reference::PaletteParams{.apart = 0.3, .fade = 0.3}
+                                             : reference::PaletteParams{});
       for (unsigned t = 0; t < 4; ++t) {
         // The same colors, other noise; from the third frame on one color more.
         const Pixels pixels = blobs(extent, std::abs(colors) + (t > 1 ? 1 : 0), 7, 0.02f);
@@ -80,24 +78,19 @@ TEST_F(PaletteTest, RemovesVanishedColorsAtTheGivenRate) {
   for (size_t n = 0; n < extent.pixels(); ++n) std::copy_n(&both[0], 4, &one[4 * n]);
   for (const float fade : {0.1f, 0.3f, 1.0f}) {
     Palette palette(device);
-    Palette::Params params;
-    params.clusters = 2;
-    params.fade = fade;
-    palette.set_params(params);
-    reference::PaletteParams wanted;
-    wanted.clusters = 2;
-    wanted.fade = static_cast<double>(fade);
-    reference::Palette expected(wanted);
-    int frames = 0, alive = 2;
+    palette.set_params({.clusters = 2, .fade = fade});
+    reference::Palette expected({.clusters = 2, .fade = double{fade}});
+    std::ptrdiff_t alive = 2;
+    int frames = 0;
     for (int t = 0; t < 200 && alive == 2; ++t) {
       const Pixels& pixels = t < 3 ? both : one;
-      alive = 0;
-      for (const auto& cluster : update(palette, plane(extent, pixels)))
-        alive += cluster.index >= 0;
+      const auto clusters = update(palette, plane(extent, pixels));
+      alive = std::count_if(clusters.begin(), clusters.end(),
+                            [](const auto& cluster) { return cluster.index >= 0; });
       expected.update(to_reference(extent, pixels));
-      int wanted_alive = 0;
-      for (const auto& cluster : expected.clusters()) wanted_alive += cluster.weight > 0;
-      ASSERT_EQ(alive, wanted_alive) << fade << ", frame " << t;
+      ASSERT_EQ(alive, std::count_if(expected.clusters().begin(), expected.clusters().end(),
+                                     [](const auto& cluster) { return cluster.weight > 0; }))
+          << fade << ", frame " << t;
       frames = t - 2;
     }
     // Some 1500 pixels of several bins fade to a thousandth of one.
@@ -114,7 +107,7 @@ TEST_F(PaletteTest, AssignsTheNearestCluster) {
   Palette palette(device);
   const auto clusters = update(palette, input);
   run([&](gpu::Commands& commands) { palette.record_assign(commands, input, output); });
-  const Pixels got = download(output.buffer);
+  const Pixels got = download(output);
   for (size_t n = 0; n < extent.pixels(); ++n) {
     const auto index = static_cast<size_t>(got[4 * n + 3]);
     ASSERT_LT(index, clusters.size());
@@ -155,9 +148,7 @@ TEST_F(PaletteTest, RecoversFromABlackStart) {
   std::vector<Palette::Cluster> clusters;
   const Plane colorful = plane(extent, blobs(extent, 5, 2, 0.02f));
   for (int t = 0; t < 60; ++t) clusters = update(palette, colorful);
-  int used = 0;
-  for (size_t k = 0; k < clusters.size(); ++k) used += clusters[k].index == static_cast<int>(k);
-  EXPECT_GE(used, 5);
+  EXPECT_GE(used(clusters), 5);
 }
 
 TEST_F(PaletteTest, BlackGrayAndWhiteStayApart) {
@@ -169,9 +160,7 @@ TEST_F(PaletteTest, BlackGrayAndWhiteStayApart) {
   }
   Palette palette(device);
   const auto clusters = update(palette, plane(extent, pixels));
-  int used = 0;
-  for (size_t k = 0; k < clusters.size(); ++k) used += clusters[k].index == static_cast<int>(k);
-  EXPECT_EQ(used, 3);
+  EXPECT_EQ(used(clusters), 3);
 }
 
 TEST_F(PaletteTest, ExtremeInputStaysFinite) {
@@ -186,7 +175,7 @@ TEST_F(PaletteTest, ExtremeInputStaysFinite) {
       }
     }
     run([&](gpu::Commands& commands) { palette.record_assign(commands, input, output); });
-    for (const float value : download(output.buffer)) ASSERT_TRUE(std::isfinite(value));
+    ASSERT_TRUE(all_finite(download(output)));
   }
 }
 
@@ -208,12 +197,12 @@ TEST_F(PaletteTest, ScenePaletteFindsAndPaintsTheColorsOfAFrame) {
     palette.record_update(commands, model);
     palette.record_paint(commands, model, painted);
   });
-  const Pixels got = download(painted.buffer);
+  const Pixels got = download(painted);
   for (size_t n = 2; n < extent.pixels(); ++n)
     for (size_t c = 0; c < 3; ++c)
       // Black is what ln R takes it for, and a bin of the histogram has a width.
       ASSERT_NEAR(got[4 * n + c], color_of(n)[c], 0.02f) << n;
-  for (const float value : got) ASSERT_TRUE(std::isfinite(value));
+  EXPECT_TRUE(all_finite(got));
 }
 
 // What the palette is fed with shows in its clusters, which have to be the reference's.
@@ -247,7 +236,7 @@ TEST_F(PaletteTest, PickAndPaintAgreeWithReference) {
       own.push_back({cluster.log_color[0], cluster.log_color[1], cluster.log_color[2]});
     }
     const reference::Plane want = reference::paint(doubles, own);
-    const Pixels got = download(painted.buffer);
+    const Pixels got = download(painted);
     size_t elsewhere = 0;  // as near to another color, to single precision
     for (size_t n = 0; n < want.size(); ++n) {
       bool same = true;
@@ -255,7 +244,7 @@ TEST_F(PaletteTest, PickAndPaintAgreeWithReference) {
         same &= std::abs(got[4 * n + c] - want.data[n][c]) <= 1e-5 * (1 + want.data[n][c]);
       elsewhere += !same;
     }
-    EXPECT_LE(elsewhere, want.size() / 5000) << extent.width << "x" << extent.height;
+    EXPECT_LE(elsewhere, want.size() / 5000) << name_of(extent);
   }
 }
 

@@ -86,7 +86,7 @@ class RasterTest : public GpuTest {
     Rasterizer rasterizer(device, mesh);
     const Plane picture = plane(extent);
     run([&](gpu::Commands& commands) { rasterizer.depth(commands, view, picture); });
-    return download(picture.buffer);
+    return download(picture);
   }
   /// Compares the points that are not right beside an edge, of one pixel in `step` of a row and one
   /// row in as many.
@@ -290,7 +290,7 @@ TEST_F(RasterTest, ASphereLooksLikeItsLitSphere) {
     lit.record(commands, {{.8F, .5F, .3F}, .3F, 40}, {});
     rasterizer.draw(commands, turned(3, kRadius, kSide / 2.0F, kSide / 2.0F), lit.table(), picture);
   });
-  const Pixels drawn = download(picture.buffer), table = download(lit.table().buffer);
+  const Pixels drawn = download(picture), table = download(lit.table());
   const uint32_t side = lit.table().extent.width;
   double largest = 0;
   for (uint32_t y = 0; y < kSide; ++y)
@@ -315,7 +315,6 @@ TEST_F(RasterTest, ASphereLooksLikeItsLitSphere) {
 }
 
 TEST(MeshTest, PreparesBadMeshes) {
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   Mesh mesh;
   mesh.positions = {{10, 10, 10}, {14, 10, 10}, {10, 13, 10},
                     {10, 10, 22}, {kNan, 0, 0}, {99, 99, 99}};

@@ -49,7 +49,7 @@ class ReflectanceFieldTest : public GpuTest {
     reference::CosineLobe lobe;
     for (size_t c = 0; c < 3; ++c) lobe.full[c] = full[4 * i + c];
     const double x = lobes[4 * i], y = lobes[4 * i + 1], z = lobes[4 * i + 2];
-    lobe.share = std::sqrt(x * x + y * y + z * z);
+    lobe.share = std::hypot(x, y, z);
     lobe.direction = lobe.share > 1e-6
                          ? reference::Vec3{x / lobe.share, y / lobe.share, z / lobe.share}
                          : reference::Vec3{0, 0, 1};
@@ -57,15 +57,14 @@ class ReflectanceFieldTest : public GpuTest {
     return lobe;
   }
   static double degrees(const reference::Vec3& a, const reference::Vec3& b) {
-    const double cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    const double length = std::sqrt((a[0] * a[0] + a[1] * a[1] + a[2] * a[2]) *
-                                    (b[0] * b[0] + b[1] * b[1] + b[2] * b[2]));
-    return std::acos(std::clamp(cosine / length, -1.0, 1.0)) * 180 / std::numbers::pi;
+    const double cosine =
+        reference::dot(a, b) / std::sqrt(reference::dot(a, a) * reference::dot(b, b));
+    return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
   }
   static reference::Vec3 any_direction(std::mt19937& random) {
     std::normal_distribution<double> normal;
     reference::Vec3 u{normal(random), normal(random), normal(random)};
-    const double length = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+    const double length = std::sqrt(reference::dot(u, u));
     for (double& x : u) x /= length;
     return u;
   }

@@ -16,7 +16,7 @@
 namespace inverse::testing {
 namespace {
 
-using reference::Vec3;
+using reference::dot, reference::Vec3;
 
 class RelightNetworkTest : public ReflectanceFieldTest {
  protected:
@@ -30,8 +30,7 @@ class RelightNetworkTest : public ReflectanceFieldTest {
     Pixels a, b;
   };
   static Frame frame(Extent extent, unsigned seed) {
-    Frame f{extent, random_pixels(extent, seed, 0, .5F), random_pixels(extent, seed + 1, 0, .5F)};
-    return f;
+    return {extent, random_pixels(extent, seed, 0, .5F), random_pixels(extent, seed + 1, 0, .5F)};
   }
   /// A subject that two frames show, and how it looks under lights.
   struct Subject {
@@ -50,7 +49,7 @@ class RelightNetworkTest : public ReflectanceFieldTest {
         record(commands);
         network.record_sum(commands, *lobes.full(), lights, share, target, measured, noise);
       });
-      return test.download(target.buffer);
+      return test.download(target);
     }
   };
   Subject subject(const RelightModels& models, const Frame& f) {
@@ -231,7 +230,7 @@ TEST_F(RelightNetworkTest, ResponsesAreThoseOfSingleLights) {
       network.record_responses(commands, *lobes.full(), directions, .25, words, responses);
       network.record_sum(commands, *lobes.full(), std::span(&light, 1), .25, target);
     });
-    const Pixels got = download(responses), whole = download(target.buffer);
+    const Pixels got = download(responses), whole = download(target);
     for (size_t s = 0; s < samples.size(); ++s)
       for (size_t c = 0; c < 3; ++c)
         ASSERT_NEAR(got[4 * (s * count + which) + c], whole[4 * samples[s] + c],
@@ -240,15 +239,13 @@ TEST_F(RelightNetworkTest, ResponsesAreThoseOfSingleLights) {
 }
 
 TEST_F(RelightNetworkTest, NonFiniteInputIsIgnored) {
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  constexpr float kInf = std::numeric_limits<float>::infinity();
   const Extent extent{32, 32};
   Pixels bad(extent.pixels() * 4);
   const std::array<float, 6> values{kNan, kInf, -kInf, -1, 0, 1e38F};
   for (size_t i = 0; i < bad.size(); ++i) bad[i] = values[(i * 7 + i / 5) % values.size()];
   const WeightedLight light{{1, 0, 0}, {1, 1, 1}};
-  const Pixels got = subject(random_models(19), {extent, bad, bad}).under(std::span(&light, 1), 1);
-  for (const float v : got) ASSERT_TRUE(std::isfinite(v));
+  EXPECT_TRUE(
+      all_finite(subject(random_models(19), {extent, bad, bad}).under(std::span(&light, 1), 1)));
 }
 
 TEST(RelightModels, RefusesOtherNetworksByName) {
@@ -270,7 +267,7 @@ TEST(RelightModels, RefusesOtherNetworksByName) {
   expect_contains(load(), "32 channels");
   // Weights that are no numbers, and files that end early.
   network::Graph sick = random_features(1);
-  sick.weights[40] = std::numeric_limits<float>::quiet_NaN();
+  sick.weights[40] = kNan;
   write_graph(sick, folder / "features.net");
   expect_contains(load(), "node 0");
   write_graph(random_features(1), folder / "features.net");
@@ -282,8 +279,7 @@ TEST_F(RelightNetworkTest, WithoutANetworkThereIsAnErrorAndNoCrash) {
   const auto stage_of = std::make_shared<const RelightStage>(directions);
   Relighting method(device, {16, 16}, stage_of, nullptr);
   method.set_environment(LightCells::map(Environment::studio()));
-  Relighting::Params params;
-  params.model = Relighting::Model::network;
+  const Relighting::Params params{.model = Relighting::Model::network};
   const Plane a = plane({16, 16}, Pixels(16 * 16 * 4, .25F));
   run([&](gpu::Commands& commands) {
     expect_error(ErrorKind::internal, "no network was loaded to relight with", [&] {
@@ -302,7 +298,7 @@ TEST_F(RelightNetworkTest, FewLightsStayWithinTheirPredictedError) {
   for (uint32_t y = 0; y < extent.height; ++y)
     for (uint32_t x = 0; x < extent.width; ++x) {
       const Vec3 n{std::sin(.11 * x), std::sin(.17 * y), 1};
-      const double size = std::sqrt(n[0] * n[0] + n[1] * n[1] + 1);
+      const double size = std::sqrt(dot(n, n));
       const double albedo = (x / 12 + y / 9) % 2 ? .8 : .3;
       for (size_t c = 0; c < 3; ++c) {
         const double m = 2. / 3 * n[c] / size;
@@ -314,23 +310,19 @@ TEST_F(RelightNetworkTest, FewLightsStayWithinTheirPredictedError) {
   for (const float max_error : {.03F, .01F}) {
     Relighting method(device, extent, stage_of, &models);
     method.set_environment(LightCells::map(Environment::studio()));
-    Relighting::Params params;
-    params.model = Relighting::Model::network;
-    params.max_error = max_error;
-    Pixels whole, few;
-    uint64_t evaluated = 0;
-    for (uint64_t number = 0; number < 5; ++number) {
+    Relighting::Params params{.model = Relighting::Model::network, .max_error = max_error};
+    const auto relit = [&](uint64_t number) {
       run([&](gpu::Commands& commands) {
         method.record_pair(commands, {a, b}, params, number, false, true);
         method.record_relit(commands, params, target);
       });
-      if (number == 0) {
-        EXPECT_EQ(method.stats().evaluated, method.stats().lit) << "nothing is known yet";
-        whole = download(target.buffer);
-      }
-    }
-    few = download(target.buffer);
-    evaluated = method.stats().evaluated;
+      return download(target);
+    };
+    const Pixels whole = relit(0);
+    EXPECT_EQ(method.stats().evaluated, method.stats().lit) << "nothing is known yet";
+    for (uint64_t number = 1; number < 4; ++number) relit(number);
+    const Pixels few = relit(4);
+    const auto evaluated = method.stats().evaluated;
     double off = 0, total = 0;
     for (size_t i = 0; i < whole.size(); ++i) {
       if (i % 4 == 3) continue;
@@ -344,12 +336,8 @@ TEST_F(RelightNetworkTest, FewLightsStayWithinTheirPredictedError) {
     EXPECT_LE(method.stats().expected_error, max_error);
     EXPECT_LT(off / total, 1.5 * max_error) << "as samples tell it";
     params.adaptive = false;
-    run([&](gpu::Commands& commands) {
-      method.record_pair(commands, {a, b}, params, 5, false, true);
-      method.record_relit(commands, params, target);
-    });
+    EXPECT_EQ(relit(5), whole);
     EXPECT_EQ(method.stats().evaluated, method.stats().lit);
-    EXPECT_EQ(download(target.buffer), whole);
   }
 }
 
@@ -361,8 +349,7 @@ TEST(LightReduction, WithoutSamplesItTakesAllLights) {
   EXPECT_EQ(reduction.choose(weights, weights, .5).lights.size(), 41u);
   reduction.set_responses(std::vector<float>(4 * 42 * 100, 0.0F));
   EXPECT_FALSE(reduction.ready()) << "black samples say nothing";
-  reduction.set_responses(
-      std::vector<float>(4 * 42 * 100, std::numeric_limits<float>::quiet_NaN()));
+  reduction.set_responses(std::vector<float>(4 * 42 * 100, kNan));
   EXPECT_FALSE(reduction.ready());
   reduction.set_responses(std::vector<float>(4 * 42 * 100, 1.0F));
   EXPECT_TRUE(reduction.ready());

@@ -249,7 +249,7 @@ TEST(ResolutionPlan, HalfIsChosenBelowItsBoundOnly) {
     choice = planner.next(params, found);
     EXPECT_EQ(choice.halvings, row.half ? 1U : 0U) << row.distance;
     EXPECT_EQ(choice.crosses, row.half) << row.distance;
-    EXPECT_EQ(choice.half_far, row.far) << row.distance;
+    EXPECT_EQ(choice.half_rejected, row.far) << row.distance;
     // Nothing is chosen if it is set, or if nothing may be skipped.
     EXPECT_EQ(planner.next({true, 2, 0.06F}, found).halvings, 2U);
     EXPECT_EQ(planner.next({false, 0, 0.06F}, found).halvings, 0U);

@@ -154,11 +154,9 @@ TEST_F(DriftTest, GlobalIntrinsic) {
       [&] {
         auto method = std::make_shared<GlobalIntrinsic>(device, kView);
         return [this, method](const PlanePtr& frame, bool first) {
-          Layers layers;
-          run([&](gpu::Commands& commands) {
-            layers = method->record(commands, frame, {}, {.reset = first});
+          return result_of([&](gpu::Commands& commands) {
+            return method->record(commands, frame, {}, {.reset = first})[Role::intrinsic];
           });
-          return download(layers[Role::intrinsic]->buffer);
         };
       },
       0.02);
@@ -172,7 +170,7 @@ TEST_F(DriftTest, ThesisDecomposition) {
         return [this, method](const PlanePtr& frame, bool) {
           Layers layers;
           run([&](gpu::Commands& commands) { method->record(commands, *frame, layers); });
-          return download(layers[Role::intrinsic]->buffer);
+          return download(layers[Role::intrinsic]);
         };
       },
       0.05);  // half of the cells that the points lie on contain a border of tiles

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <vector>
 
 #include "tests/kernels/gpu_fixture.hpp"
@@ -52,11 +51,10 @@ class ScaleNormalizationTest : public GpuTest {
     std::vector<float> numbers;
     for (const ScaleCell& cell : cells)
       for (const double v : cell) numbers.push_back(static_cast<float>(v));
-    const float values[] = {static_cast<float>(target.offset), target.dark ? 0.0F : 1.0F, 0, 0};
-    const float decision[] = {0, carries ? 1.0F : 0.0F, 0, 0};
-    const auto uploaded = upload(gpu::Element::vec4, numbers.data(), cells.size());
-    const auto requested = upload(gpu::Element::vec4, values, 1);
-    const auto decided = upload(gpu::Element::vec4, decision, 1);
+    const auto uploaded = upload(numbers);
+    const auto requested =
+        upload({static_cast<float>(target.offset), target.dark ? 0.0F : 1.0F, 0, 0});
+    const auto decided = upload({0, carries ? 1.0F : 0.0F, 0, 0});
     run([&](gpu::Commands& commands) {
       commands.copy(uploaded, scale.cells(), uploaded->bytes());
       scale.record(commands,
@@ -82,7 +80,7 @@ TEST_F(ScaleNormalizationTest, AgreesWithReference) {
       const float got = record(scale, cells, target, carries, white, frozen);
       const double want =
           expected.update(cells, target, carries, static_cast<double>(white), frozen);
-      ASSERT_NEAR(got, want, 1e-4) << extent.width << "x" << extent.height << ", frame " << k;
+      ASSERT_NEAR(got, want, 1e-4) << name_of(extent) << ", frame " << k;
       if (extent.width > 100 && carries && k > 0 && k != 19) {
         EXPECT_GT(expected.found(), 0.8) << "frame " << k;
       }
@@ -160,7 +158,7 @@ TEST_F(ScaleNormalizationTest, BadNumbersDoNotStay) {
   const auto good = cells_of(extent, {});
   auto bad = good;
   for (ScaleCell& cell : bad)
-    for (double& v : cell) v = std::numeric_limits<double>::quiet_NaN();
+    for (double& v : cell) v = kNan;
   record(scale, good, {-0.5, false}, false);
   for (int k = 0; k < 3; ++k) EXPECT_TRUE(std::isfinite(record(scale, bad, {-0.5, false}, true)));
   for (int k = 0; k < 3; ++k)

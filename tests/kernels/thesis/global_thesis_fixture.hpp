@@ -4,10 +4,11 @@
 #pragma once
 #include <algorithm>
 
+#include "extreme_frames.hpp"
 #include "kernels/thesis/chapter5/global_thesis.hpp"
+#include "tests/differences.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
 #include "tests/reference/thesis/global_thesis_params.hpp"
-#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 
@@ -82,6 +83,15 @@ class GlobalThesisTest : public GpuTest {
     return targets;
   }
 
+  /// Decomposes a frame to `output_` and collects it.
+  GlobalThesis::Stats decompose(GlobalThesis& method, const Plane& frame,
+                                const GlobalThesis::Hints& hints = {}) {
+    uint64_t number = 0;
+    run([&](gpu::Commands& commands) { number = method.record(commands, frame, output_, hints); });
+    method.collect(number);
+    return method.stats(number);
+  }
+
   /// Feeds the same frames to both and compares every frame's solution and energy.
   void compare(Extent extent, GlobalThesisParams params, const std::vector<Pixels>& frames,
                const std::vector<Rgb>& colors, double tolerance = 1e-4) {
@@ -93,15 +103,10 @@ class GlobalThesisTest : public GpuTest {
     reference::GlobalThesis expected(testing::to_reference(params));
     const std::vector<reference::Vec3> layers = to_reference(method.colors().layer_colors());
     for (size_t t = 0; t < frames.size(); ++t) {
-      const Plane frame = plane(extent, frames[t]);
-      uint64_t number = 0;
-      Layers output;
-      run([&](gpu::Commands& commands) { number = method.record(commands, frame, output); });
-      method.collect(number);
-      const auto stats = method.stats(number);
+      const auto stats = decompose(method, plane(extent, frames[t]));
       ASSERT_EQ(stats.layers, static_cast<int>(colors.size()));
       const Pixels planes = download(method.solution());
-      for (const float value : planes) ASSERT_TRUE(std::isfinite(value));
+      ASSERT_TRUE(all_finite(planes));
       const reference::GlobalField got = to_field(extent, colors.size(), planes);
 
       const Pixels features = download(method.features());
@@ -113,26 +118,23 @@ class GlobalThesisTest : public GpuTest {
       const reference::Plane image = testing::to_reference(extent, frames[t]);
       const reference::GlobalField x =
           expected.decompose(image, targets_of(method, extent), layers);
-      double worst = 0;
-      for (size_t i = 0; i < x.data.size(); ++i)
-        update_max(worst, std::abs(got.data[i] - x.data[i]));
-      worst_ = worst;
+      worst_ = max_difference(x.data, got.data);
       solution_ = got.data;
       const double reference_energy = expected.energy(x).total();
       const double energy = expected.energy(got).total();
-      const std::string where = std::to_string(extent.width) + "x" + std::to_string(extent.height) +
-                                ", K " + std::to_string(colors.size()) + ", frame " +
-                                std::to_string(t);
-      EXPECT_LT(worst, tolerance) << where;
+      const std::string where =
+          name_of(extent) + ", K " + std::to_string(colors.size()) + ", frame " + std::to_string(t);
+      EXPECT_LT(worst_, tolerance) << where;
       EXPECT_NEAR(energy, reference_energy,
                   5e-5 * reference_energy + 2e-6 * static_cast<double>(extent.pixels()))
           << where;
       ASSERT_EQ(stats.energy.size(), 1u);
       EXPECT_NEAR(stats.energy[0].total(), energy, 1e-4 * energy + 1e-3) << where;
-      printf("  %s: max |dx| %.2e, energy %.6g against %.6g\n", where.c_str(), worst, energy,
+      printf("  %s: max |dx| %.2e, energy %.6g against %.6g\n", where.c_str(), worst_, energy,
              reference_energy);
     }
   }
+  Layers output_;                 ///< of the last frame
   double worst_ = 0;              ///< of the last frame
   std::vector<double> solution_;  ///< the device's, of the last frame
 };

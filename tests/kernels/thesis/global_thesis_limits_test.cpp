@@ -4,10 +4,10 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 #include "global_thesis_fixture.hpp"
 #include "kernels/thesis_chapter5_solve_scale_step.spv.hpp"
+#include "tests/expect_error.hpp"
 #include "tests/update_max.hpp"
 
 namespace inverse::testing {
@@ -32,11 +32,7 @@ TEST_F(GlobalThesisTest, StepsAreShortenedAsInTheReference) {
   const Extent extent{37, 21};
   for (const float decades : {1.0f, 8.0f}) {
     const Pixels pixels = spanning(extent, decades);
-    GlobalThesisParams params;
-    params.samples = 0;
-    params.refine_rounds = 0;
-    params.trace = true;
-    params.steps = 16;
+    GlobalThesisParams params{.steps = 16, .samples = 0, .refine_rounds = 0, .trace = true};
     double final_energy[2] = {}, reference_energy[2] = {};
     int shortened[2] = {}, reference_shortened[2] = {};
     for (const bool search : {false, true}) {
@@ -44,11 +40,7 @@ TEST_F(GlobalThesisTest, StepsAreShortenedAsInTheReference) {
       GlobalThesis method(device, extent);
       method.set_params(params);
       method.set_base_colors(kRoom);
-      const Plane frame = plane(extent, pixels);
-      uint64_t number = 0;
-      Layers output;
-      run([&](gpu::Commands& commands) { number = method.record(commands, frame, output); });
-      const auto stats = method.stats(number);
+      const auto stats = decompose(method, plane(extent, pixels));
       final_energy[search] = stats.energy.back().total();
       shortened[search] = stats.shortened;
       for (size_t k = 1; search && k < stats.energy.size(); ++k) {
@@ -86,12 +78,10 @@ TEST_F(GlobalThesisTest, StepsAreShortenedAsInTheReference) {
 }
 
 TEST_F(GlobalThesisTest, ARejectedStepChangesNothing) {
-  const float infinite = std::numeric_limits<float>::infinity(),
-              nan = std::numeric_limits<float>::quiet_NaN();
   const Extent extent{70, 3};
   const Pixels from = random_pixels(extent, 1);
   Pixels to = random_pixels(extent, 2);
-  for (size_t n = 0; n < to.size(); n += 3) to[n] = n % 2 ? nan : infinite;
+  for (size_t n = 0; n < to.size(); n += 3) to[n] = n % 2 ? kNan : kInf;
   using Shader = shaders::thesis_chapter5_solve_scale_step;
   auto push = std::bit_cast<Shader::Push>(std::array<std::byte, sizeof(Shader::Push)>{});
   push.size = extent;
@@ -104,7 +94,7 @@ TEST_F(GlobalThesisTest, ARejectedStepChangesNothing) {
                         {.state = state.buffer, .search = said, .next = next.buffer}, push,
                         {extent.width, extent.height});
     });
-    const Pixels got = download(next.buffer);
+    const Pixels got = download(next);
     for (size_t n = 0; n < got.size(); ++n) {
       if (factor == 0) {
         ASSERT_EQ(got[n], from[n]) << n;
@@ -125,26 +115,20 @@ TEST_F(GlobalThesisTest, SamplesRaiseTheRestOfTheEnergyByLittleInAll) {
   const Extent extent{37, 21};
   const Plane frame = plane(extent, room(extent, 3));
   GlobalThesis method(device, extent);
-  GlobalThesisParams params;
-  params.refine_rounds = 0;
-  params.keyframes = 0;
-  params.warm_start = params.trace = true;
-  params.steps = 16;
-  params.samples = 0;
+  GlobalThesisParams params{.steps = 16,
+                            .warm_start = true,
+                            .samples = 0,
+                            .keyframes = 0,
+                            .refine_rounds = 0,
+                            .trace = true};
   method.set_params(params);
   method.set_base_colors(kRoom);
-  const auto energies = [&] {
-    uint64_t number = 0;
-    Layers output;
-    run([&](gpu::Commands& commands) { number = method.record(commands, frame, output); });
-    return method.stats(number).energy;
-  };
-  energies();
+  decompose(method, frame);
   params.samples = 9;
   params.tau_cc = 3;
   params.lambda_r_consistency = 10;
   method.set_params(params);
-  const auto trace = energies();
+  const auto trace = decompose(method, frame).energy;
   const auto without_samples = [](const GlobalThesis::Energy& e) {
     return e.total() - static_cast<double>(e.r_consistency);
   };
@@ -170,18 +154,12 @@ TEST_F(GlobalThesisTest, LayersThatTheDeviceCannotBindAreOmitted) {
   if (largest == static_cast<int>(kMaxBases)) GTEST_SKIP() << "the device binds all of them";
   EXPECT_EQ(largest, 12) << extent.width;
   GlobalThesis method(device, extent);
-  GlobalThesisParams params;
-  params.clusters = 16;
-  method.set_params(params);
+  method.set_params({.clusters = 16});
   EXPECT_EQ(method.params().clusters, largest);
   EXPECT_NO_THROW(method.set_base_colors(random_colors(static_cast<size_t>(largest), 1)));
-  try {
-    method.set_base_colors(random_colors(static_cast<size_t>(largest) + 1, 1));
-    FAIL() << "refused only when a frame needs it";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::limit);
-    EXPECT_NE(std::string(error.what()).find(std::to_string(extent.width)), std::string::npos);
-  }
+  // Not only when a frame needs it.
+  expect_error(ErrorKind::limit, std::to_string(extent.width),
+               [&] { method.set_base_colors(random_colors(static_cast<size_t>(largest) + 1, 1)); });
 }
 
 }  // namespace inverse::testing

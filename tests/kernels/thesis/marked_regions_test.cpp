@@ -4,6 +4,7 @@
 
 #include <map>
 #include <queue>
+#include <utility>
 
 #include "global_thesis_fixture.hpp"
 #include "kernels/thesis/chapter5/correction/misclustering_correction.hpp"
@@ -67,7 +68,7 @@ class MarkedRegionsTest : public GpuTest {
     const Plane frame = features(extent, clusters);
     run([&](gpu::Commands& commands) { regions.record(commands, frame); });
     regions.collect(regions.last());
-    const Pixels pixels = download(regions.plane().buffer);
+    const Pixels pixels = download(regions.plane());
     std::vector<int> result;
     for (size_t n = 0; n < clusters.size(); ++n)
       result.push_back(static_cast<int>(pixels[4 * n + 1]));
@@ -109,20 +110,13 @@ TEST_F(MarkedRegionsTest, FillsASpiral) {
   const auto at = [&](int u, int v) -> int& {
     return clusters[static_cast<size_t>(v) * 65 + static_cast<size_t>(u)];
   };
-  const auto taken = [&](int u, int v) {
-    return u < 0 || v < 0 || u >= 65 || v >= 65 || at(u, v) == 1;
-  };
+  const auto inside = [](int u, int v) { return u >= 0 && v >= 0 && u < 65 && v < 65; };
+  const auto taken = [&](int u, int v) { return inside(u, v) && at(u, v) == 1; };
   for (int turns = 0; turns < 2;) {
     at(x, y) = 1;
-    const bool blocked =
-        x + dx < 0 || y + dy < 0 || x + dx >= 65 || y + dy >= 65 || taken(x + dx, y + dy) ||
-        (!(x + 2 * dx < 0 || y + 2 * dy < 0 || x + 2 * dx >= 65 || y + 2 * dy >= 65) &&
-         taken(x + 2 * dx, y + 2 * dy));
-    if (blocked) {
+    if (!inside(x + dx, y + dy) || taken(x + dx, y + dy) || taken(x + 2 * dx, y + 2 * dy)) {
       ++turns;
-      const int old = dx;
-      dx = -dy;
-      dy = old;
+      dx = -std::exchange(dy, dx);
       continue;
     }
     turns = 0;
@@ -131,8 +125,7 @@ TEST_F(MarkedRegionsTest, FillsASpiral) {
   }
   MarkedRegions regions(device, extent);
   regions.click(0, 0);
-  const std::vector<int> got = numbers(regions, extent, clusters);
-  for (size_t n = 0; n < got.size(); ++n) ASSERT_EQ(got[n], clusters[n]);
+  EXPECT_EQ(numbers(regions, extent, clusters), clusters);
 }
 
 TEST_F(MarkedRegionsTest, FollowsAMovingPatch) {
@@ -148,11 +141,10 @@ TEST_F(MarkedRegionsTest, FollowsAMovingPatch) {
   const int number = regions.click(10, 12);
   regions.set_color(number, 5);
   for (int left = 5; left < 40; left += 7) {
-    const std::vector<int> got = numbers(regions, extent, patch(left, 2));
-    const std::vector<int> expected = patch(left, 2);
-    for (size_t n = 0; n < got.size(); ++n)
-      ASSERT_EQ(got[n], expected[n] == 2 ? number : 0) << "patch at " << left;
-    ASSERT_EQ(download(regions.plane().buffer)[4 * (60 * 12 + static_cast<size_t>(left))], 5.0f);
+    std::vector<int> expected = patch(left, 2);
+    std::replace(expected.begin(), expected.end(), 2, number);
+    ASSERT_EQ(numbers(regions, extent, patch(left, 2)), expected) << "patch at " << left;
+    ASSERT_EQ(download(regions.plane())[4 * (60 * 12 + static_cast<size_t>(left))], 5.0f);
   }
   // Another cluster in its place: the region is lost, and its number free again.
   numbers(regions, extent, patch(40, 3));
@@ -183,7 +175,7 @@ TEST_F(MarkedRegionsTest, BadClicksAndManyAreRefused) {
   numbers(regions, extent, clusters);
   EXPECT_EQ(regions.regions().size(), static_cast<size_t>(MarkedRegions::kMaxRegions) - 1);
   regions.reset();
-  for (const int number : numbers(regions, extent, clusters)) ASSERT_EQ(number, 0);
+  EXPECT_EQ(numbers(regions, extent, clusters), std::vector<int>(clusters.size(), 0));
 }
 
 TEST_F(MarkedRegionsTest, AClickTakesOverWhateverTheNumbers) {
@@ -197,10 +189,7 @@ TEST_F(MarkedRegionsTest, AClickTakesOverWhateverTheNumbers) {
   EXPECT_TRUE(regions.remove(1));
   EXPECT_FALSE(regions.remove(1));
   ASSERT_EQ(regions.click(30, 15), 1);  // lower than the number of the region there
-  for (int t = 0; t < 2; ++t) {
-    const std::vector<int> got = numbers(regions, extent, clusters);
-    for (size_t n = 0; n < got.size(); ++n) ASSERT_EQ(got[n], clusters[n]) << "frame " << t;
-  }
+  for (int t = 0; t < 2; ++t) ASSERT_EQ(numbers(regions, extent, clusters), clusters) << t;
   ASSERT_EQ(regions.regions().size(), 1u);
   const auto lost = regions.take_lost();
   ASSERT_EQ(lost.size(), 2u);
@@ -274,15 +263,10 @@ TEST_F(MisclusteringTest, RegionsOverrideClustersAndTheScoreFindsTheSparsestColo
     MarkedRegions regions(device, extent);
     const int number = regions.click(20, 12);
     regions.set_color(number, candidate);
-    Layers output;
-    uint64_t frame_number = 0;
-    run([&](gpu::Commands& commands) {
-      frame_number = method.record(commands, frame, output, {&regions, nullptr, number});
-    });
+    const auto stats = decompose(method, frame, {&regions, nullptr, number});
     regions.collect(regions.last());
     ASSERT_EQ(regions.regions().size(), 1u);
     EXPECT_EQ(regions.regions()[0].cluster, 0);  // red
-    const auto stats = method.stats(frame_number);
     const auto colors = to_reference(method.colors().layer_colors());
     const reference::Plane targets = targets_of(method, extent);
     for (size_t n = 0; n < extent.pixels(); ++n) {
@@ -319,16 +303,14 @@ TEST_F(MisclusteringTest, TheCorrectionFindsTheColorInTheBackground) {
     play_frames(
         20,
         [&](gpu::Commands& commands, size_t t) {
-          GlobalThesis::Hints hints;
-          hints.regions = &regions;
-          method.record(commands, frame, outputs[std::min<size_t>(t, 3) - (t > 3)], hints);
+          method.record(commands, frame, outputs[std::min<size_t>(t, 3) - (t > 3)], {&regions});
           if (correct)
             corrections[t % corrections.size()] = correction.record(commands, method, regions);
         },
         [&](size_t t) {
           method.collect(t);
           regions.collect(t);
-          if (t == 3) results[correct].push_back(download(outputs[3][Role::intrinsic]->buffer));
+          if (t == 3) results[correct].push_back(download(outputs[3][Role::intrinsic]));
           if (correct && !result)
             result = correction.collect(corrections[t % corrections.size()], regions);
           return !result;
@@ -356,8 +338,7 @@ TEST_F(MisclusteringTest, TheCorrectionIgnoresVanishedRegions) {
   const auto step = [&] {
     uint64_t number = 0, own = 0;
     run([&](gpu::Commands& commands) {
-      Layers output;
-      number = method.record(commands, frame, output, {&regions, nullptr, 0});
+      number = method.record(commands, frame, output_, {&regions});
       own = correction.record(commands, method, regions);
     });
     method.collect(number);

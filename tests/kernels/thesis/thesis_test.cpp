@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The thesis' method on the device against the double-precision reference.
 #include <algorithm>
-#include <limits>
 
+#include "extreme_frames.hpp"
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
+#include "tests/differences.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
 #include "tests/reference/thesis/thesis_params.hpp"
-#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -50,6 +50,13 @@ class ThesisTest : public GpuTest {
     }
   }
 
+  /// Decomposes a frame to `layers_`.
+  ThesisDecomposition::Stats decompose(ThesisDecomposition& method, const Plane& frame) {
+    uint64_t number = 0;
+    run([&](gpu::Commands& commands) { number = method.record(commands, frame, layers_); });
+    return method.stats(number);
+  }
+
   /// Feeds the same frames to both and compares every frame's solution and energy.
   void compare(Extent extent, ThesisParams params, const std::vector<Pixels>& frames) {
     params.energy = true;
@@ -57,54 +64,46 @@ class ThesisTest : public GpuTest {
     method.set_params(params);
     reference::IntrinsicThesis expected(to_reference(params));
     for (size_t t = 0; t < frames.size(); ++t) {
-      const Plane frame = plane(extent, frames[t]);
-      uint64_t number = 0;
-      Layers layers;
-      run([&](gpu::Commands& commands) { number = method.record(commands, frame, layers); });
-      const auto stats = method.stats(number);
-      const Pixels got = download(method.solution().buffer);
-      for (const float value : got) ASSERT_TRUE(std::isfinite(value));
+      const auto stats = decompose(method, plane(extent, frames[t]));
+      const Pixels got = download(method.solution());
+      ASSERT_TRUE(all_finite(got));
 
       std::vector<reference::Plane> chromaticities;
       for (int n = 0; n < stats.levels; ++n) {
         const Plane level = method.sample_frame(n);
-        chromaticities.push_back(to_reference(level.extent, download(level.buffer)));
+        chromaticities.push_back(to_reference(level.extent, download(level)));
       }
       expected.set_chromaticities(chromaticities);
-      expected.set_clusters(stats.clustered
-                                ? to_reference(extent, download(method.clusters().buffer))
-                                : reference::Plane());
+      expected.set_clusters(stats.clustered ? to_reference(extent, download(method.clusters()))
+                                            : reference::Plane());
       const reference::Plane x = expected.decompose(to_reference(extent, frames[t]));
       if (params.w_non_local > 0 && params.samples > 0)
         check_chromaticities(expected, chromaticities);
       double scale = 0;
-      for (size_t n = 0; n < x.size(); ++n) {
-        for (size_t c = 0; c < 3; ++c) scale += got[4 * n + c] - x.data[n][c];
-      }
-      scale /= 3.0 * static_cast<double>(x.size());
-      double worst = 0;
+      std::vector<double> wanted;
       for (size_t n = 0; n < x.size(); ++n) {
         for (size_t c = 0; c < 3; ++c) {
-          update_max(worst, std::abs(got[4 * n + c] - x.data[n][c] - scale));
+          scale += (got[4 * n + c] - x.data[n][c]) / (3.0 * static_cast<double>(x.size()));
+          wanted.push_back(x.data[n][c]);
         }
       }
-      worst_ = worst;
       solution_.clear();
       for (size_t i = 0; i < got.size(); ++i)
         if (i % 4 != 3) solution_.push_back(static_cast<double>(got[i]) - scale);
+      worst_ = max_difference(wanted, solution_);
       const double reference_energy = expected.energy(x).total();
       const double energy = expected.energy(to_reference(extent, got)).total();
-      const std::string where = std::to_string(extent.width) + "x" + std::to_string(extent.height) +
-                                ", frame " + std::to_string(t);
-      EXPECT_LT(worst, 3e-5) << where;
+      const std::string where = name_of(extent) + ", frame " + std::to_string(t);
+      EXPECT_LT(worst_, 3e-5) << where;
       EXPECT_NEAR(energy, reference_energy, 1e-5 * reference_energy + 1e-6) << where;
       ASSERT_EQ(stats.energy.size(), 1u);
       EXPECT_NEAR(stats.energy[0].total(), energy, 3e-5 * energy + 1e-3) << where;
-      RecordProperty("max_difference_" + std::to_string(extent.width), std::to_string(worst));
-      printf("  %s: max |dr| %.2e, energy %.6g against %.6g\n", where.c_str(), worst, energy,
+      RecordProperty("max_difference_" + std::to_string(extent.width), std::to_string(worst_));
+      printf("  %s: max |dr| %.2e, energy %.6g against %.6g\n", where.c_str(), worst_, energy,
              reference_energy);
     }
   }
+  Layers layers_;                 ///< of the last frame
   double worst_ = 0;              ///< of the last frame, log units
   std::vector<double> solution_;  ///< the device's r of the last frame in the reference's scale
 };
@@ -116,14 +115,12 @@ TEST_F(ThesisTest, ConjugateGradientsAgreeWithReference) {
 }
 
 TEST_F(ThesisTest, SchwarzAgreesWithReference) {
-  ThesisParams params;
-  params.solver = ThesisParams::Solver::schwarz;
+  const ThesisParams params{.solver = ThesisParams::Solver::schwarz};
   for (const Extent extent : kSizes) compare(extent, params, {scene(extent, extent.width)});
 }
 
 TEST_F(ThesisTest, LargerFrameAgreesWithReference) {
-  ThesisParams params;
-  params.irls_iterations = 2;
+  ThesisParams params{.irls_iterations = 2};
   compare({349, 287}, params, {scene({349, 287}, 1)});
   compare({8192, 16}, params, {scene({8192, 16}, 2)});
   params.solver = ThesisParams::Solver::schwarz;
@@ -133,8 +130,7 @@ TEST_F(ThesisTest, LargerFrameAgreesWithReference) {
 TEST_F(ThesisTest, FullIterationsAgreeOnAPictureWithoutNoise) {
   // Flat patches are the hard case: with p < 1 and a low floor of the IRLS weight the edges inside
   // them hang between on and off, and single precision alone decides (bench/thesis_convergence).
-  ThesisParams params;
-  params.epsilon = 5e-3f;
+  ThesisParams params{.epsilon = 5e-3f};
   const Extent extent{320, 240};
   for (const auto solver : {ThesisParams::Solver::pcg, ThesisParams::Solver::schwarz}) {
     params.solver = solver;
@@ -144,8 +140,7 @@ TEST_F(ThesisTest, FullIterationsAgreeOnAPictureWithoutNoise) {
 
 TEST_F(ThesisTest, RandomPixelsAgreeWithReference) {
   for (const auto solver : {ThesisParams::Solver::pcg, ThesisParams::Solver::schwarz}) {
-    ThesisParams params;
-    params.solver = solver;
+    const ThesisParams params{.solver = solver};
     for (const Extent extent : {Extent{17, 5}, Extent{67, 49}}) {
       compare(extent, params, {random_pixels(extent, 5)});
     }
@@ -170,8 +165,7 @@ TEST_F(ThesisTest, KeyframesAgreeWithReference) {
 TEST_F(ThesisTest, EveryParameterReachesTheSolution) {
   const Extent extent{33, 21};
   const std::vector<Pixels> frames = {scene(extent, 3), scene(extent, 4, 1)};
-  ThesisParams defaults;
-  defaults.keyframe_spacing = 1;
+  const ThesisParams defaults{.keyframe_spacing = 1};
   compare(extent, defaults, frames);
   const std::vector<double> plain = solution_;
   using Set = void (*)(ThesisParams&);
@@ -209,8 +203,7 @@ TEST_F(ThesisTest, EveryParameterReachesTheSolution) {
     set(params);
     compare(extent, params, frames);
     ASSERT_EQ(solution_.size(), plain.size());
-    double change = 0;
-    for (size_t i = 0; i < plain.size(); ++i) update_max(change, std::abs(solution_[i] - plain[i]));
+    const double change = max_difference(plain, solution_);
     EXPECT_GT(change, 30 * worst_ + 1e-4);
     printf("  %s changes r by %.2e\n", name, change);
   }
@@ -222,18 +215,12 @@ TEST_F(ThesisTest, TermsWithoutWeightAreSkipped) {
     ThesisDecomposition method(device, extent);
     method.set_params(params);
     std::vector<std::string> reasons;
-    for (uint32_t t = 0; t < 3; ++t) {
-      const Plane frame = plane(extent, scene(extent, t, t));
-      Layers layers;
-      uint64_t number = 0;
-      run([&](gpu::Commands& commands) { number = method.record(commands, frame, layers); });
-      reasons = method.stats(number).skipped;
-    }
+    for (uint32_t t = 0; t < 3; ++t)
+      reasons = decompose(method, plane(extent, scene(extent, t, t))).skipped;
     return reasons;
   };
   using Reasons = std::vector<std::string>;
-  ThesisParams params;
-  params.keyframe_spacing = 1;
+  ThesisParams params{.keyframe_spacing = 1};
   EXPECT_EQ(skipped(params), Reasons{});
   params.keyframes = 0;
   EXPECT_EQ(skipped(params), Reasons{"keyframes: none so far, or none wanted"});
@@ -245,26 +232,14 @@ TEST_F(ThesisTest, TermsWithoutWeightAreSkipped) {
 }
 
 TEST_F(ThesisTest, ExtremeInputStaysFinite) {
-  const float inf = std::numeric_limits<float>::infinity();
-  const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const auto solver : {ThesisParams::Solver::pcg, ThesisParams::Solver::schwarz}) {
     for (const Extent extent : {Extent{1, 1}, Extent{2, 3}, Extent{37, 21}}) {
       ThesisDecomposition method(device, extent);
-      ThesisParams params;
-      params.solver = solver;
-      method.set_params(params);
-      for (const float fill : {0.0f, 1.0f, 0.5f, 1.0f / 255, -3.0f, 1e4f, inf, -inf, nan}) {
-        for (const bool hot : {false, true}) {
-          Pixels pixels(extent.pixels() * 4, fill);
-          if (hot) pixels[4 * (extent.pixels() / 2)] = 1e4f;
-          const Plane frame = plane(extent, pixels);
-          Layers layers;
-          run([&](gpu::Commands& commands) { method.record(commands, frame, layers); });
-          for (const float value : download(layers[Role::intrinsic]->buffer)) {
-            ASSERT_TRUE(std::isfinite(value)) << fill << (hot ? " with a hot pixel" : "");
-            ASSERT_GE(value, 0.0f);
-          }
-        }
+      method.set_params({.solver = solver});
+      for (const Pixels& pixels : extreme_frames(extent)) {
+        decompose(method, plane(extent, pixels));
+        ASSERT_TRUE(are_light(download(layers_[Role::intrinsic])))
+            << "a frame of " << pixels.back();
       }
     }
   }
@@ -281,21 +256,17 @@ TEST_F(ThesisTest, ExtremeParametersStayFinite) {
   const float huge = std::numeric_limits<float>::max();
   for (const float p : {-1.0f, 0.0f, 0.5f, 2.0f, 9.0f}) {
     for (const float weight : {-1.0f, 0.0f, 1e-6f, 1e6f, huge}) {
-      ThesisParams params;
-      params.p = p;
-      params.w_reflectance = weight;
-      params.w_intensity = weight;
-      params.w_clustering = weight;
-      params.epsilon = 0;
-      params.log_floor = 0;
-      params.chroma_floor = 0;
-      params.levels = 1000;
-      method.set_params(params);
-      Layers layers;
-      run([&](gpu::Commands& commands) { method.record(commands, frame, layers); });
-      for (const float value : download(layers[Role::intrinsic]->buffer)) {
-        ASSERT_TRUE(std::isfinite(value)) << "p " << p << ", weight " << weight;
-      }
+      method.set_params({.w_intensity = weight,
+                         .w_reflectance = weight,
+                         .w_clustering = weight,
+                         .p = p,
+                         .epsilon = 0,
+                         .log_floor = 0,
+                         .chroma_floor = 0,
+                         .levels = 1000});
+      decompose(method, frame);
+      ASSERT_TRUE(all_finite(download(layers_[Role::intrinsic])))
+          << "p " << p << ", weight " << weight;
     }
   }
 }
@@ -303,14 +274,10 @@ TEST_F(ThesisTest, ExtremeParametersStayFinite) {
 TEST_F(ThesisTest, LayersMultiplyToTheInputWhereTheDataTermBinds) {
   const Extent extent{64, 48};
   const Pixels pixels = scene(extent, 2);
-  const Plane frame = plane(extent, pixels);
-  ThesisParams params;
-  params.w_data = 1e5f;
   ThesisDecomposition method(device, extent);
-  method.set_params(params);
-  Layers layers;
-  run([&](gpu::Commands& commands) { method.record(commands, frame, layers); });
-  const Pixels got = download(layers[Role::intrinsic]->buffer);
+  method.set_params({.w_data = 1e5f});
+  decompose(method, plane(extent, pixels));
+  const Pixels got = download(layers_[Role::intrinsic]);
   double worst = 0;
   for (size_t n = 0; n < extent.pixels(); ++n) {
     for (size_t c = 0; c < 3; ++c) {
@@ -328,18 +295,14 @@ TEST_F(ThesisTest, ConjugateGradientsEndWhenTheResidualIsSmall) {
   const Extent extent{96, 72};
   const Plane frame = plane(extent, scene(extent, 5));
   const auto stats_with = [&](float tolerance, int iterations) {
-    ThesisParams params;
-    params.energy = true;
+    ThesisParams params{.energy = true};
     params.samples = 0;  // lagged samples and clusters pull the solution past the least energy
     params.w_clustering = 0;
     params.residual_tolerance = tolerance;
     params.pcg_iterations = iterations;
     ThesisDecomposition method(device, extent);
     method.set_params(params);
-    Layers layers;
-    uint64_t number = 0;
-    run([&](gpu::Commands& commands) { number = method.record(commands, frame, layers); });
-    return method.stats(number);
+    return decompose(method, frame);
   };
   const auto all = stats_with(0, 32), fewer = stats_with(0.01f, 32),
              smallest_count = stats_with(0.1f, 32);
@@ -362,12 +325,8 @@ TEST_F(ThesisTest, SameSeedGivesTheSameBits) {
   std::vector<Pixels> results;
   for (int repeat = 0; repeat < 2; ++repeat) {
     ThesisDecomposition method(device, extent);
-    Layers layers;
-    for (uint32_t t = 0; t < 3; ++t) {
-      const Plane frame = plane(extent, scene(extent, t, t));
-      run([&](gpu::Commands& commands) { method.record(commands, frame, layers); });
-    }
-    results.push_back(download(layers[Role::intrinsic]->buffer));
+    for (uint32_t t = 0; t < 3; ++t) decompose(method, plane(extent, scene(extent, t, t)));
+    results.push_back(download(layers_[Role::intrinsic]));
   }
   EXPECT_EQ(results[0], results[1]);
 }
@@ -379,15 +338,9 @@ TEST_F(ThesisTest, DividedSampleFramesGiveTheSameBits) {
     setenv("INVERSE_SAMPLE_SLOTS", slots, 1);
     ThesisDecomposition method(device, extent);
     unsetenv("INVERSE_SAMPLE_SLOTS");
-    ThesisParams params;
-    params.keyframe_spacing = 1;
-    method.set_params(params);
-    Layers layers;
-    for (uint32_t t = 0; t < 7; ++t) {
-      const Plane frame = plane(extent, scene(extent, t, t));
-      run([&](gpu::Commands& commands) { method.record(commands, frame, layers); });
-    }
-    results.push_back(download(layers[Role::intrinsic]->buffer));
+    method.set_params({.keyframe_spacing = 1});
+    for (uint32_t t = 0; t < 7; ++t) decompose(method, plane(extent, scene(extent, t, t)));
+    results.push_back(download(layers_[Role::intrinsic]));
     EXPECT_EQ(results.back(), results.front()) << slots;
   }
   setenv("INVERSE_SAMPLE_SLOTS", "4", 1);
@@ -400,12 +353,12 @@ TEST_F(ThesisTest, ResetForgetsThePast) {
   const Extent extent{32, 24};
   const Plane first = plane(extent, scene(extent, 1)), second = plane(extent, scene(extent, 9, 11));
   ThesisDecomposition fresh(device, extent), used(device, extent);
-  Layers a, b;
-  run([&](gpu::Commands& commands) { fresh.record(commands, second, a); });
-  run([&](gpu::Commands& commands) { used.record(commands, first, b); });
+  decompose(fresh, second);
+  const Pixels expected = download(layers_[Role::intrinsic]);
+  decompose(used, first);
   used.reset();
-  run([&](gpu::Commands& commands) { used.record(commands, second, b); });
-  EXPECT_EQ(download(a[Role::intrinsic]->buffer), download(b[Role::intrinsic]->buffer));
+  decompose(used, second);
+  EXPECT_EQ(download(layers_[Role::intrinsic]), expected);
 }
 
 }  // namespace inverse::testing

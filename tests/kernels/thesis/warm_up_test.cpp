@@ -35,14 +35,11 @@ class WarmUp : public OnANewDevice<GlobalThesisTest> {
       }
       if (t >= 30 && t < 35) method.set_base_colors(random_colors(4 * (t - 30), t));
       if (t == 35) method.reset();
-      Layers output;
-      GlobalThesis::Hints hints;
-      hints.regions = &regions;
       Pixels pixels = room(kExtent, t, t > 20 ? t : 0);
       if (t > 45)
         for (size_t i = 0; i < pixels.size(); i += 4) std::swap(pixels[i], pixels[i + 1]);
       frames.push_back(plane(kExtent, pixels));
-      const uint64_t number = method.record(commands, frames.back(), output, hints);
+      const uint64_t number = method.record(commands, frames.back(), output_, {&regions});
       numbers.push_back(
           {number, regions.last(), correction.record(commands, method, regions),
            proposals.record(commands, method, regions, RegionProposals::Mode::correct)});
@@ -60,9 +57,7 @@ class WarmUp : public OnANewDevice<GlobalThesisTest> {
 
 TEST_F(WarmUp, BuildsEveryKernelBeforeTheStream) {
   GlobalThesis method(device, kExtent);
-  GlobalThesisParams params;
-  params.steps = params.pcg_iterations = 2;
-  params.keyframe_spacing = 2;
+  const GlobalThesisParams params{.steps = 2, .pcg_iterations = 2, .keyframe_spacing = 2};
   method.set_params(params);
   method.make_kernels();
   MarkedRegions(device, kExtent);
@@ -76,12 +71,9 @@ TEST_F(WarmUp, BuildsEveryKernelBeforeTheStream) {
 
 TEST_F(WarmUp, WithoutItTheStreamBuildsKernels) {
   GlobalThesis method(device, kExtent);
-  GlobalThesisParams params;
-  params.steps = params.pcg_iterations = 2;
+  const GlobalThesisParams params{.steps = 2, .pcg_iterations = 2};
   method.set_params(params);
-  const Plane frame = plane(kExtent, room(kExtent, 1));
-  Layers output;
-  run([&](gpu::Commands& commands) { method.record(commands, frame, output); });
+  decompose(method, plane(kExtent, room(kExtent, 1)));
   const uint64_t first = device->kernels_used();
   play(method, params);
   EXPECT_GT(device->kernels_used(), first + 20);

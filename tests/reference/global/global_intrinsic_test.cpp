@@ -127,8 +127,7 @@ TEST(GlobalIntrinsic, RestartsAtACut) {
 
 TEST(GlobalIntrinsic, TakesTheAmountThatItIsGiven) {
   const Made made = make_frame(0.7);
-  GlobalParams params;
-  params.amount.manual = 0.25;
+  const GlobalParams params{.amount = {.manual = 0.25}};
   const GlobalResult r = decompose_global(made.image.data(), kWidth, kHeight, params, nullptr);
   EXPECT_EQ(r.amount.value, 0.25);
 }
@@ -136,8 +135,7 @@ TEST(GlobalIntrinsic, TakesTheAmountThatItIsGiven) {
 TEST(GlobalIntrinsic, TakesOutAColoredIlluminant) {
   Made made = make_frame(0.7);
   for (std::size_t i = 0; i < made.image.size(); ++i) made.image[i] *= Vec3{1, .85, .6}[i % 3];
-  GlobalParams params;
-  params.white_balance = 0.8;
+  const GlobalParams params{.white_balance = 0.8};
   const GlobalResult with = decompose_global(made.image.data(), kWidth, kHeight, params, nullptr);
   expect_sound(made.image, with);
   const GlobalResult without = decompose_global(made.image.data(), kWidth, kHeight, {}, nullptr);
@@ -170,8 +168,7 @@ TEST(GlobalIntrinsic, IsSoundOnAnything) {
     std::vector<double> image(3 * std::size_t(f.width) * std::size_t(f.height));
     for (std::size_t i = 0; i < image.size(); ++i) image[i] = f.value(i);
     GlobalState state;
-    GlobalParams params;
-    params.white_balance = 1;
+    const GlobalParams params{.white_balance = 1};
     for (int k = 0; k < 3; ++k) {
       const GlobalResult r = decompose_global(image.data(), f.width, f.height, params, &state);
       expect_sound(image, r);

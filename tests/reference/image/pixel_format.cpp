@@ -24,44 +24,94 @@ void set16(Bytes& bytes, uint64_t at, uint32_t code) {
   set8(bytes, at + 1, code >> 8);
 }
 
-/// Byte of each of R, G, B, A in a pixel of an 8-bit RGB format; -1: absent.
-std::array<int, 4> order(F format) {
-  switch (format) {
+/// Where the first byte of each code is.
+using Places = std::vector<uint64_t>;
+
+/// Of a pixel: (r, g, b, a), (r, g, b) or luma.
+Places pixel_places(const FrameFormat& f, uint32_t x, uint32_t y) {
+  const uint64_t start = row(f, 0, y);
+  switch (f.format) {
+    case F::rgba64_le:
+      return {start + x * 8, start + x * 8 + 2, start + x * 8 + 4, start + x * 8 + 6};
     case F::rgba:
-      return {0, 1, 2, 3};
+      return {start + x * 4, start + x * 4 + 1, start + x * 4 + 2, start + x * 4 + 3};
     case F::bgra:
-      return {2, 1, 0, 3};
+      return {start + x * 4 + 2, start + x * 4 + 1, start + x * 4, start + x * 4 + 3};
+    case F::rgbx:
+      return {start + x * 4, start + x * 4 + 1, start + x * 4 + 2};
     case F::bgrx:
+      return {start + x * 4 + 2, start + x * 4 + 1, start + x * 4};
+    case F::rgb:
+      return {start + x * 3, start + x * 3 + 1, start + x * 3 + 2};
     case F::bgr:
-      return {2, 1, 0, -1};
-    default:
-      return {0, 1, 2, -1};
+      return {start + x * 3 + 2, start + x * 3 + 1, start + x * 3};
+    case F::gray8:
+    case F::nv12:
+    case F::i420:
+      return {start + x};
+    case F::uyvy:
+      return {start + x * 2 + 1};
+    default:  // 16 bits, or every second byte
+      return {start + x * 2};
   }
 }
-uint32_t pixel_size(F format) { return format == F::rgb || format == F::bgr ? 3 : 4; }
 
+/// Of a chroma sample: (u, v).
+Places chroma_places(const FrameFormat& f, uint32_t x, uint32_t y) {
+  switch (f.format) {
+    case F::yuy2:
+      return {row(f, 0, y) + x * 4 + 1, row(f, 0, y) + x * 4 + 3};
+    case F::uyvy:
+      return {row(f, 0, y) + x * 4, row(f, 0, y) + x * 4 + 2};
+    case F::nv12:
+      return {row(f, 1, y) + x * 2, row(f, 1, y) + x * 2 + 1};
+    case F::p010_10le:
+      return {row(f, 1, y) + x * 4, row(f, 1, y) + x * 4 + 2};
+    case F::i420_10le:
+      return {row(f, 1, y) + x * 2, row(f, 2, y) + x * 2};
+    default:
+      return {row(f, 1, y) + x, row(f, 2, y) + x};
+  }
+}
+
+/// Codes of ten bits are the lower bits of 16, but the upper ones in P010.
+Codes read(const FrameFormat& f, const Bytes& bytes, const Places& places) {
+  Codes codes{};
+  for (size_t k = 0; k < places.size(); ++k) {
+    codes.value[k] = bit_depth(f.format) > 8 ? get16(bytes, places[k]) : get8(bytes, places[k]);
+    if (f.format == F::p010_10le) codes.value[k] >>= 6;
+    if (f.format == F::i420_10le) codes.value[k] &= 1023;
+  }
+  return codes;
+}
+void write(const FrameFormat& f, Bytes& bytes, const Places& places, const Codes& codes) {
+  for (size_t k = 0; k < places.size(); ++k) {
+    const uint32_t code = codes.value[k] << (f.format == F::p010_10le ? 6 : 0);
+    bit_depth(f.format) > 8 ? set16(bytes, places[k], code) : set8(bytes, places[k], code);
+  }
+}
+
+double top_code(const FrameFormat& f) {
+  return std::ldexp(1.0, static_cast<int>(bit_depth(f.format))) - 1;
+}
 double luma_value(const FrameFormat& f, double code) {
-  const double unit = std::ldexp(1.0, static_cast<int>(bit_depth(f.format)) - 8);
-  const double top = std::ldexp(1.0, static_cast<int>(bit_depth(f.format))) - 1;
+  const double top = top_code(f), unit = (top + 1) / 256;
   return f.range == Range::full ? code / top : (code - 16 * unit) / (219 * unit);
 }
 double luma_code(const FrameFormat& f, double value) {
-  const double unit = std::ldexp(1.0, static_cast<int>(bit_depth(f.format)) - 8);
-  const double top = std::ldexp(1.0, static_cast<int>(bit_depth(f.format))) - 1;
+  const double top = top_code(f), unit = (top + 1) / 256;
   return f.range == Range::full ? value * top : value * 219 * unit + 16 * unit;
 }
 double chroma_value(const FrameFormat& f, double code) {
-  const double unit = std::ldexp(1.0, static_cast<int>(bit_depth(f.format)) - 8);
-  const double top = std::ldexp(1.0, static_cast<int>(bit_depth(f.format))) - 1;
+  const double top = top_code(f), unit = (top + 1) / 256;
   return (code - 128 * unit) / (f.range == Range::full ? top : 224 * unit);
 }
 double chroma_code(const FrameFormat& f, double value) {
-  const double unit = std::ldexp(1.0, static_cast<int>(bit_depth(f.format)) - 8);
-  const double top = std::ldexp(1.0, static_cast<int>(bit_depth(f.format))) - 1;
+  const double top = top_code(f), unit = (top + 1) / 256;
   return value * (f.range == Range::full ? top : 224 * unit) + 128 * unit;
 }
 uint32_t rounded(const FrameFormat& f, double code) {
-  const double top = std::ldexp(1.0, static_cast<int>(bit_depth(f.format))) - 1;
+  const double top = top_code(f);
   return static_cast<uint32_t>(std::floor(std::clamp(code, 0.0, top) + 0.5));
 }
 
@@ -124,129 +174,29 @@ Extent chroma_extent(const FrameFormat& f) {
 }
 
 Codes pixel_codes(const FrameFormat& f, const Bytes& bytes, uint32_t x, uint32_t y) {
-  const uint64_t start = row(f, 0, y);
-  Codes codes{};
-  switch (f.format) {
-    case F::rgba64_le:
-      for (uint32_t c = 0; c < 4; ++c) codes.value[c] = get16(bytes, start + x * 8 + c * 2);
-      break;
-    case F::gray8:
-    case F::nv12:
-    case F::i420:
-      codes.value[0] = get8(bytes, start + x);
-      break;
-    case F::gray16_le:
-      codes.value[0] = get16(bytes, start + x * 2);
-      break;
-    case F::yuy2:
-      codes.value[0] = get8(bytes, start + x * 2);
-      break;
-    case F::uyvy:
-      codes.value[0] = get8(bytes, start + x * 2 + 1);
-      break;
-    case F::p010_10le:
-      codes.value[0] = get16(bytes, start + x * 2) >> 6;
-      break;
-    case F::i420_10le:
-      codes.value[0] = get16(bytes, start + x * 2) & 1023;
-      break;
-    default:
-      for (uint32_t c = 0; c < 4; ++c)
-        if (const int at = order(f.format)[c]; at >= 0)
-          codes.value[c] = get8(bytes, start + x * pixel_size(f.format) + at);
-  }
-  return codes;
+  return read(f, bytes, pixel_places(f, x, y));
 }
 
 void set_pixel_codes(const FrameFormat& f, Bytes& bytes, uint32_t x, uint32_t y,
                      const Codes& codes) {
-  const uint64_t start = row(f, 0, y);
-  switch (f.format) {
-    case F::rgba64_le:
-      for (uint32_t c = 0; c < 4; ++c) set16(bytes, start + x * 8 + c * 2, codes.value[c]);
-      break;
-    case F::gray8:
-    case F::nv12:
-    case F::i420:
-      set8(bytes, start + x, codes.value[0]);
-      break;
-    case F::gray16_le:
-      set16(bytes, start + x * 2, codes.value[0]);
-      break;
-    case F::yuy2:
-      set8(bytes, start + x * 2, codes.value[0]);
-      break;
-    case F::uyvy:
-      set8(bytes, start + x * 2 + 1, codes.value[0]);
-      break;
-    case F::p010_10le:
-      set16(bytes, start + x * 2, codes.value[0] << 6);
-      break;
-    case F::i420_10le:
-      set16(bytes, start + x * 2, codes.value[0]);
-      break;
-    default:
-      for (uint32_t c = 0; c < 4; ++c)
-        if (const int at = order(f.format)[c]; at >= 0)
-          set8(bytes, start + x * pixel_size(f.format) + at, codes.value[c]);
-      if (f.format == F::rgbx || f.format == F::bgrx) set8(bytes, start + x * 4 + 3, 255);
-  }
+  write(f, bytes, pixel_places(f, x, y), codes);
+  if (f.format == F::rgbx || f.format == F::bgrx) set8(bytes, row(f, 0, y) + x * 4 + 3, 255);
 }
 
 Codes chroma_codes_at(const FrameFormat& f, const Bytes& bytes, uint32_t x, uint32_t y) {
-  switch (f.format) {
-    case F::yuy2:
-      return {{get8(bytes, row(f, 0, y) + x * 4 + 1), get8(bytes, row(f, 0, y) + x * 4 + 3)}};
-    case F::uyvy:
-      return {{get8(bytes, row(f, 0, y) + x * 4), get8(bytes, row(f, 0, y) + x * 4 + 2)}};
-    case F::nv12:
-      return {{get8(bytes, row(f, 1, y) + x * 2), get8(bytes, row(f, 1, y) + x * 2 + 1)}};
-    case F::p010_10le:
-      return {
-          {get16(bytes, row(f, 1, y) + x * 4) >> 6, get16(bytes, row(f, 1, y) + x * 4 + 2) >> 6}};
-    case F::i420_10le:
-      return {
-          {get16(bytes, row(f, 1, y) + x * 2) & 1023, get16(bytes, row(f, 2, y) + x * 2) & 1023}};
-    default:
-      return {{get8(bytes, row(f, 1, y) + x), get8(bytes, row(f, 2, y) + x)}};
-  }
+  return read(f, bytes, chroma_places(f, x, y));
 }
 
 void set_chroma_codes(const FrameFormat& f, Bytes& bytes, uint32_t x, uint32_t y,
                       const Codes& codes) {
-  const uint32_t u = codes.value[0], v = codes.value[1];
-  switch (f.format) {
-    case F::yuy2:
-      set8(bytes, row(f, 0, y) + x * 4 + 1, u);
-      set8(bytes, row(f, 0, y) + x * 4 + 3, v);
-      break;
-    case F::uyvy:
-      set8(bytes, row(f, 0, y) + x * 4, u);
-      set8(bytes, row(f, 0, y) + x * 4 + 2, v);
-      break;
-    case F::nv12:
-      set8(bytes, row(f, 1, y) + x * 2, u);
-      set8(bytes, row(f, 1, y) + x * 2 + 1, v);
-      break;
-    case F::p010_10le:
-      set16(bytes, row(f, 1, y) + x * 4, u << 6);
-      set16(bytes, row(f, 1, y) + x * 4 + 2, v << 6);
-      break;
-    case F::i420_10le:
-      set16(bytes, row(f, 1, y) + x * 2, u);
-      set16(bytes, row(f, 2, y) + x * 2, v);
-      break;
-    default:
-      set8(bytes, row(f, 1, y) + x, u);
-      set8(bytes, row(f, 2, y) + x, v);
-  }
+  write(f, bytes, chroma_places(f, x, y), codes);
 }
 
 std::vector<double> unpack(const FrameFormat& f, const Bytes& bytes) {
   const auto [width, height] = f.extent;
   const Extent chroma = chroma_extent(f);
   const double kr = f.matrix.kr, kb = f.matrix.kb, kg = 1 - kr - kb;
-  const double alpha_top = std::ldexp(1.0, static_cast<int>(bit_depth(f.format))) - 1;
+  const double alpha_top = top_code(f);
   const double ceiling = luma_value(f, alpha_top);
   std::vector<double> linear(static_cast<size_t>(width) * height * 4);
   for (uint32_t y = 0; y < height; ++y)
@@ -284,7 +234,7 @@ std::vector<double> unpack(const FrameFormat& f, const Bytes& bytes) {
 Bytes pack(const FrameFormat& f, const std::vector<float>& picture, bool shading, float gain,
            const std::vector<float>* alpha) {
   const auto [width, height] = f.extent;
-  const double top = std::ldexp(1.0, static_cast<int>(bit_depth(f.format))) - 1;
+  const double top = top_code(f);
   const double ceiling = f.transfer.decode(luma_value(f, top));
   const Matrix matrix = f.matrix.is_identity() ? Matrix::bt709() : f.matrix;
   const double kr = matrix.kr, kb = matrix.kb, kg = 1 - kr - kb;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "lime.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -86,16 +87,6 @@ struct Counted {
     return count > 0 ? sum / count : 0;
   }
 };
-
-/// x of m x = b for a symmetric, positive definite m.
-Vec3 solve(const std::array<Vec3, 3>& m, const Vec3& b) {
-  const auto cross = [](const Vec3& p, const Vec3& q) {
-    return Vec3{p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
-  };
-  const double volume = dot(m[0], cross(m[1], m[2]));
-  return {dot(b, cross(m[1], m[2])) / volume, dot(m[0], cross(b, m[2])) / volume,
-          dot(m[0], cross(m[1], b)) / volume};
-}
 
 constexpr double kNoise = 1e-3;  // variance of light at white, and of its roots
 
@@ -217,30 +208,30 @@ Plane lime_guided_specular(const Plane& masked, const Plane& codes) {
 
 Plane lime_guided_mask(const Plane& image, const Plane& probability) {
   const Counted known{probability, [](const Vec4& p) { return p[0] != 0; }};
-  const auto guide = [&](int x, int y, size_t c) {
+  const auto guide = [&](int x, int y, int c) {
     return std::sqrt(std::max(srgb_light(image.at(x, y)[c]), 0.0));
   };
   const auto object = [&](int x, int y) { return probability.at(x, y)[0]; };
   Plane planes(image.width, image.height), out(image.width, image.height);
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
-      Vec3 mean{}, along{};
-      std::array<Vec3, 3> spread{};
+      Eigen::Vector3d mean, along;
+      Eigen::Matrix3d spread;
       const double mean_object = known.mean(x, y, object);
-      for (size_t c = 0; c < 3; ++c)
+      for (int c = 0; c < 3; ++c)
         mean[c] = known.mean(x, y, [&](int u, int v) { return guide(u, v, c); });
-      for (size_t c = 0; c < 3; ++c) {
+      for (int c = 0; c < 3; ++c) {
         along[c] = known.mean(x, y, [&](int u, int v) {
           return (guide(u, v, c) - mean[c]) * (object(u, v) - mean_object);
         });
-        for (size_t d = 0; d < 3; ++d)
-          spread[c][d] = known.mean(x, y, [&](int u, int v) {
+        for (int d = 0; d < 3; ++d)
+          spread(c, d) = known.mean(x, y, [&](int u, int v) {
             return (guide(u, v, c) - mean[c]) * (guide(u, v, d) - mean[d]);
           });
       }
-      for (size_t c = 0; c < 3; ++c) spread[c][c] += kNoise;
-      const Vec3 slopes = solve(spread, along);
-      planes.at(x, y) = {slopes[0], slopes[1], slopes[2], mean_object - dot(slopes, mean)};
+      spread.diagonal().array() += kNoise;
+      const Eigen::Vector3d slopes = spread.llt().solve(along);
+      planes.at(x, y) = {slopes[0], slopes[1], slopes[2], mean_object - slopes.dot(mean)};
     }
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x)

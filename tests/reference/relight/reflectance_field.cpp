@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "reflectance_field.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -91,35 +92,22 @@ Measured measured_light(const std::vector<Lamp>& lamps) {
     for (const Lamp& lamp : lamps)
       mean += std::abs(lamp.weight[c]) / static_cast<double>(lamps.size());
     if (mean == 0) continue;
-    std::array<double, 4> plane{};
+    Eigen::Vector4d plane = Eigen::Vector4d::Zero();
     for (int step = 0; step < 20; ++step) {
-      std::array<std::array<double, 5>, 4> rows{};
+      Eigen::Matrix4d a = Eigen::Matrix4d::Zero();
+      Eigen::Vector4d b = Eigen::Vector4d::Zero();
       for (const Lamp& lamp : lamps) {
-        const std::array<double, 4> x{1, lamp.direction[0], lamp.direction[1], lamp.direction[2]};
-        double away = lamp.weight[c];
-        for (std::size_t k = 0; k < 4; ++k) away -= plane[k] * x[k];
+        const Eigen::Vector4d x{1, lamp.direction[0], lamp.direction[1], lamp.direction[2]};
+        const double away = lamp.weight[c] - plane.dot(x);
         const double trust =
             step == 0 ? 1 : std::pow(std::max(std::abs(away) / mean, 0.02), 1.4 - 2);
-        for (std::size_t k = 0; k < 4; ++k) {
-          for (std::size_t l = 0; l < 4; ++l) rows[k][l] += trust * x[k] * x[l];
-          rows[k][4] += trust * x[k] * lamp.weight[c];
-        }
+        a += trust * x * x.transpose();
+        b += trust * lamp.weight[c] * x;
       }
-      double trace = 0;
-      for (std::size_t k = 0; k < 4; ++k) trace += rows[k][k];
-      for (std::size_t k = 0; k < 4; ++k) rows[k][k] += 1e-9 * trace;
-      // Gauss and Jordan; the matrix is positive definite.
-      for (std::size_t k = 0; k < 4; ++k)
-        for (std::size_t l = 0; l < 4; ++l) {
-          if (l == k) continue;
-          const double factor = rows[l][k] / rows[k][k];
-          for (std::size_t n = 0; n < 5; ++n) rows[l][n] -= factor * rows[k][n];
-        }
-      for (std::size_t k = 0; k < 4; ++k) plane[k] = rows[k][4] / rows[k][k];
+      a.diagonal().array() += 1e-9 * a.trace();
+      plane = a.llt().solve(b);
     }
-    double largest = 0;
-    for (const double p : plane) largest = std::max(largest, std::abs(p));
-    if (largest < 1e-2 * mean) continue;
+    if (plane.lpNorm<Eigen::Infinity>() < 1e-2 * mean) continue;
     result.even[c] = plane[0];
     for (std::size_t k = 0; k < 3; ++k) result.along[k][c] = (k == c ? 1 : 0.7) * plane[k + 1];
   }

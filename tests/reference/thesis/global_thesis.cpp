@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "global_thesis.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -150,12 +151,8 @@ bool step_is_good(const GlobalEnergy& start, const GlobalEnergy& before, const G
 RefinementSystem refinement_system(const GlobalThesisScene& scene, const GlobalField& x,
                                    const std::vector<Vec3>& initial,
                                    const GlobalThesisParams& params) {
-  RefinementSystem system;
-  const std::size_t colors = scene.layers();
-  const std::size_t size = 3 * colors;
-  system.colors = colors;
-  system.matrix.assign(size * size, 0);
-  system.b.assign(size, 0);
+  const std::size_t colors = scene.layers(), size = 3 * colors;
+  RefinementSystem system{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size)};
   for (std::size_t n = 0; n < x.pixels(); ++n) {
     const double* v = x.at(n);
     const Vec3 s = shading(scene, v);
@@ -166,7 +163,7 @@ RefinementSystem refinement_system(const GlobalThesisScene& scene, const GlobalF
         const double slope = params.lambda_data * reflectance * v[4 + k];
         system.b[3 * k + c] += slope * e;
         for (std::size_t l = 0; l < colors; ++l) {
-          system.matrix[(3 * k + c) * size + 3 * l + c] += slope * reflectance * v[4 + l];
+          system.matrix(3 * k + c, 3 * l + c) += slope * reflectance * v[4 + l];
         }
       }
     }
@@ -175,12 +172,12 @@ RefinementSystem refinement_system(const GlobalThesisScene& scene, const GlobalF
     const Vec3 now = chromaticity(scene.colors[k]);
     const Vec3 wanted = chromaticity(initial[k]);
     for (std::size_t c = 0; c < 3; ++c) {
-      system.matrix[(3 * k + c) * size + 3 * k + c] += params.lambda_ir;
+      system.matrix(3 * k + c, 3 * k + c) += params.lambda_ir;
       for (std::size_t row = 0; row < 3; ++row) {
         const double slope = params.lambda_cr * chromaticity_slope(scene.colors[k], row, c);
         system.b[3 * k + c] -= slope * (now[row] - wanted[row]);
         for (std::size_t d = 0; d < 3; ++d) {
-          system.matrix[(3 * k + c) * size + 3 * k + d] +=
+          system.matrix(3 * k + c, 3 * k + d) +=
               slope * chromaticity_slope(scene.colors[k], row, d);
         }
       }
@@ -214,26 +211,10 @@ double refinement_energy(const GlobalThesisScene& scene, const GlobalField& x,
 }
 
 std::vector<Vec3> solve_refinement(const RefinementSystem& system) {
-  const std::size_t size = 3 * system.colors;
-  std::vector<double> l = system.matrix;
-  std::vector<double> y = system.b;
-  for (std::size_t i = 0; i < size; ++i) {
-    for (std::size_t j = 0; j <= i; ++j) {
-      double sum = l[i * size + j];
-      for (std::size_t k = 0; k < j; ++k) sum -= l[i * size + k] * l[j * size + k];
-      l[i * size + j] = i == j ? std::sqrt(sum) : sum / l[j * size + j];
-    }
-  }
-  for (std::size_t i = 0; i < size; ++i) {
-    for (std::size_t k = 0; k < i; ++k) y[i] -= l[i * size + k] * y[k];
-    y[i] /= l[i * size + i];
-  }
-  for (std::size_t i = size; i-- > 0;) {
-    for (std::size_t k = i + 1; k < size; ++k) y[i] -= l[k * size + i] * y[k];
-    y[i] /= l[i * size + i];
-  }
-  std::vector<Vec3> delta(system.colors);
-  for (std::size_t i = 0; i < size; ++i) delta[i / 3][i % 3] = y[i];
+  const Eigen::VectorXd solution = system.matrix.llt().solve(system.b);
+  std::vector<Vec3> delta;
+  for (Eigen::Index k = 0; k < solution.size(); k += 3)
+    delta.push_back({solution[k], solution[k + 1], solution[k + 2]});
   return delta;
 }
 

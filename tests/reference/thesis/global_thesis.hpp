@@ -4,6 +4,7 @@
 // with them.
 #pragma once
 
+#include <Eigen/Core>
 #include <deque>
 #include <functional>
 #include <vector>
@@ -47,9 +48,8 @@ bool step_is_good(const GlobalEnergy& start, const GlobalEnergy& before, const G
 
 /// The dense system of (5.14) for Δb, K colors of three channels each: unknown 3 k + c.
 struct RefinementSystem {
-  std::size_t colors = 0;
-  std::vector<double> matrix;  ///< (3K)², symmetric
-  std::vector<double> b;       ///< right-hand side
+  Eigen::MatrixXd matrix;  ///< symmetric
+  Eigen::VectorXd b;       ///< right-hand side
 };
 /// `initial` are the base colors as they were estimated: the chromaticity of b_k + Δb_k is drawn to
 /// theirs. C is linearized at the present b_k.
@@ -60,7 +60,7 @@ RefinementSystem refinement_system(const GlobalThesisScene& scene, const GlobalF
 double refinement_energy(const GlobalThesisScene& scene, const GlobalField& x,
                          const std::vector<Vec3>& initial, const std::vector<Vec3>& delta,
                          const GlobalThesisParams& params);
-/// The solution of a symmetric positive definite system, by Cholesky's method.
+/// The solution of a symmetric positive definite system.
 std::vector<Vec3> solve_refinement(const RefinementSystem& system);
 /// b + Δb, kept within kDarkestColor … 1.
 constexpr double kDarkestColor = 1e-3;

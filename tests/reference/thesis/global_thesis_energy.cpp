@@ -9,14 +9,13 @@ namespace {
 
 /// What chapter 3's samples (3.12), (3.13) are drawn and weighted by.
 ThesisParams sampling_params(const GlobalThesisParams& params) {
-  ThesisParams sampling;
-  sampling.w_non_local = params.lambda_r_consistency;
-  sampling.w_intensity = params.w_intensity;
-  sampling.tau_cc = params.tau_cc;
-  sampling.log_floor = params.log_floor;
-  sampling.chroma_floor = params.chroma_floor;
-  sampling.samples = params.samples;
-  sampling.seed = params.seed;
+  const ThesisParams sampling{.w_intensity = params.w_intensity,
+                              .w_non_local = params.lambda_r_consistency,
+                              .tau_cc = params.tau_cc,
+                              .log_floor = params.log_floor,
+                              .chroma_floor = params.chroma_floor,
+                              .samples = params.samples,
+                              .seed = params.seed};
   return sampling;
 }
 

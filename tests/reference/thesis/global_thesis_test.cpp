@@ -176,8 +176,7 @@ TEST(GlobalThesisReference, OperatorIsTheSquaredJacobianOfTheDataTerm) {
 }
 
 TEST(GlobalThesisReference, OperatorIsSymmetricAndItsDiagonalIsRight) {
-  GlobalThesisParams params;
-  params.tau_cc = 2;
+  const GlobalThesisParams params{.tau_cc = 2};
   const GlobalThesisScene scene(random_plane(5, 4, 1, 0, 1), random_targets(5, 4, 2),
                                 random_colors(4, 3), params);
   const GlobalField x = random_field(5, 4, 4, 4);
@@ -299,9 +298,7 @@ TEST(GlobalThesisReference, RefinementMinimizesItsEnergy) {
 
 TEST(GlobalThesisReference, RefinementMovesColorsTowardsThoseThatMadeThePicture) {
   // The picture is made of the true colors and known layers: from others the refinement leads back.
-  GlobalThesisParams params;
-  params.lambda_ir = 1e-3;
-  params.lambda_cr = 1e-3;
+  const GlobalThesisParams params{.lambda_ir = 1e-3, .lambda_cr = 1e-3};
   const std::vector<Vec3> truth = {{1, 0.2, 0.2}, {0.2, 0.5, 1}};
   const std::vector<Vec3> estimate = {{1, 0.35, 0.3}, {0.3, 0.6, 1}};
   GlobalField x = random_field(12, 9, 2, 4);
@@ -324,8 +321,7 @@ TEST(GlobalThesisReference, RefinementMovesColorsTowardsThoseThatMadeThePicture)
 TEST(GlobalThesisReference, TheRegionsOwnColorIsTheSparsest) {
   // A green wall's light falls on a gray floor, which was taken for green: with the floor's true
   // color its light is explained by one layer (5.5.2.2).
-  GlobalThesisParams params;
-  params.steps = 12;
+  const GlobalThesisParams params{.steps = 12};
   const std::vector<Vec3> colors = {{0.2, 1, 0.2}, {1, 0.25, 0.2}};
   const int width = 24;
   const int height = 16;

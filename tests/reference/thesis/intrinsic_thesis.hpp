@@ -55,10 +55,8 @@ class IntrinsicThesis {
   using Trace = std::function<void(int level, int step, const ThesisEnergy& energy)>;
 
   explicit IntrinsicThesis(const ThesisParams& params) : params_(params), palette_({}) {
-    PaletteParams palette;
-    palette.tau_cc = params.tau_cc;
-    palette.chroma_floor = params.chroma_floor;
-    palette.seed = params.seed;
+    const PaletteParams palette{
+        .tau_cc = params.tau_cc, .chroma_floor = params.chroma_floor, .seed = params.seed};
     palette_ = Palette(palette);
   }
 

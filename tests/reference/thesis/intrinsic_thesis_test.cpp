@@ -44,9 +44,7 @@ double frozen_energy(const ThesisLevel& level, const Plane& x, const Plane& clus
 
 TEST(IntrinsicThesisReference, SystemIsHalfTheGradientOfTheEnergy) {
   for (const double p : {0.3, 0.8, 1.0, 2.0}) {
-    ThesisParams params;
-    params.p = p;
-    params.epsilon = 0.02;
+    ThesisParams params{.p = p, .epsilon = 0.02};
     params.tau_cc = 2;  // let samples bind in a random picture
     const ThesisLevel level(random_plane(7, 5, 3, 0, 1), params);
     const Plane x = random_plane(7, 5, 4, -2, 1);
@@ -97,8 +95,7 @@ TEST(IntrinsicThesisReference, DiagonalIsThatOfTheOperator) {
 }
 
 TEST(IntrinsicThesisReference, OppositeShiftOfTheLayersIsTheNullSpace) {
-  ThesisParams params;
-  params.samples = 0;
+  const ThesisParams params{.samples = 0};
   const ThesisLevel level(random_plane(9, 8, 1, 0, 1), params);
   const ThesisSystem system =
       assemble(level, random_plane(9, 8, 2, -1, 1), SourcePlane(9, 8), params);
@@ -112,8 +109,7 @@ TEST(IntrinsicThesisReference, OppositeShiftOfTheLayersIsTheNullSpace) {
 }
 
 TEST(IntrinsicThesisReference, ConjugateGradientsSolveTheSystem) {
-  ThesisParams params;
-  params.epsilon = 0.03;
+  const ThesisParams params{.epsilon = 0.03};
   const ThesisLevel level(checkers(21, 14), params);
   Plane x = random_plane(21, 14, 1, -1, 1);
   const SampleFrame frame = make_sample_frame(level, x);
@@ -151,8 +147,7 @@ TEST(IntrinsicThesisReference, ConsistentIrlsNeverRaisesTheEnergyOnALevel) {
 }
 
 TEST(IntrinsicThesisReference, EnoughIterationsReachTheConvergedEnergy) {
-  ThesisParams params;
-  params.samples = 0;
+  ThesisParams params{.samples = 0};
   params.p = 1;  // strictly convex: one minimum
   params.epsilon = 0.03;
   const Plane picture = checkers(40, 30);
