@@ -152,7 +152,8 @@ TEST_F(LimeTest, AChangingObjectIsNeverConfirmed) {
   params.converged_error = .01F;
   for (int i = 0; i < 80; ++i) unseen(lime, i % 3 ? .3F : .5F, .5F);
   EXPECT_GE(last_report(lime).estimates, 75U);
-  EXPECT_LT(lime.object().spread, params.converged_error * std::sqrt(60.F)) << "or any rule would do";
+  EXPECT_LT(lime.object().spread, params.converged_error * std::sqrt(60.F))
+      << "or any rule would do";
 }
 
 TEST_F(LimeTest, LayersOfAnUnchangedObjectFollowItsLight) {
