@@ -5,6 +5,7 @@
 #include <concepts>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/error.hpp"
 
@@ -27,6 +28,14 @@ std::string error_of(Call call, std::optional<ErrorKind> kind = {}) {
 
 inline void expect_contains(const std::string& text, const std::string& part) {
   EXPECT_NE(text.find(part), std::string::npos) << '"' << text << "\" lacks \"" << part << '"';
+}
+
+/// Expects one text, which contains each part.
+template <typename... Parts>
+void expect_one(const std::vector<std::string>& texts, const Parts&... parts) {
+  ASSERT_EQ(texts.size(), 1U) << ::testing::PrintToString(texts) << " for "
+                              << ::testing::PrintToString(std::vector<std::string>{parts...});
+  (expect_contains(texts[0], parts), ...);
 }
 
 /// Expects that `call` throws an Error of this kind whose text contains `part`. Returns the text.

@@ -3,46 +3,21 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <numeric>
 
 #include "own_process.hpp"
-#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 namespace {
 
-size_t frame_size(const std::string& text) {
-  GstCaps* caps = gst_caps_from_string(text.c_str());
-  GstVideoInfo info;
-  const bool ok = gst_video_info_from_caps(&info, caps);
-  gst_caps_unref(caps);
-  EXPECT_TRUE(ok) << text;
-  return ok ? GST_VIDEO_INFO_SIZE(&info) : 0;
-}
-
-std::vector<uint8_t> bytes_of(GstBuffer* buffer) {
-  std::vector<uint8_t> bytes(gst_buffer_get_size(buffer));
-  gst_buffer_extract(buffer, 0, bytes.data(), bytes.size());
-  return bytes;
-}
-
-std::string text_of(GstMessage* message) {
-  GError* error = nullptr;
-  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR)
-    gst_message_parse_error(message, &error, nullptr);
-  else
-    gst_message_parse_warning(message, &error, nullptr);
+/// "factory: text" of an error or a warning.
+std::string complaint_of(GstMessage* message) {
   std::string factory = "application";
   if (GST_IS_ELEMENT(GST_MESSAGE_SRC(message)))
     if (GstElementFactory* made_by = gst_element_get_factory(GST_ELEMENT(GST_MESSAGE_SRC(message))))
       factory = GST_OBJECT_NAME(made_by);
-  std::string text = factory + ": " + error->message;
-  g_error_free(error);
-  return text;
+  return factory + ": " + text_of(message);
 }
-
-}  // namespace
-
-namespace {
 
 /// The pipeline of a line; null if there is none, as `result` says then.
 GstElement* parsed(const std::string& line, LineResult& result) {
@@ -58,7 +33,7 @@ GstElement* parsed(const std::string& line, LineResult& result) {
 /// Runs a pipeline to its end.
 void play(GstElement* pipeline, const std::string& line, unsigned seconds, LineResult& result) {
   gst_video_info_init(&result.info);
-  GstElement* sink = gst_bin_get_by_name(GST_BIN(pipeline), "out");
+  GstElement* sink = find_element(pipeline, "out");
   gulong handler = 0;
   if (sink) {
     g_object_set(sink, "sync", FALSE, "emit-signals", TRUE, nullptr);
@@ -88,21 +63,20 @@ void play(GstElement* pipeline, const std::string& line, unsigned seconds, LineR
     if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS)
       result.eos = true;
     else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR)
-      result.errors.push_back(text_of(message));
+      result.errors.push_back(complaint_of(message));
     else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ELEMENT)
       result.messages.push_back(gst_structure_get_name(gst_message_get_structure(message)));
     else
-      result.warnings.push_back(text_of(message));
+      result.warnings.push_back(complaint_of(message));
     gst_message_unref(message);
   }
   gst_element_set_state(pipeline, GST_STATE_NULL);
   while (GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR)) {
-    result.errors.push_back(text_of(message));
+    result.errors.push_back(complaint_of(message));
     gst_message_unref(message);
   }
   gst_object_unref(bus);
   if (handler) g_signal_handler_disconnect(sink, handler);
-  if (sink) gst_object_unref(sink);
 }
 
 }  // namespace
@@ -129,6 +103,24 @@ std::vector<LineResult> run_line_again(const std::string& line, size_t times,
   }
   gst_object_unref(pipeline);
   return results;
+}
+
+void flush(GstHarness* harness) {
+  gst_harness_push_event(harness, gst_event_new_flush_start());
+  gst_harness_push_event(harness, gst_event_new_flush_stop(TRUE));
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  gst_harness_push_event(harness, gst_event_new_segment(&segment));
+}
+
+std::string caps_out_of(GstHarness* harness) {
+  GstCaps* caps = gst_pad_get_current_caps(harness->sinkpad);
+  if (!caps) return "";
+  gchar* text = gst_caps_to_string(caps);
+  std::string result = text;
+  g_free(text);
+  gst_caps_unref(caps);
+  return result;
 }
 
 VideoHarness::VideoHarness(const std::string& line, const std::string& src_caps,
@@ -165,33 +157,34 @@ GstFlowReturn VideoHarness::push(const std::vector<uint8_t>& bytes) {
 }
 
 std::vector<uint8_t> VideoHarness::pull() {
-  GstBuffer* buffer = nullptr;
-  for (int i = 0; i < 6000 && !buffer; ++i) {
-    buffer = gst_harness_try_pull(harness_);
-    if (!buffer) g_usleep(10000);
-  }
-  if (!buffer) return {};
-  auto bytes = bytes_of(buffer);
-  gst_buffer_unref(buffer);
-  return bytes;
+  const Buffer buffer(gst_harness_pull(harness_));  // a minute at most
+  return buffer ? bytes_of(buffer.get()) : std::vector<uint8_t>{};
 }
 
 std::vector<uint8_t> VideoHarness::process(const std::vector<uint8_t>& bytes) {
   return push(bytes) == GST_FLOW_OK ? pull() : std::vector<uint8_t>{};
 }
 
-void VideoHarness::flush() {
-  gst_harness_push_event(harness_, gst_event_new_flush_start());
-  gst_harness_push_event(harness_, gst_event_new_flush_stop(TRUE));
-  GstSegment segment;
-  gst_segment_init(&segment, GST_FORMAT_TIME);
-  gst_harness_push_event(harness_, gst_event_new_segment(&segment));
+std::vector<uint8_t> VideoHarness::process(const std::vector<uint8_t>& bytes, int times) {
+  std::vector<uint8_t> out;
+  for (int i = 0; i < times; ++i) {
+    out = process(bytes);
+    if (!out.empty()) continue;
+    ADD_FAILURE() << "nothing comes out of frame " << i;
+    break;
+  }
+  return out;
+}
+
+Buffer VideoHarness::process_buffer(const std::vector<uint8_t>& bytes) {
+  EXPECT_EQ(push(bytes), GST_FLOW_OK);
+  return Buffer(gst_harness_pull(harness_));
 }
 
 std::vector<std::string> VideoHarness::texts(GstMessageType type) {
   std::vector<std::string> texts;
   while (GstMessage* message = gst_bus_pop_filtered(bus_, type)) {
-    texts.push_back(text_of(message));
+    texts.push_back(complaint_of(message));
     gst_message_unref(message);
   }
   return texts;
@@ -203,22 +196,31 @@ GstElement* VideoHarness::find(const std::string& factory) {
   return found;
 }
 
+GstVideoInfo info_of(const std::string& text) {
+  GstCaps* caps = gst_caps_from_string(text.c_str());
+  GstVideoInfo info;
+  gst_video_info_init(&info);
+  EXPECT_TRUE(gst_video_info_from_caps(&info, caps)) << text;
+  gst_caps_unref(caps);
+  return info;
+}
+
 std::vector<uint8_t> random_frame(const std::string& caps, unsigned seed) {
   std::mt19937 random(seed);
-  std::vector<uint8_t> bytes(frame_size(caps));
+  std::vector<uint8_t> bytes(info_of(caps).size);
   std::generate(bytes.begin(), bytes.end(), [&] { return static_cast<uint8_t>(random()); });
   return bytes;
 }
 
 std::vector<uint8_t> flat_frame(const std::string& caps, uint8_t value) {
-  return std::vector<uint8_t>(frame_size(caps), value);
+  return std::vector<uint8_t>(info_of(caps).size, value);
 }
 
-std::vector<uint8_t> visible(const std::string& text, const std::vector<uint8_t>& frame) {
-  GstCaps* caps = gst_caps_from_string(text.c_str());
-  GstVideoInfo info;
-  gst_video_info_from_caps(&info, caps);
-  gst_caps_unref(caps);
+std::vector<uint8_t> visible(const std::string& caps, const std::vector<uint8_t>& frame) {
+  return visible(info_of(caps), frame);
+}
+
+std::vector<uint8_t> visible(const GstVideoInfo& info, const std::vector<uint8_t>& frame) {
   std::vector<uint8_t> bytes;
   for (guint plane = 0; plane < GST_VIDEO_INFO_N_PLANES(&info) && frame.size() >= info.size;
        ++plane) {
@@ -237,9 +239,9 @@ std::vector<uint8_t> visible(const std::string& text, const std::vector<uint8_t>
 
 int largest_difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
   if (a.size() != b.size()) return 256;
-  int largest = 0;
-  for (size_t i = 0; i < a.size(); ++i) update_max(largest, std::abs(a[i] - b[i]));
-  return largest;
+  return std::transform_reduce(
+      a.begin(), a.end(), b.begin(), 0, [](int x, int y) { return std::max(x, y); },
+      [](uint8_t x, uint8_t y) { return std::abs(x - y); });
 }
 
 namespace {
@@ -278,7 +280,9 @@ NewDevice::~NewDevice() { DeviceHolder::get().hold(true); }
 
 std::vector<Structure> element_messages(GstBus* bus, const std::string& name) {
   std::vector<Structure> found;
-  while (GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ELEMENT)) {
+  while (GstMessage* message = gst_bus_pop_filtered(
+             bus, static_cast<GstMessageType>(GST_MESSAGE_ELEMENT | GST_MESSAGE_ERROR))) {
+    EXPECT_NE(GST_MESSAGE_TYPE(message), GST_MESSAGE_ERROR) << text_of(message);
     const GstStructure* text = gst_message_get_structure(message);
     if (gst_structure_has_name(text, name.c_str()))
       found.emplace_back(gst_structure_copy(text), &gst_structure_free);

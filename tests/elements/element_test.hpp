@@ -15,6 +15,9 @@
 #include <type_traits>
 #include <vector>
 
+#include "tests/expect_error.hpp"
+#include "tests/gstreamer.hpp"
+
 namespace inverse::testing {
 
 /// What became of a launch line: how it ended, what it complained about, and the frames that
@@ -51,6 +54,11 @@ class NewDevice {
   ~NewDevice();
 };
 
+/// Flushes as a seek does: flush-start, flush-stop, a new segment in time.
+void flush(GstHarness* harness);
+/// The caps of what comes out of a harness; empty if there are none.
+std::string caps_out_of(GstHarness* harness);
+
 /// A harness around a piece of a launch line with video caps on both sides.
 class VideoHarness {
  public:
@@ -70,15 +78,22 @@ class VideoHarness {
   /// Pushes a frame and takes what comes out; empty if nothing does within a minute, which is
   /// for machines that do much else, not for what an element may take.
   std::vector<uint8_t> process(const std::vector<uint8_t>& bytes);
+  /// The same so many times, each of which something has to come out; returns the last.
+  std::vector<uint8_t> process(const std::vector<uint8_t>& bytes, int times);
+  /// The same with all that a buffer has; null if nothing comes out.
+  Buffer process_buffer(const std::vector<uint8_t>& bytes);
   std::vector<uint8_t> pull();
   /// Flushes as a seek does: flush-start, flush-stop, a new segment in time.
-  void flush();
+  void flush() { inverse::testing::flush(harness_); }
+  /// Sends an event upstream, as a sink does.
+  void send_upstream(GstEvent* event) { gst_harness_push_upstream_event(harness_, event); }
   /// Texts of errors, or of warnings, posted on the bus so far; all others are gone then.
   std::vector<std::string> errors() { return texts(GST_MESSAGE_ERROR); }
   std::vector<std::string> warnings() { return texts(GST_MESSAGE_WARNING); }
   /// The element of this name or factory inside the line. Borrowed.
   GstElement* find(const std::string& factory);
   GstHarness* harness() { return harness_; }
+  GstBus* bus() { return bus_; }
   void set_src_caps(const std::string& caps);
 
  private:
@@ -89,21 +104,33 @@ class VideoHarness {
   GstClockTime time_ = 0;
 };
 
+/// What caps of raw video say.
+GstVideoInfo info_of(const std::string& caps);
 /// Random bytes of a frame of these caps.
 std::vector<uint8_t> random_frame(const std::string& caps, unsigned seed);
 /// Bytes of a frame of these caps with every byte the same.
 std::vector<uint8_t> flat_frame(const std::string& caps, uint8_t value);
 /// The bytes of a frame that are pixels: without the padding of its rows. Empty where the frame is
 /// too short.
+std::vector<uint8_t> visible(const GstVideoInfo& info, const std::vector<uint8_t>& frame);
 std::vector<uint8_t> visible(const std::string& caps, const std::vector<uint8_t>& frame);
+/// A pixel of a frame of RGBA.
+inline const uint8_t* pixel_at(const std::vector<uint8_t>& frame, int x, int y, int width) {
+  return &frame[4 * (static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x))];
+}
 /// The largest difference between two frames, byte by byte; 256 where their sizes differ.
 int largest_difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b);
 
 template <typename T>
 T property(GstElement* element, const char* name) {
-  T value{};
-  g_object_get(element, name, &value, nullptr);
-  return value;
+  if constexpr (std::is_same_v<T, std::string>) {
+    const std::unique_ptr<gchar, decltype(&g_free)> text(property<gchar*>(element, name), &g_free);
+    return text ? text.get() : "";
+  } else {
+    T value{};
+    g_object_get(element, name, &value, nullptr);
+    return value;
+  }
 }
 
 /// A field of a structure; nothing if it is missing or of another type.
@@ -153,6 +180,7 @@ T stat(GstElement* element, const char* name) {
 
 using Structure = std::unique_ptr<GstStructure, decltype(&gst_structure_free)>;
 /// Element messages of this name posted since the last call, in order; all others are gone then.
+/// An error among them fails the test.
 std::vector<Structure> element_messages(GstBus* bus, const std::string& name);
 
 }  // namespace inverse::testing

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <ImfRgbaFile.h>
+
+#include <string>
 #include <vector>
 
 #include "kernels/environment/environment.hpp"
@@ -18,6 +21,16 @@ inline Environment lamp(size_t reach, float red, float green, float blue) {
       c[2] = blue;
     }
   return Environment({kWidth, kHeight}, rgb);
+}
+
+/// Writes an OpenEXR picture; returns its path.
+inline std::string write_exr(const std::string& path, int width,
+                             const std::vector<Imf::Rgba>& pixels) {
+  const int height = static_cast<int>(pixels.size()) / width;
+  Imf::RgbaOutputFile file(path.c_str(), width, height, Imf::WRITE_RGB);
+  file.setFrameBuffer(pixels.data(), 1, static_cast<size_t>(width));
+  file.writePixels(height);
+  return path;
 }
 
 }  // namespace inverse::testing

@@ -5,19 +5,31 @@
 #include <vector>
 
 #include "gst/base/meta/inverse_layers_meta.h"
+#include "tests/gstreamer.hpp"
 
 namespace inverse::testing {
+
+/// Caps of layers.
+inline constexpr const char* kLayers =
+    "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS "), layers=(string)intrinsic";
 
 /// A layer of a buffer, vec4 pixels; empty if there is none.
 inline std::vector<float> layer_of(GstBuffer* buffer, GstInverseRole role) {
   GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(buffer);
   GBytes* bytes = meta ? meta->download(meta, role) : nullptr;
-  if (!bytes) return {};
-  gsize size = 0;
-  const auto* data = static_cast<const float*>(g_bytes_get_data(bytes, &size));
-  std::vector<float> layer(data, data + size / sizeof(float));
-  g_bytes_unref(bytes);
+  std::vector<float> layer = floats_of(bytes);
+  if (bytes) g_bytes_unref(bytes);
   return layer;
+}
+
+/// Replaces a layer of a buffer; whether that could be done.
+inline bool replace_layer(GstBuffer* buffer, GstInverseRole role,
+                          const std::vector<float>& values) {
+  GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(buffer);
+  GBytes* bytes = g_bytes_new(values.data(), values.size() * sizeof(float));
+  const bool replaced = meta && meta->upload(meta, role, bytes);
+  g_bytes_unref(bytes);
+  return replaced;
 }
 
 }  // namespace inverse::testing

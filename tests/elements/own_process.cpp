@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "element_test.hpp"
+#include "tests/pipeline.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -18,44 +19,32 @@ int launch(const char* line) {
 }
 
 int restart(const std::string& state, const char* line) {
-  GstElement* pipeline = gst_parse_launch(line, nullptr);
-  GstBus* bus = gst_element_get_bus(pipeline);
+  Pipeline pipeline(line);
   for (int time = 0; time < 2; ++time) {
-    gst_element_set_state(pipeline, GST_STATE_PLAYING);
-    GstMessage* message = gst_bus_timed_pop_filtered(
-        bus, GST_CLOCK_TIME_NONE, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
-    printf("%s\n", GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS ? "end" : "error");
-    gst_message_unref(message);
-    gst_element_set_state(pipeline, state == "ready" ? GST_STATE_READY : GST_STATE_NULL);
-    gst_bus_set_flushing(bus, TRUE);
-    gst_bus_set_flushing(bus, FALSE);
+    pipeline.set(GST_STATE_PLAYING);
+    const auto type = pipeline.waited_for(GST_MESSAGE_EOS | GST_MESSAGE_ERROR);
+    printf("%s\n", type == GST_MESSAGE_EOS ? "end" : "error");
+    pipeline.set(state == "ready" ? GST_STATE_READY : GST_STATE_NULL);
+    gst_bus_set_flushing(pipeline.bus(), TRUE);
+    gst_bus_set_flushing(pipeline.bus(), FALSE);
   }
-  gst_element_set_state(pipeline, GST_STATE_NULL);
-  gst_object_unref(bus);
-  gst_object_unref(pipeline);
   return 0;
 }
 
 /// Marks a pixel before there is any frame.
 int mark(const char* line) {
-  GstElement* pipeline = gst_parse_launch(line, nullptr);
-  GstElement* element = gst_bin_get_by_name(GST_BIN(pipeline), "marked");
-  g_signal_emit_by_name(element, "mark", 3, 3);
-  gst_object_unref(element);
-  GstBus* bus = gst_element_get_bus(pipeline);
-  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  Pipeline pipeline(line);
+  g_signal_emit_by_name(pipeline.find("marked"), "mark", 3, 3);
+  pipeline.set(GST_STATE_PLAYING);
   for (bool ended = false; !ended;) {
     GstMessage* message = gst_bus_timed_pop_filtered(
-        bus, GST_CLOCK_TIME_NONE,
+        pipeline.bus(), GST_CLOCK_TIME_NONE,
         static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR | GST_MESSAGE_ELEMENT));
     ended = GST_MESSAGE_TYPE(message) != GST_MESSAGE_ELEMENT;
     printf("%s\n", ended ? GST_MESSAGE_TYPE_NAME(message)
                          : gst_structure_get_name(gst_message_get_structure(message)));
     gst_message_unref(message);
   }
-  gst_element_set_state(pipeline, GST_STATE_NULL);
-  gst_object_unref(bus);
-  gst_object_unref(pipeline);
   return 0;
 }
 

@@ -22,10 +22,9 @@ TEST_F(Capture, EveryLightIsWritten) {
 }
 
 TEST_F(Capture, MissingInputIsAnError) {
-  EXPECT_EQ(run("static-capture", {"/no/such/program.json", file("set")}), 1);
-  EXPECT_NE(output_.find("there is no light program"), std::string::npos) << output_;
-  EXPECT_EQ(run("static-capture", {"static:4", "/proc/nowhere"}), 1);
-  EXPECT_NE(output_.find("/proc/nowhere"), std::string::npos) << output_;
+  expect_failure("static-capture", {"/no/such/program.json", file("set")},
+                 "there is no light program");
+  expect_failure("static-capture", {"static:4", "/proc/nowhere"}, "/proc/nowhere");
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <fstream>
 
 #include "pipeline_test.hpp"
-#include "tests/expect_error.hpp"
 #include "tests/has_networks.hpp"
 
 namespace inverse::testing {
@@ -56,10 +55,6 @@ void make_ball(const std::string& folder, const std::string& path) {
                        "end-usage=cq target-bitrate=8000000 ! matroskamux");
 }
 
-bool has(const std::string& element) {
-  return system(("gst-inspect-1.0 --exists --atleast-version=0.0.0 " + element).c_str()) == 0;
-}
-
 class Files : public PipelineTest {
  protected:
   void expect_same_sound(const std::string& encoder) {
@@ -97,8 +92,7 @@ TEST_F(Files, NamesWithSpacesAndSigns) {
 }
 
 TEST_F(Files, MissingAndDamagedFilesFail) {
-  EXPECT_EQ(run("file-to-file", {file("none.mkv"), file("out.mkv")}), 1);
-  expect_contains(output_, "there is no file");
+  expect_failure("file-to-file", {file("none.mkv"), file("out.mkv")}, "there is no file");
   std::ofstream(file("broken.mkv")) << "this is no video";
   EXPECT_NE(run("file-to-file", {file("broken.mkv"), file("out.mkv")}), 0);
   expect_contains(output_, "ERROR");
@@ -134,7 +128,7 @@ TEST_F(Files, HighlightsOfAFile) {
 
 TEST_F(Files, CloneDrawsAnObjectOfTheMaterialThatIsSeen) {
   if (!has_networks()) GTEST_SKIP() << "built without inverse-onnx-import";
-  if (!has("materialclone")) GTEST_SKIP() << "built without Assimp or OpenEXR";
+  if (!has_element("materialclone")) GTEST_SKIP() << "built without Assimp or OpenEXR";
   make_ball(file(""), file("in.mkv"));
   ASSERT_EQ(run("clone", {file("in.mkv")}, {{"SINK", raw_file(file("out.mkv"))}}), 0) << output_;
   EXPECT_EQ(output_.find("WARNING"), std::string::npos) << output_;
@@ -148,9 +142,9 @@ TEST_F(Files, CloneDrawsAnObjectOfTheMaterialThatIsSeen) {
 }
 
 TEST_F(Files, CloneReportsWhatIsMissing) {
-  if (!has("materialclone")) GTEST_SKIP() << "built without Assimp or OpenEXR";
-  EXPECT_EQ(run("clone", {"/dev/video97"}, {{"SINK", "fakesink"}}), 1);
-  expect_contains(output_, "there is no camera /dev/video97");
+  if (!has_element("materialclone")) GTEST_SKIP() << "built without Assimp or OpenEXR";
+  expect_failure("clone", {"/dev/video97"}, "there is no camera /dev/video97",
+                 {{"SINK", "fakesink"}});
   make_silent_clip(file("in.mkv"));
   EXPECT_EQ(run("clone", {file("in.mkv"), file("none.obj")}, {{"SINK", "fakesink"}}), 1);
   expect_contains(output_, "there is no mesh");
@@ -205,8 +199,7 @@ TEST_F(Files, BatchResumesAndReportsFailures) {
 
 TEST_F(Files, BatchWithoutVideosFails) {
   std::filesystem::create_directories(file("empty"));
-  EXPECT_EQ(run("batch", {file("empty")}), 1);
-  expect_contains(output_, "no videos");
+  expect_failure("batch", {file("empty")}, "no videos");
 }
 
 }  // namespace

@@ -8,6 +8,8 @@
 #include <cstring>
 #include <mutex>
 
+#include "tests/gstreamer.hpp"
+
 namespace inverse::testing {
 namespace {
 
@@ -53,13 +55,10 @@ GstFlowReturn on_frame(GstAppSink* sink, Reader* reader) {
 
 GstFlowReturn on_packet(GstAppSink* sink, Reader* reader) {
   GstSample* sample = gst_app_sink_pull_sample(sink);
-  GstBuffer* buffer = gst_sample_get_buffer(sample);
-  std::vector<uint8_t> bytes(gst_buffer_get_size(buffer));
-  gst_buffer_extract(buffer, 0, bytes.data(), bytes.size());
   {
     std::lock_guard lock(reader->mutex);
     const auto index = GPOINTER_TO_UINT(g_object_get_data(G_OBJECT(sink), "inverse-index"));
-    reader->media.sounds[index].packets.push_back(std::move(bytes));
+    reader->media.sounds[index].packets.push_back(bytes_of(gst_sample_get_buffer(sample)));
   }
   gst_sample_unref(sample);
   return GST_FLOW_OK;
@@ -72,7 +71,7 @@ void on_pad(GstElement*, GstPad* pad, Reader* reader) {
       video ? "videoconvert ! video/x-raw,format=RGB ! appsink name=out"
             : "queue ! appsink name=out",
       TRUE, nullptr);
-  GstElement* sink = gst_bin_get_by_name(GST_BIN(branch), "out");
+  GstElement* sink = find_element(branch, "out");
   g_object_set(sink, "sync", FALSE, "emit-signals", TRUE, nullptr);
   if (!video) {
     std::lock_guard lock(reader->mutex);
@@ -84,7 +83,6 @@ void on_pad(GstElement*, GstPad* pad, Reader* reader) {
   }
   g_signal_connect(sink, "new-sample", video ? G_CALLBACK(on_frame) : G_CALLBACK(on_packet),
                    reader);
-  gst_object_unref(sink);
   gst_caps_unref(caps);
   gst_bin_add(GST_BIN(reader->pipeline), branch);
   GstPad* in = gst_element_get_static_pad(branch, "sink");
@@ -95,19 +93,11 @@ void on_pad(GstElement*, GstPad* pad, Reader* reader) {
 
 /// Plays a pipeline to its end; returns the error text, empty on success.
 std::string play(GstElement* pipeline, unsigned seconds) {
-  std::string error_text;
   GstBus* bus = gst_element_get_bus(pipeline);
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
   GstMessage* message = gst_bus_timed_pop_filtered(
       bus, seconds * GST_SECOND, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
-  if (!message) {
-    error_text = "did not end";
-  } else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR) {
-    GError* error = nullptr;
-    gst_message_parse_error(message, &error, nullptr);
-    error_text = error->message;
-    g_error_free(error);
-  }
+  std::string error_text = message ? text_of(message) : "did not end";
   if (message) gst_message_unref(message);
   gst_element_set_state(pipeline, GST_STATE_NULL);
   gst_object_unref(bus);
@@ -182,9 +172,7 @@ void make_media(const std::string& path, const std::string& line) {
   GError* error = nullptr;
   GstElement* pipeline = gst_parse_launch((line + " ! filesink name=file").c_str(), &error);
   ASSERT_FALSE(error) << line << ": " << error->message;
-  GstElement* sink = gst_bin_get_by_name(GST_BIN(pipeline), "file");
-  g_object_set(sink, "location", path.c_str(), nullptr);
-  gst_object_unref(sink);
+  g_object_set(find_element(pipeline, "file"), "location", path.c_str(), nullptr);
   EXPECT_EQ(play(pipeline, 60), "") << line;
   gst_object_unref(pipeline);
 }

@@ -25,6 +25,12 @@ int PipelineTest::run(const std::string& name, const std::vector<std::string>& w
   return status;
 }
 
+void PipelineTest::expect_failure(const std::string& name, const std::vector<std::string>& words,
+                                  const std::string& text, const Process::Environment& more) {
+  EXPECT_EQ(run(name, words, more), 1);
+  expect_contains(output_, text);
+}
+
 void PipelineTest::end_when_grown(Process& line, const std::string& path, uintmax_t bytes,
                                   Process* peer) {
   for (int i = 0; i < 1200; ++i) {  // two minutes

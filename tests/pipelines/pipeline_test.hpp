@@ -7,6 +7,8 @@
 
 #include "media.hpp"
 #include "process.hpp"
+#include "tests/expect_error.hpp"
+#include "tests/has_element.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
@@ -21,6 +23,9 @@ class PipelineTest : public ::testing::Test {
   /// Runs a script to its end and returns its exit status; fails the test after a timeout.
   int run(const std::string& name, const std::vector<std::string>& words,
           const Process::Environment& more = {}, double seconds = 120);
+  /// Expects that a script ends with status 1 and says `text`.
+  void expect_failure(const std::string& name, const std::vector<std::string>& words,
+                      const std::string& text, const Process::Environment& more = {});
   /// Runs an endless pipeline until `path` has this many bytes, then ends it as Ctrl-C does. (The
   /// number of dropped live frames depends on the machine's load.) Fails the test if the pipeline
   /// or the sending `peer` ends before that.

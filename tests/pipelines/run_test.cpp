@@ -3,7 +3,6 @@
 #include <fstream>
 
 #include "pipeline_test.hpp"
-#include "tests/expect_error.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -20,6 +19,14 @@ class Run : public PipelineTest {
     EXPECT_EQ(run_it({input}), 1) << input;
     expect_contains(output_, text);
     EXPECT_FALSE(std::filesystem::exists(file("out/decomposition.mkv"))) << input;
+  }
+  /// A file of so many small frames of a pattern.
+  std::string clip(int frames, const std::string& pattern = "smpte") {
+    make_media(file("in.mkv"),
+               "videotestsrc num-buffers=" + std::to_string(frames) + " pattern=" + pattern +
+                   " ! video/x-raw,width=160,height=120,framerate=10/1 ! vp8enc deadline=1 ! "
+                   "matroskamux");
+    return file("in.mkv");
   }
 };
 
@@ -77,10 +84,7 @@ TEST_F(Run, RepaintsAColorThatStandsOut) {
 }
 
 TEST_F(Run, PaintsEverySurfaceWhereNoColorStandsOut) {
-  make_media(file("in.mkv"),
-             "videotestsrc num-buffers=8 pattern=gradient ! "
-             "video/x-raw,width=160,height=120,framerate=10/1 ! vp8enc deadline=1 ! matroskamux");
-  ASSERT_EQ(run_it({file("in.mkv")}), 0) << output_;
+  ASSERT_EQ(run_it({clip(8, "gradient")}), 0) << output_;
   expect_contains(output_, "no color stands out");
   const Media movie = read_media(file("out/decomposition.mkv"));
   ASSERT_EQ(movie.frames.size(), 8u);
@@ -90,11 +94,7 @@ TEST_F(Run, PaintsEverySurfaceWhereNoColorStandsOut) {
 }
 
 TEST_F(Run, ElementsTakeThePlaceOfTheChain) {
-  make_media(file("in.mkv"),
-             "videotestsrc num-buffers=30 ! video/x-raw,width=160,height=120,framerate=10/1 ! "
-             "vp8enc deadline=1 ! matroskamux");
-  ASSERT_EQ(run_it({file("in.mkv"), "--", "intrinsicdecomp", "show=shading", "!", "videoconvert"}),
-            0)
+  ASSERT_EQ(run_it({clip(30), "--", "intrinsicdecomp", "show=shading", "!", "videoconvert"}), 0)
       << output_;
   const Media movie = read_media(file("out/decomposition.mkv"));
   ASSERT_EQ(movie.frames.size(), 30u);
@@ -133,15 +133,14 @@ TEST_F(Run, UnreadableInputsAreErrors) {
 }
 
 TEST_F(Run, ElementsThatDoNotFitAreErrors) {
-  make_media(file("in.mkv"),
-             "videotestsrc num-buffers=5 ! video/x-raw,width=160,height=120 ! vp8enc deadline=1 ! "
-             "matroskamux");
-  EXPECT_EQ(run_it({file("in.mkv"), "--", "nosuchelement"}), 1);
-  expect_contains(output_, "no element \"nosuchelement\"");
-  EXPECT_EQ(run_it({file("in.mkv"), "--", "intrinsicdecomp ! fakesink"}), 1);
-  expect_contains(output_, "must take video at its beginning");
-  EXPECT_EQ(run_it({file("in.mkv"), "--", "intrinsicrecolor ! intrinsiccompose"}), 1);
-  expect_contains(output_, "insert intrinsicdecomp");
+  const std::string in = clip(5);
+  for (const auto& [elements, text] :
+       {std::pair{"nosuchelement", "no element \"nosuchelement\""},
+        {"intrinsicdecomp ! fakesink", "must take video at its beginning"},
+        {"intrinsicrecolor ! intrinsiccompose", "insert intrinsicdecomp"}}) {
+    EXPECT_EQ(run_it({in, "--", elements}), 1);
+    expect_contains(output_, text);
+  }
 }
 
 TEST_F(Run, WindowWhereThereIsADisplay) {
@@ -158,20 +157,14 @@ TEST_F(Run, WindowWhereThereIsADisplay) {
   }
   number = number.substr(0, number.find('\n'));
   ASSERT_FALSE(number.empty()) << display.output();
-  make_media(file("in.mkv"),
-             "videotestsrc num-buffers=10 ! video/x-raw,width=160,height=120,framerate=10/1 ! "
-             "vp8enc deadline=1 ! matroskamux");
-  EXPECT_EQ(run_it({"--window", file("in.mkv")}, {{"DISPLAY", ":" + number}}), 0) << output_;
+  EXPECT_EQ(run_it({"--window", clip(10)}, {{"DISPLAY", ":" + number}}), 0) << output_;
   expect_contains(output_, "showing");
   expect_contains(output_, " frames");
   EXPECT_FALSE(std::filesystem::exists(file("out"))) << "files beside a window";
 }
 
 TEST_F(Run, NoWindowWhereNoDisplayAnswers) {
-  make_media(file("in.mkv"),
-             "videotestsrc num-buffers=5 ! video/x-raw,width=160,height=120 ! vp8enc deadline=1 ! "
-             "matroskamux");
-  EXPECT_EQ(run_it({"--window", file("in.mkv")}, {{"DISPLAY", ":97"}}), 1);
+  EXPECT_EQ(run_it({"--window", clip(5)}, {{"DISPLAY", ":97"}}), 1);
   expect_contains(output_, "no window can be shown");
   EXPECT_EQ(run_it({file("in.mkv")}, {{"DISPLAY", ":97"}}), 0) << output_;
   EXPECT_TRUE(std::filesystem::exists(file("out/decomposition.mkv")));

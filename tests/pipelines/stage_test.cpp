@@ -45,12 +45,10 @@ TEST_F(Stage, APerformanceIsRelit) {
 }
 
 TEST_F(Stage, MissingInputIsAnError) {
-  EXPECT_EQ(run("relight", {"/no/such/map.hdr"}), 1);
-  EXPECT_NE(output_.find("there is no environment map"), std::string::npos) << output_;
-  EXPECT_EQ(run("virtual-stage", {"/no/such/program.json", file("out.mkv")}), 1);
-  EXPECT_NE(output_.find("there is no light program"), std::string::npos) << output_;
-  EXPECT_EQ(run("virtual-stage", {"static:4", "/no/such/folder/out.mkv"}), 1);
-  EXPECT_NE(output_.find("there is no folder"), std::string::npos) << output_;
+  expect_failure("relight", {"/no/such/map.hdr"}, "there is no environment map");
+  expect_failure("virtual-stage", {"/no/such/program.json", file("out.mkv")},
+                 "there is no light program");
+  expect_failure("virtual-stage", {"static:4", "/no/such/folder/out.mkv"}, "there is no folder");
 }
 
 }  // namespace

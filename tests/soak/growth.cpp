@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "growth.hpp"
 
-#include <dirent.h>
 #include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <thread>
@@ -18,12 +18,8 @@ namespace {
 constexpr double kMib = 1024 * 1024;
 
 double entries(const char* folder) {
-  double count = 0;
-  DIR* directory = opendir(folder);
-  if (!directory) return 0;
-  while (const dirent* entry = readdir(directory)) count += entry->d_name[0] != '.';
-  closedir(directory);
-  return count;
+  const std::filesystem::directory_iterator files(folder);
+  return static_cast<double>(std::distance(begin(files), end(files)));
 }
 
 double median(std::vector<double> values) {

@@ -8,6 +8,8 @@
 #include <string>
 #include <thread>
 
+#include "tests/gstreamer.hpp"
+
 namespace inverse::soak {
 
 using Clock = std::chrono::steady_clock;
@@ -25,25 +27,23 @@ class Line {
       g_error_free(error);
       throw std::runtime_error(text + ": " + reason);
     }
-    decomposer_ = gst_bin_get_by_name(GST_BIN(pipeline_), "decomposer");
+    decomposer_ = find("decomposer");
     bus_ = gst_element_get_bus(pipeline_);
     GstElement* sink = find("sink");
     if (g_signal_lookup("handoff", G_OBJECT_TYPE(sink)))
       g_signal_connect(
           sink, "handoff",
           G_CALLBACK(+[](GstElement*, GstBuffer*, GstPad*, Line* self) { ++self->frames_; }), this);
-    gst_object_unref(sink);
   }
   Line(const Line&) = delete;
   Line& operator=(const Line&) = delete;
   ~Line() {
     gst_element_set_state(pipeline_, GST_STATE_NULL);
     gst_object_unref(bus_);
-    gst_object_unref(decomposer_);
     gst_object_unref(pipeline_);
   }
 
-  GstElement* find(const char* name) const { return gst_bin_get_by_name(GST_BIN(pipeline_), name); }
+  GstElement* find(const char* name) const { return testing::find_element(pipeline_, name); }
   unsigned frames() const { return frames_; }
 
   void set_state(GstState state) {
@@ -105,12 +105,8 @@ class Line {
 
  private:
   static std::string text_of(GstMessage* message) {
-    GError* error = nullptr;
-    gst_message_parse_error(message, &error, nullptr);
-    std::string text =
-        std::string(GST_OBJECT_NAME(GST_MESSAGE_SRC(message))) + ": " + error->message;
-    g_error_free(error);
-    return text;
+    return std::string(GST_OBJECT_NAME(GST_MESSAGE_SRC(message))) + ": " +
+           testing::text_of(message);
   }
 
   GstElement* pipeline_ = nullptr;

@@ -43,50 +43,40 @@ uint8_t painted(unsigned x, unsigned y, unsigned channel, unsigned seed, unsigne
 }
 
 Frame frame_of(Scene scene, unsigned number, unsigned seed, std::mt19937& random) {
+  const auto value = [&](unsigned x, unsigned y, unsigned c) -> unsigned {
+    switch (scene) {
+      case Scene::white:
+        return 255;
+      case Scene::one_color:
+        return seed >> (8 * c);
+      case Scene::noise:
+        return static_cast<unsigned>(random());
+      case Scene::faint_noise:
+        return static_cast<unsigned>(random() % 2);
+      case Scene::checkerboard:
+        return (x + y + number) % 2 ? 255 : 0;
+      case Scene::half_black:
+        return 2 * x < kWidth ? 0 : 255;
+      case Scene::flashing:
+        return number % 2 ? 255 : 0;
+      case Scene::picture:
+        return painted(x, y, c, seed, 0);
+      case Scene::dimmed_picture:
+        return painted(x, y, c, seed, 0) >> (number % 8);
+      case Scene::moving_picture:
+        return painted(x, y, c, seed, 3 * number);
+      case Scene::black:
+      case Scene::hot_pixel:
+      case Scene::kinds:
+        return 0;
+    }
+    return 0;
+  };
   Frame frame(4 * kWidth * kHeight, 255);
   for (unsigned y = 0; y < kHeight; ++y)
     for (unsigned x = 0; x < kWidth; ++x)
-      for (unsigned c = 0; c < 3; ++c) {
-        uint8_t& v = frame[4 * (y * kWidth + x) + c];
-        switch (scene) {
-          case Scene::black:
-          case Scene::hot_pixel:
-            v = 0;
-            break;
-          case Scene::white:
-            v = 255;
-            break;
-          case Scene::one_color:
-            v = static_cast<uint8_t>(seed >> (8 * c));
-            break;
-          case Scene::noise:
-            v = static_cast<uint8_t>(random());
-            break;
-          case Scene::faint_noise:
-            v = static_cast<uint8_t>(random() % 2);
-            break;
-          case Scene::checkerboard:
-            v = (x + y + number) % 2 ? 255 : 0;
-            break;
-          case Scene::half_black:
-            v = 2 * x < kWidth ? 0 : 255;
-            break;
-          case Scene::flashing:
-            v = number % 2 ? 255 : 0;
-            break;
-          case Scene::picture:
-            v = painted(x, y, c, seed, 0);
-            break;
-          case Scene::dimmed_picture:
-            v = painted(x, y, c, seed, 0) >> (number % 8);
-            break;
-          case Scene::moving_picture:
-            v = painted(x, y, c, seed, 3 * number);
-            break;
-          case Scene::kinds:
-            break;
-        }
-      }
+      for (unsigned c = 0; c < 3; ++c)
+        frame[4 * (y * kWidth + x) + c] = static_cast<uint8_t>(value(x, y, c));
   if (scene == Scene::hot_pixel) std::fill_n(&frame[4 * (seed % (kWidth * kHeight))], 3, 255);
   return frame;
 }
@@ -103,13 +93,11 @@ void push(GstElement* source, const Frame& frame, unsigned number) {
 int next_difference(GstElement* sink, const Frame& expected) {
   GstSample* sample = gst_app_sink_try_pull_sample(GST_APP_SINK(sink), 60 * GST_SECOND);
   if (!sample) throw std::runtime_error("no frame for a minute");
-  GstMapInfo map;
-  gst_buffer_map(gst_sample_get_buffer(sample), &map, GST_MAP_READ);
-  int largest = map.size == expected.size() ? 0 : 256;
-  for (size_t i = 0; largest < 256 && i < map.size; ++i)
-    largest = std::max(largest, std::abs(int{map.data[i]} - int{expected[i]}));
-  gst_buffer_unmap(gst_sample_get_buffer(sample), &map);
+  const Frame frame = testing::bytes_of(gst_sample_get_buffer(sample));
   gst_sample_unref(sample);
+  int largest = frame.size() == expected.size() ? 0 : 256;
+  for (size_t i = 0; largest < 256 && i < frame.size(); ++i)
+    largest = std::max(largest, std::abs(int{frame[i]} - int{expected[i]}));
   return largest;
 }
 
@@ -148,8 +136,6 @@ Growth soak_scenes(const std::string& decomposer, unsigned frames, const Slack& 
     if (number % every == every - 1) growth.sample_now(line.device_bytes());
   }
   fprintf(stderr, "%-12s %6u frames came back as they were\n", "scenes", frames);
-  gst_object_unref(source);
-  gst_object_unref(sink);
   return growth;
 }
 

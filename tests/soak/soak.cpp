@@ -16,6 +16,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <map>
 #include <random>
 #include <stdexcept>
 #include <string>
@@ -108,7 +109,6 @@ Growth soak_caps(const Plan& plan) {
     growth.sample_now(line.device_bytes());
     if ((change + 1) % 40 == 0) progress("caps", change + 1, plan.caps_changes, growth.last());
   }
-  gst_object_unref(source);
   return growth;
 }
 
@@ -180,6 +180,11 @@ Plan of_relighting(const char* model) {
 }
 
 std::vector<Plan> parse(int count, char** words) {
+  static const std::map<std::string, unsigned Plan::*> kCounts{
+      {"--frames", &Plan::frames},
+      {"--caps-changes", &Plan::caps_changes},
+      {"--cycles", &Plan::cycles},
+      {"--scenes", &Plan::scenes}};
   Plan plan;
   bool others = true;
   for (int i = 1; i < count; ++i) {
@@ -203,14 +208,8 @@ std::vector<Plan> parse(int count, char** words) {
       others = false;
     } else if (word == "--device-slack" && more) {
       plan.slack.device_mib = number(words[++i]);
-    } else if (word == "--frames" && more) {
-      plan.frames = number(words[++i]);
-    } else if (word == "--caps-changes" && more) {
-      plan.caps_changes = number(words[++i]);
-    } else if (word == "--cycles" && more) {
-      plan.cycles = number(words[++i]);
-    } else if (word == "--scenes" && more) {
-      plan.scenes = number(words[++i]);
+    } else if (const auto named = kCounts.find(word); named != kCounts.end() && more) {
+      plan.*named->second = number(words[++i]);
     } else {
       throw std::runtime_error(
           "soak [--quick] [--decomposer FACTORY] [--frames N] [--caps-changes N] [--cycles N] "

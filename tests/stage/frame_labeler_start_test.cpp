@@ -23,7 +23,7 @@ class MarkerInEveryPass : public ByHand {
 
 TEST_F(MarkerInEveryPass, AfterDarknessTheCountGoesOn) {
   play(-20, 220);
-  for (int64_t n = 220; n < 230; ++n) push(static_cast<double>(n), picture(-1));
+  play_dark(220, 230);
   ASSERT_FALSE(labeler_.anchored());
   play(230, 400);
   for (uint64_t token = 20; token < tokens_; ++token)
@@ -38,17 +38,15 @@ TEST_F(MarkerInEveryPass, AfterDarknessTheCountGoesOn) {
 
 TEST_F(MarkerInEveryPass, AProgramThatIsStartedAgainElsewhereCountsFromItsStart) {
   play(-20, 120);
-  for (int64_t n = -20; n < 60; ++n) push(static_cast<double>(n + 140), picture(n));
-  EXPECT_EQ(labels_.back().fate, Fate::labeled);
-  EXPECT_EQ(labels_.back().trigger, 59U);
+  play_at(140, -20, 60);
+  expect_last(59U);
 }
 
 TEST_F(MarkerInEveryPass, ACameraThatComesLateCountsAsOthersDo) {
   // Another camera's frames are stamped a quarter of a pass earlier.
   running_ = FrameLabeler::Running{at(500 - 10.7), 500, 7, false};
   play(500, 640);
-  ASSERT_EQ(labels_.back().fate, Fate::labeled);
-  EXPECT_EQ(labels_.back().trigger, 639U);
+  expect_last(639U);
   EXPECT_EQ(labels_.back().position.pass, 14U);
   EXPECT_EQ(labels_.back().start.run, 7U);
   EXPECT_FALSE(labels_.back().start.apart);
@@ -57,8 +55,7 @@ TEST_F(MarkerInEveryPass, ACameraThatComesLateCountsAsOthersDo) {
 TEST_F(MarkerInEveryPass, ACameraThatComesLateAndHasOtherTimesCountsAlone) {
   running_ = FrameLabeler::Running{at(500 - 21), 500, 7, false};
   play(500, 640);
-  ASSERT_EQ(labels_.back().fate, Fate::labeled);
-  EXPECT_EQ(labels_.back().trigger, 639U - 43 * 12);
+  expect_last(639U - 43 * 12);
   EXPECT_FALSE(labels_.back().start.run);
   EXPECT_TRUE(labels_.back().start.apart);
 }
@@ -68,9 +65,8 @@ TEST_F(MarkerInEveryPass, ACameraThatSeesANewStartFirstDropsTheOldOne) {
   EXPECT_EQ(labels_[tokens_ - 1].start.number, 1U);
   running_ = FrameLabeler::Running{at(120), 120, 7, true};
   // Near to where a pass would have begun.
-  for (int64_t n = -9; n < 60; ++n) push(static_cast<double>(n + 132), picture(n));
-  EXPECT_EQ(labels_.back().fate, Fate::labeled);
-  EXPECT_EQ(labels_.back().trigger, 59U);
+  play_at(132, -9, 60);
+  expect_last(59U);
   EXPECT_EQ(labels_.back().start.number, 2U);
   EXPECT_FALSE(labels_.back().start.run);
 }
@@ -78,7 +74,7 @@ TEST_F(MarkerInEveryPass, ACameraThatSeesANewStartFirstDropsTheOldOne) {
 TEST_F(MarkerInEveryPass, ACameraThatSeesANewStartLateCountsAsOthersDo) {
   play(-20, 120);
   running_ = FrameLabeler::Running{at(160), 20, 8, false};
-  for (int64_t n = -20; n < 60; ++n) push(static_cast<double>(n + 140), picture(n));
+  play_at(140, -20, 60);
   EXPECT_EQ(labels_.back().trigger, 59U);
   EXPECT_EQ(labels_.back().start.run, 8U);
 }
@@ -97,12 +93,12 @@ class Unmarked : public ByHand {
 TEST_F(Unmarked, AClockThatJumpsEndsTheLabels) {
   play(0, 30);
   const uint64_t first = tokens_;
-  for (int64_t n = 30; n < 80; ++n) push(static_cast<double>(n) + 500.5, picture(n));
+  play_at(500.5, 30, 80);
   for (uint64_t token = first; token < tokens_; ++token)
     if (fate(token) == Fate::labeled) {
       EXPECT_EQ(labels_[token].trigger, 530 + token - first);
     }
-  for (int64_t n = 80; n < 160; ++n) push(static_cast<double>(n) - 2000.5, picture(n));
+  play_at(-2000.5, 80, 160);
   EXPECT_FALSE(labeler_.anchored());
   EXPECT_EQ(labels_.back().fate, Fate::before_marker);
   EXPECT_EQ(labeler_.counts().resynchronizations, 1U);

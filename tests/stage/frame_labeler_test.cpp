@@ -55,9 +55,7 @@ TEST_P(Programs, TenThousandFramesByIds) {
     camera.id_bits = seed % 3 == 0 ? 16 : seed % 3 == 1 ? 64 : 32;
     camera.first_id = camera.id_bits == 16 ? 65400 : ~uint64_t{0} - 3000;
     camera.ids_skip_zero = seed % 2;
-    FrameLabeler::Params params;
-    params.id_bits = camera.id_bits;
-    const auto result = simulate(lights, camera, params);
+    const auto result = simulate(lights, camera, {.id_bits = camera.id_bits});
     expect_all_right(result, "seed " + std::to_string(seed));
     // Single lights behind the last tracking frame are not confirmed.
     const uint64_t open = GetParam() == 1 ? 12 : 0;
@@ -69,11 +67,8 @@ TEST(Labeling, OneProgramWhoseFullFrameIsLost) {
   const LightProgram lights = performance(some_lights());
   uint64_t found = 0;
   for (uint64_t seed = 1; seed <= 20; ++seed) {
-    CameraSimulation camera;
-    camera.seed = seed;
-    camera.frames = 500;
-    camera.full_frame_lost = true;
-    const auto result = simulate(lights, camera, {});
+    const auto result =
+        simulate(lights, {.frames = 500, .full_frame_lost = true, .seed = seed}, {});
     EXPECT_EQ(result.mislabeled, 0U) << seed;
     EXPECT_LE(result.ambiguous, result.counts.markers ? 12U : 500U) << seed;
     found += result.counts.markers;
@@ -85,13 +80,10 @@ TEST(Labeling, SingleLightsWhoseFullFrameIsLost) {
   const LightProgram lights = static_capture(some_lights(331));
   uint64_t found = 0;
   for (uint64_t seed = 1; seed <= 40; ++seed) {
-    CameraSimulation camera;
-    camera.seed = seed;
-    camera.frames = *lights.triggers();
-    camera.full_frame_lost = true;
-    const auto result = simulate(lights, camera, {});
+    const auto result =
+        simulate(lights, {.frames = *lights.triggers(), .full_frame_lost = true, .seed = seed}, {});
     EXPECT_EQ(result.mislabeled, 0U) << seed;
-    EXPECT_LE(result.ambiguous, result.counts.markers ? 3U : camera.frames) << seed;
+    EXPECT_LE(result.ambiguous, result.counts.markers ? 3U : *lights.triggers()) << seed;
     found += result.counts.markers;
   }
   EXPECT_GE(found, 34U);  // one of the deciding frames may be lost, too
@@ -159,11 +151,9 @@ TEST_F(ByHand, AGapIsCountedAndBridged) {
 
 TEST_F(ByHand, AProgramThatIsStartedAgainIsFollowed) {
   play(-20, 101);
-  const auto shift = [&](int64_t n) { push(static_cast<double>(n + 130), picture(n)); };
-  for (int64_t n = -20; n < 40; ++n) shift(n);
+  play_at(130, -20, 40);
   EXPECT_TRUE(labeler_.anchored());
-  EXPECT_EQ(labels_.back().fate, Fate::labeled);
-  EXPECT_EQ(labels_.back().trigger, 39U);
+  expect_last(39U);
   EXPECT_EQ(labeler_.counts().markers, 2U);
   EXPECT_EQ(labeler_.counts().resynchronizations, 1U);
 }
@@ -172,8 +162,7 @@ TEST_F(ByHand, LightsThatSlipByAStepAreNotFollowedBlindly) {
   play(-20, 100);
   const uint64_t first = tokens_;
   for (int64_t n = 100; n < 160; ++n) push(static_cast<double>(n), picture(n + 1));
-  for (uint64_t token = first; token < tokens_; ++token)
-    EXPECT_NE(fate(token), Fate::labeled) << token - first;
+  expect_none_labeled(first);
   EXPECT_FALSE(labeler_.anchored());
 }
 
@@ -193,7 +182,7 @@ TEST_F(ByHand, PicturesInAnotherFrameGoOnWithTheCount) {
     const uint64_t first = tokens_;
     const auto from = static_cast<int64_t>(labels_.back().trigger) + 1;
     collect(labeler_.new_framing());
-    for (int64_t n = from; n < from + 50; ++n) push(static_cast<double>(n), scaled(n, scale));
+    play_scaled(from, from + 50, scale);
     for (uint64_t token = first; token < tokens_; ++token)
       EXPECT_EQ(fate(token), Fate::labeled) << scale << ": " << token - first;
   }
@@ -204,21 +193,20 @@ TEST_F(ByHand, LightsThatSlipWhileTheFrameChangesAreNotFollowed) {
   play(-20, 100);
   collect(labeler_.new_framing());
   const uint64_t first = tokens_;
-  for (int64_t n = 100; n < 160; ++n) push(static_cast<double>(n), scaled(n + 1, 3));
-  for (uint64_t token = first + 2; token < tokens_; ++token)
-    EXPECT_NE(fate(token), Fate::labeled) << token - first;
+  play_scaled(100, 160, 3, 1);
+  expect_none_labeled(first + 2);
   EXPECT_FALSE(labeler_.anchored());
 }
 
 TEST_F(ByHand, LightsThatStopWhileTheFrameChangesAreNotFollowed) {
   play(-20, 100);
   collect(labeler_.new_framing());
-  for (int64_t n = 100; n < 160; ++n) push(static_cast<double>(n), scaled(n, 0.02));
+  play_scaled(100, 160, 0.02);
   EXPECT_FALSE(labeler_.anchored());
 }
 
 TEST_F(ByHand, AMarkerIsFoundAfterFramesOfAnotherSize) {
-  for (int64_t n = -20; n < 2; ++n) push(static_cast<double>(n), scaled(n, 0.1));
+  play_scaled(-20, 2, 0.1);
   collect(labeler_.new_framing());
   for (int64_t n = -18; n < 40; ++n) push(static_cast<double>(n + 20), scaled(n, 1));
   EXPECT_TRUE(labeler_.anchored());
@@ -275,7 +263,7 @@ TEST_F(SingleLights, InAnotherFrameAreConfirmedByTheNextTrackingFrame) {
   play(-20, 30);
   collect(labeler_.new_framing());
   EXPECT_EQ(labels_.size(), 20U + 30) << "what waited is reported";
-  for (int64_t n = 30; n < 100; ++n) push(static_cast<double>(n), scaled(n, 0.4));
+  play_scaled(30, 100, 0.4);
   for (uint64_t token = 50; token < labels_.size(); ++token) {
     EXPECT_EQ(fate(token), Fate::labeled) << token;
     EXPECT_EQ(labels_[token].trigger, token - 20);
@@ -287,7 +275,7 @@ TEST_F(SingleLights, ThatSlipWhileTheFrameChangesAreNotFollowed) {
   play(-20, 30);
   collect(labeler_.new_framing());
   const uint64_t first = tokens_;
-  for (int64_t n = 30; n < 120; ++n) push(static_cast<double>(n), scaled(n + 1, 0.4));
+  play_scaled(30, 120, 0.4, 1);
   for (uint64_t token = first; token < labels_.size(); ++token)
     EXPECT_NE(fate(token), Fate::labeled) << token - first;
   EXPECT_FALSE(labeler_.anchored());
@@ -308,10 +296,8 @@ TEST_F(SingleLights, AProgramThatIsStartedAgainAnywhereHasNoWrongLabel) {
       HandCamera again(program_);
       again.play(-20, stop);
       // The lights are stopped, and start with the marker after a pause.
-      const auto begin = static_cast<double>(stop + pause);
-      for (int64_t n = 0; n < pause; ++n)
-        again.push(static_cast<double>(stop + n), again.picture(-1));
-      for (int64_t n = 0; n < 60; ++n) again.push(begin + static_cast<double>(n), again.picture(n));
+      again.play_dark(stop, stop + pause);
+      again.play_at(static_cast<double>(stop + pause), 0, 60);
       again.collect(again.labeler_.drain());
       const auto first = static_cast<uint64_t>(20 + stop);
       const auto marker = first + static_cast<uint64_t>(pause);
@@ -335,16 +321,15 @@ TEST_F(SingleLights, AProgramThatIsStartedAgainAnywhereHasNoWrongLabel) {
 TEST_F(SingleLights, LightsThatStopAreNoSingleLights) {
   play(-20, 100);
   const uint64_t first = tokens_;
-  for (int64_t n = 100; n < 200; ++n) push(static_cast<double>(n), picture(-1));
+  play_dark(100, 200);
   collect(labeler_.drain());
-  for (uint64_t token = first; token < tokens_; ++token)
-    EXPECT_NE(fate(token), Fate::labeled) << token - first;
+  expect_none_labeled(first);
   EXPECT_FALSE(labeler_.anchored());
 }
 
 TEST_F(SingleLights, UnconfirmedFramesAreNotLabeledAtTheEnd) {
   play(-20, 60);
-  for (int64_t n = 60; n < 68; ++n) push(static_cast<double>(n), picture(-1));
+  play_dark(60, 68);
   collect(labeler_.drain());
   EXPECT_EQ(fate(20 + 50), Fate::labeled);  // a tracking frame
   for (uint64_t token = 20 + 51; token < tokens_; ++token)
@@ -451,10 +436,10 @@ TEST_F(ShortProgram, EndsAndMayComeAgain) {
   EXPECT_EQ(labeler_.counts().labeled, 23U);
   const uint64_t after = push(23, picture(-1));
   EXPECT_EQ(fate(after), Fate::ended);
-  for (int n = 24; n < 600; ++n) push(n, picture(-1));
+  play_dark(24, 600);
   EXPECT_GT(labeler_.counts().ended, 570U);
   EXPECT_FALSE(labeler_.take_overdue());
-  for (int64_t n = 0; n < 23; ++n) push(static_cast<double>(600 + n), picture(n));
+  play_at(600, 0, 23);
   EXPECT_EQ(labeler_.counts().labeled, 46U);
   EXPECT_EQ(labels_.back().trigger, 22U);
 }
@@ -471,8 +456,7 @@ class WithIds : public ByHand {
 TEST_F(WithIds, ACameraThatIsStartedAgainCountsFromWhereItsTimesAre) {
   play_ids(-20, 100, 500);
   play_ids(200, 240, 1);
-  EXPECT_EQ(labels_.back().fate, Fate::labeled);
-  EXPECT_EQ(labels_.back().trigger, 239U);
+  expect_last(239U);
 }
 
 TEST_F(WithIds, ACameraThatMissesATriggerWithoutCountingItIsCaught) {

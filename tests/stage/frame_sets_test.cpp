@@ -10,10 +10,14 @@
 namespace inverse {
 namespace {
 
+FrameSets of_cameras(uint32_t count, bool complete) {
+  FrameSets sets(complete);
+  for (uint32_t camera = 0; camera < count; ++camera) sets.add_camera(camera);
+  return sets;
+}
+
 TEST(FrameSets, WaitForEveryCamera) {
-  FrameSets sets(true);
-  sets.add_camera(0);
-  sets.add_camera(1);
+  FrameSets sets = of_cameras(2, true);
   sets.add(0, 5, 50);
   EXPECT_TRUE(sets.decide().empty());
   EXPECT_EQ(sets.lacking(), std::vector<uint32_t>{1});
@@ -26,9 +30,7 @@ TEST(FrameSets, WaitForEveryCamera) {
 
 TEST(FrameSets, ALaterFrameRevealsALostOne) {
   for (const bool complete : {true, false}) {
-    FrameSets sets(complete);
-    sets.add_camera(0);
-    sets.add_camera(1);
+    FrameSets sets = of_cameras(2, complete);
     sets.add(0, 5, 50);
     sets.add(1, 6, 61);
     const auto decided = sets.decide();
@@ -40,8 +42,7 @@ TEST(FrameSets, ALaterFrameRevealsALostOne) {
 }
 
 TEST(FrameSets, NoWaitForAnIdleOrMissingCamera) {
-  FrameSets sets(false);
-  for (const uint32_t camera : {0U, 1U, 2U}) sets.add_camera(camera);
+  FrameSets sets = of_cameras(3, false);
   sets.add(0, 1, 10);
   sets.add(1, 1, 11);
   EXPECT_TRUE(sets.decide().empty());
@@ -59,9 +60,7 @@ TEST(FrameSets, NoWaitForAnIdleOrMissingCamera) {
 }
 
 TEST(FrameSets, ACameraThatIsGoneDoesNotComeBackByItself) {
-  FrameSets sets(true);
-  sets.add_camera(0);
-  sets.add_camera(1);
+  FrameSets sets = of_cameras(2, true);
   sets.remove_camera(1);
   sets.forget_frames(1);
   sets.wait_for(1, true);
@@ -74,10 +73,9 @@ TEST(FrameSets, ACameraThatIsGoneDoesNotComeBackByItself) {
 
 TEST(FrameSets, EveryFrameIsDecidedOnceAndInOrder) {
   std::mt19937 random(7);
-  FrameSets sets(false);
   constexpr uint32_t kCameras = 4;
+  FrameSets sets = of_cameras(kCameras, false);
   std::vector<uint64_t> next(kCameras, 0), last(kCameras, 0);
-  for (uint32_t camera = 0; camera < kCameras; ++camera) sets.add_camera(camera);
   uint64_t sent = 0, decided = 0;
   const auto hear = [&] {
     for (const auto& frame : sets.decide()) {

@@ -34,11 +34,7 @@ struct HandCamera {
   using Labels = std::vector<FrameLabeler::Labeled>;
   explicit HandCamera(LightProgram program, uint32_t id_bits = 0)
       : program_(std::move(program)), labeler_(program_, params(id_bits)) {}
-  static FrameLabeler::Params params(uint32_t id_bits) {
-    FrameLabeler::Params params;
-    params.id_bits = id_bits;
-    return params;
-  }
+  static FrameLabeler::Params params(uint32_t id_bits) { return {.id_bits = id_bits}; }
 
   ImageEvidence picture(int64_t trigger) {
     ImageEvidence image;
@@ -71,6 +67,27 @@ struct HandCamera {
   /// Triggers of the program, on time.
   void play(int64_t from, int64_t to) {
     for (int64_t n = from; n < to; ++n) push(static_cast<double>(n), picture(n));
+  }
+  /// The program, seen from `first` on under the lights `ahead` of its times, in another framing.
+  void play_scaled(int64_t from, int64_t to, double by, int64_t ahead = 0) {
+    for (int64_t n = from; n < to; ++n) push(static_cast<double>(n), scaled(n + ahead, by));
+  }
+  /// The lights are off.
+  void play_dark(int64_t from, int64_t to) {
+    for (int64_t n = from; n < to; ++n) push(static_cast<double>(n), picture(-1));
+  }
+  /// The program, started again at another time.
+  void play_at(double start, int64_t from, int64_t to) {
+    for (int64_t n = from; n < to; ++n) push(start + static_cast<double>(n), picture(n));
+  }
+  void expect_last(uint64_t trigger) {
+    EXPECT_EQ(labels_.back().fate, Fate::labeled);
+    EXPECT_EQ(labels_.back().trigger, trigger);
+  }
+  /// Expects no label of this frame and those that were sent after it.
+  void expect_none_labeled(uint64_t first) {
+    for (uint64_t token = first; token < tokens_; ++token)
+      EXPECT_NE(fate(token), Fate::labeled) << token - first;
   }
   Fate fate(uint64_t token) { return token < labels_.size() ? labels_[token].fate : Fate::untimed; }
 

@@ -149,21 +149,19 @@ TEST(SacnDriver, InvalidSettingsAreErrors) {
   const auto upload = [](const std::string& destination) {
     return error_of([&] { make_light_driver(settings_for(destination))->upload(two_lights()); });
   };
-  EXPECT_NE(upload("no-such-host.invalid").find("cannot find the host"), std::string::npos);
-  EXPECT_NE(upload("127.0.0.1:99999").find("the port is a number"), std::string::npos);
-  EXPECT_NE(upload("127.0.0.1:0").find("cannot send sACN packets"), std::string::npos);
+  expect_contains(upload("no-such-host.invalid"), "cannot find the host");
+  expect_contains(upload("127.0.0.1:99999"), "the port is a number");
+  expect_contains(upload("127.0.0.1:0"), "cannot send sACN packets");
   // A broadcast address is none that we send to.
-  EXPECT_NE(upload("255.255.255.255").find("cannot send sACN packets to 255.255.255.255"),
-            std::string::npos);
+  expect_contains(upload("255.255.255.255"), "cannot send sACN packets to 255.255.255.255");
   auto settings = settings_for("");
   settings.sacn.interface_address = "203.0.113.77";
   const auto multicast = [&] {
     return error_of([&] { make_light_driver(settings)->upload(two_lights()); });
   };
-  EXPECT_NE(multicast().find("no network interface has the address 203.0.113.77"),
-            std::string::npos);
+  expect_contains(multicast(), "no network interface has the address 203.0.113.77");
   settings.sacn.interface_address = "eth0";
-  EXPECT_NE(multicast().find("is no IPv4 address"), std::string::npos);
+  expect_contains(multicast(), "is no IPv4 address");
   settings = settings_for("");
   settings.dmx.universe = 64000;
   expect_contains(error_of([&] { make_light_driver(settings); }), "1 to 63999");

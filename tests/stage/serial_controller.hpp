@@ -24,6 +24,10 @@
 
 namespace inverse::testing {
 
+inline bool has_pseudo_terminals() {
+  return static_cast<bool>(Descriptor(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)));
+}
+
 /// The other end of the line: a thread that reads lines and replies with `answer`.
 class Controller {
  public:
@@ -209,6 +213,12 @@ class Rig {
   std::string bytes_;
   Lights now_;
   std::mutex mutex_;
+};
+
+/// A rig at the other end of a pseudo-terminal.
+class ConnectedRig : public Rig, public Controller {
+ public:
+  ConnectedRig() : Controller([this](const std::string& line) { return (*this)(line); }) {}
 };
 
 }  // namespace inverse::testing

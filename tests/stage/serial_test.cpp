@@ -27,11 +27,17 @@ LightDriverSettings settings_for(const std::string& port) {
   return settings;
 }
 
+/// A driver that has uploaded a program.
+std::unique_ptr<LightDriver> started(const LightDriverSettings& settings) {
+  auto driver = make_light_driver(settings);
+  driver->upload(two_lights());
+  return driver;
+}
+
 /// Error of `upload` for a controller with these replies, within about the timeout.
 std::string upload_error(Controller& controller) {
   const auto start = Clock::now();
-  const std::string error =
-      error_of([&] { make_light_driver(settings_for(controller.path()))->upload(two_lights()); });
+  const std::string error = error_of([&] { started(settings_for(controller.path())); });
   EXPECT_LT(Clock::now() - start, std::chrono::seconds(6));
   return error;
 }
@@ -39,7 +45,7 @@ std::string upload_error(Controller& controller) {
 class SerialDriver : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!Descriptor(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)))
+    if (!has_pseudo_terminals())
       GTEST_SKIP() << "this system has no pseudo-terminals: mount /dev/pts";
   }
 };
@@ -88,11 +94,10 @@ TEST(SerialProtocol, Replies) {
 TEST_F(SerialDriver, UploadsOnceAndSteps) {
   for (const auto marker :
        {LightProgram::Marker::start, LightProgram::Marker::pass, LightProgram::Marker::none}) {
-    Rig rig;
-    Controller controller([&](const std::string& line) { return rig(line); });
+    ConnectedRig rig;
     LightProgram program = two_lights();
     program.marker = marker;
-    const auto driver = make_light_driver(settings_for(controller.path()));
+    const auto driver = make_light_driver(settings_for(rig.path()));
     driver->upload(program);
     uint64_t pulses = 0;
     for (uint64_t t = 0; t <= program.triggers().value() + 2; ++t) {
@@ -108,15 +113,15 @@ TEST_F(SerialDriver, UploadsOnceAndSteps) {
     driver->show(1);
     driver->black();
     EXPECT_EQ(rig.after(0), Rig::Lights(2));
-    EXPECT_EQ(controller.lines(0).back(), "off");
+    EXPECT_EQ(rig.lines(0).back(), "off");
     driver->upload(program);  // another start of the same one
     driver->show(0);
     driver->black();
-    EXPECT_EQ(controller.count("begin"), 1);
-    EXPECT_EQ(controller.count("go"), 2);
+    EXPECT_EQ(rig.count("begin"), 1);
+    EXPECT_EQ(rig.count("go"), 2);
     program.steps.pop_back();
     driver->upload(program);
-    EXPECT_EQ(controller.count("begin"), 2);
+    EXPECT_EQ(rig.count("begin"), 2);
   }
 }
 
@@ -127,8 +132,7 @@ TEST_F(SerialDriver, RestartedControllersReceiveTheProgramAgain) {
     if (line.starts_with("begin")) forgotten = false;
     return forgotten && line.starts_with("go") ? "error no program\n" : rig(line);
   });
-  const auto driver = make_light_driver(settings_for(controller.path()));
-  driver->upload(two_lights());
+  const auto driver = started(settings_for(controller.path()));
   driver->black();
   forgotten = true;
   driver->upload(two_lights());
@@ -137,10 +141,9 @@ TEST_F(SerialDriver, RestartedControllersReceiveTheProgramAgain) {
 }
 
 TEST_F(SerialDriver, UploadsBigPrograms) {
-  Rig rig;
-  Controller controller([&](const std::string& line) { return rig(line); });
+  ConnectedRig rig;
   LightProgram program = static_capture(stage_lights(geodesic_directions(331)), 60);
-  const auto driver = make_light_driver(settings_for(controller.path()));
+  const auto driver = make_light_driver(settings_for(rig.path()));
   driver->upload(program);
   driver->show(3 + 330 + 30);  // the last light comes after 30 tracking frames
   const auto lights = rig.after(1);
@@ -150,15 +153,13 @@ TEST_F(SerialDriver, UploadsBigPrograms) {
 }
 
 TEST_F(SerialDriver, DoesNotStepForTheRig) {
-  Rig rig;
-  Controller controller([&](const std::string& line) { return rig(line); });
-  auto settings = settings_for(controller.path());
+  ConnectedRig rig;
+  auto settings = settings_for(rig.path());
   settings.serial.pulses = false;
-  const auto driver = make_light_driver(settings);
-  driver->upload(two_lights());
+  const auto driver = started(settings);
   for (int t = 0; t < 5; ++t) driver->show(t);
   driver->black();
-  const auto lines = controller.lines(0);
+  const auto lines = rig.lines(0);
   EXPECT_EQ(lines[lines.size() - 2], "go trigger");
 }
 
@@ -171,8 +172,7 @@ TEST_F(SerialDriver, WaitsForControllersThatStart) {
   });
   auto settings = settings_for(controller.path());
   settings.serial.timeout = 5;
-  const auto driver = make_light_driver(settings);
-  driver->upload(two_lights());
+  const auto driver = started(settings);
   EXPECT_EQ(greetings, 3);
 }
 
@@ -208,9 +208,8 @@ TEST_F(SerialDriver, ErrorsOfTheControllerAreReported) {
     return line.starts_with("end") ? "ok 00000000\n" : rig(line);
   });
   expect_contains(upload_error(wrong), "checksum \"00000000\"");
-  Controller dying([&](const std::string& line) { return rig(line); });
-  const auto driver = make_light_driver(settings_for(dying.path()));
-  driver->upload(two_lights());
+  ConnectedRig dying;
+  const auto driver = started(settings_for(dying.path()));
   driver->show(0);
   dying.say("error lamp 1 is dead\n");
   std::string error;
@@ -222,12 +221,10 @@ TEST_F(SerialDriver, ErrorsOfTheControllerAreReported) {
 }
 
 TEST_F(SerialDriver, ADisconnectedControllerIsAnError) {
-  Rig rig;
-  Controller controller([&](const std::string& line) { return rig(line); });
-  const auto driver = make_light_driver(settings_for(controller.path()));
-  driver->upload(two_lights());
+  ConnectedRig rig;
+  const auto driver = started(settings_for(rig.path()));
   driver->show(0);
-  controller.hang_up();
+  rig.hang_up();
   expect_contains(error_of([&] { driver->show(1); }), "has disconnected");
   expect_contains(error_of([&] { driver->black(); }), "has disconnected");
 }
@@ -239,8 +236,7 @@ TEST_F(SerialDriver, ControllersThatStopTakingPulses) {
     while (stuck) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     return rig(line);
   });
-  auto driver = make_light_driver(settings_for(controller.path()));
-  driver->upload(two_lights());
+  auto driver = started(settings_for(controller.path()));
   stuck = true;
   std::string error;
   const auto start = Clock::now();
@@ -269,7 +265,7 @@ TEST_F(SerialDriver, CanBeCancelled) {
 
 TEST_F(SerialDriver, InvalidPortsAreErrors) {
   const auto upload = [](LightDriverSettings settings) {
-    return error_of([&] { make_light_driver(settings)->upload(two_lights()); });
+    return error_of([&] { started(settings); });
   };
   expect_contains(upload(settings_for("/dev/no-such-tty")), "cannot open the serial port");
   expect_contains(upload(settings_for("/dev/null")), "is no serial port");
@@ -277,11 +273,9 @@ TEST_F(SerialDriver, InvalidPortsAreErrors) {
   auto settings = settings_for("/dev/null");
   settings.serial.baud = 12345;
   expect_contains(upload(settings), "12345 baud");
-  Rig rig;
-  Controller controller([&](const std::string& line) { return rig(line); });
-  const auto driver = make_light_driver(settings_for(controller.path()));
-  driver->upload(two_lights());
-  expect_contains(upload(settings_for(controller.path())), "in use by another program");
+  ConnectedRig rig;
+  const auto driver = started(settings_for(rig.path()));
+  expect_contains(upload(settings_for(rig.path())), "in use by another program");
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 #include <random>
 #include <thread>
 
-#include "common/error.hpp"
+#include "tests/expect_error.hpp"
 
 namespace inverse {
 namespace {
@@ -139,12 +139,7 @@ LightProgram small_program(uint64_t passes) {
   program.lights = stage_lights({{0, 0, 1}, {1, 0, 0}});
   program.marker = LightProgram::Marker::none;
   program.repeat = passes;
-  for (uint32_t i = 0; i < 2; ++i) {
-    LightStep step;
-    step.kind = StepKind::olat;
-    step.light = i;
-    program.steps.push_back(step);
-  }
+  program.steps = {{StepKind::olat, 0}, {StepKind::olat, 1}};
   program.check();
   return program;
 }
@@ -212,9 +207,7 @@ TEST_F(Capture, WhatIsLostIsTakenAgainInTheSameLight) {
   Camera camera(lights_, 16, 65530);
   camera.deeds = {Deed::frame, Deed::lost_trigger, Deed::frame, Deed::frame,
                   Deed::frame, Deed::lost_frame,   Deed::frame, Deed::late_frame};
-  TriggeredCapture::Params params;
-  params.timeout = .05;
-  run(small_program(10), {&camera}, params);
+  run(small_program(10), {&camera}, {.timeout = .05});
   EXPECT_EQ(error_, "");
   EXPECT_EQ(camera.labeled, 20U);
   EXPECT_EQ(camera.mislabeled, 0U);
@@ -248,10 +241,7 @@ TEST_P(Mislabeled, Nothing) {
                                                             : Deed::frame);
   }
   camera.late = blind ? 300 : 30;
-  TriggeredCapture::Params params;
-  params.timeout = blind ? .2 : .04;
-  params.retries = 4;
-  run(small_program(60), {&camera, &other}, params, 120);
+  run(small_program(60), {&camera, &other}, {.timeout = blind ? .2 : .04, .retries = 4}, 120);
   EXPECT_EQ(error_, "");
   EXPECT_EQ(camera.mislabeled + other.mislabeled, 0U);
   // Every step is complete or reported.
@@ -272,9 +262,7 @@ TEST_F(Capture, StepsWithoutAFrameAreReported) {
   Camera camera(lights_, 16, 1);
   // The second step: three triggers, no frame.
   camera.deeds = {Deed::frame, Deed::lost_frame, Deed::lost_frame, Deed::lost_frame};
-  TriggeredCapture::Params params;
-  params.timeout = .03;
-  run(small_program(5), {&camera}, params);
+  run(small_program(5), {&camera}, {.timeout = .03});
   EXPECT_EQ(error_, "");
   EXPECT_EQ(stats_.dropped, 1U);
   EXPECT_EQ(lost_, std::vector<uint64_t>{1});
@@ -284,12 +272,9 @@ TEST_F(Capture, StepsWithoutAFrameAreReported) {
 
 TEST_F(Capture, ACameraThatSendsNothingIsAnError) {
   Camera camera(lights_, 16, 1), deaf(lights_, 16, 1);
-  for (int i = 0; i < 100; ++i) deaf.deeds.push_back(Deed::lost_trigger);
-  TriggeredCapture::Params params;
-  params.timeout = .02;
-  run(small_program(50), {&camera, &deaf}, params, 20);
-  EXPECT_NE(error_.find("no frame came from the camera Fake-7 in 3 steps"), std::string::npos)
-      << error_;
+  deaf.deeds.assign(100, Deed::lost_trigger);
+  run(small_program(50), {&camera, &deaf}, {.timeout = .02}, 20);
+  testing::expect_contains(error_, "no frame came from the camera Fake-7 in 3 steps");
   EXPECT_EQ(kind_, ErrorKind::connection);
   EXPECT_EQ(lost_.size(), 3U);
 }
@@ -316,7 +301,7 @@ TEST_F(Capture, ACameraThatRunsFreelyIsAnError) {
   camera.slow = 1;
   meanwhile_ = [&] { camera.fire_untriggered(); };
   run(small_program(5000), {&camera}, {}, 30);
-  EXPECT_NE(error_.find("sends frames without a trigger"), std::string::npos) << error_;
+  testing::expect_contains(error_, "sends frames without a trigger");
 }
 
 /// Nor is it one of whose frames none is surely of a trigger a camera that sends nothing.
@@ -324,19 +309,15 @@ TEST_F(Capture, ACameraThatRunsFreelyAndHidesTheTriggeredFramesIsThatErrorToo) {
   Camera camera(lights_, 16, 1);
   camera.late = 10;
   camera.deeds = std::deque<Deed>(60, Deed::amid_others);
-  TriggeredCapture::Params params;
-  params.timeout = .1;
-  run(small_program(5000), {&camera}, params, 30);
-  EXPECT_NE(error_.find("sends frames without a trigger"), std::string::npos) << error_;
+  run(small_program(5000), {&camera}, {.timeout = .1}, 30);
+  testing::expect_contains(error_, "sends frames without a trigger");
 }
 
 /// The lights wait until frames are handled.
 TEST_F(Capture, DownstreamSetsThePace) {
   Camera camera(lights_, 16, 1);
   camera.slow = 20;
-  TriggeredCapture::Params params;
-  params.timeout = .5;
-  run(small_program(10), {&camera}, params);
+  run(small_program(10), {&camera}, {.timeout = .5});
   EXPECT_EQ(camera.labeled, 20U);
   EXPECT_EQ(camera.stepped_while_busy, 0U);
   EXPECT_EQ(stats_.retried, 0U);
@@ -359,9 +340,7 @@ TEST_F(Capture, GuardTimeIsKept) {
 TEST_F(Capture, StopsAtOnceAndGoesOn) {
   Camera camera(lights_, 16, 65533);
   const LightProgram program = small_program(0);
-  TriggeredCapture::Params params;
-  params.timeout = 30;
-  TriggeredCapture capture(program, lights_, {&camera}, params, {});
+  TriggeredCapture capture(program, lights_, {&camera}, {.timeout = 30}, {});
   camera.begin(capture, 0);
   capture.start();
   while (camera.labeled < 6) std::this_thread::sleep_for(milliseconds(1));

@@ -26,7 +26,7 @@ std::set<std::string> lose(const std::string& line) {
     const auto [status, text] = lost_at(std::to_string(submit), {kLaunchOption, line});
     EXPECT_EQ(status, 1) << "submit " << submit << ": " << text;
     const std::string first = text.substr(0, text.find('\n'));
-    EXPECT_NE(first.find("device was lost"), std::string::npos) << first;
+    expect_contains(first, "device was lost");
     noticed.insert(first.substr(0, first.find(':')));
   }
   return noticed;
@@ -60,7 +60,7 @@ TEST(LostDevice, WhileKernelsAreWarmedUpIsAnErrorToo) {
                                            {kLaunchOption, kSource + element + " ! fakesink"});
       EXPECT_EQ(status, 1) << element << ": " << text;
       EXPECT_EQ(text.find(element), 0u) << text;
-      EXPECT_NE(text.find("device was lost"), std::string::npos) << text;
+      expect_contains(text, "device was lost");
     }
 }
 
@@ -101,15 +101,13 @@ TEST(LostDevice, WithoutAVulkanDriverTheErrorNamesWhatToInstall) {
       run_self({{"VK_ICD_FILENAMES", "/nowhere"}},
                {kLaunchOption, "videotestsrc num-buffers=1 ! intrinsicdecomp ! fakesink"});
   EXPECT_EQ(status, 1) << text;
-  EXPECT_NE(text.find("mesa-vulkan-drivers"), std::string::npos) << text;
+  expect_contains(text, "mesa-vulkan-drivers");
 }
 
 TEST(LostDevice, AnUnknownDeviceListsTheKnownOnes) {
   const auto result =
       run_line("videotestsrc num-buffers=1 ! intrinsicdecomp device=nonesuch ! fakesink");
-  EXPECT_NE(result.first_error().find("no Vulkan device matches \"nonesuch\"; there are: 0 ="),
-            std::string::npos)
-      << result.first_error();
+  expect_contains(result.first_error(), "no Vulkan device matches \"nonesuch\"; there are: 0 =");
 }
 
 }  // namespace inverse::testing

@@ -16,23 +16,21 @@ class MetaTest : public ::testing::Test {
     for (const char* plugin : {"inverse", "inversestage"})
       if (GstPlugin* loaded = gst_plugin_load_by_name(plugin)) gst_object_unref(loaded);
   }
-  ~MetaTest() override {
-    if (out_) gst_buffer_unref(out_);
-  }
 
   /// What comes of an RGBA frame of 64 x 48 with both metas, behind these elements. The second of
   /// two frames: elements may pass the first on before they look at their properties.
   void send_through(const std::string& elements, const std::string& caps) {
     VideoHarness harness(elements, VideoHarness::caps("RGBA", 64, 48), caps);
     for (int i = 0; i < 2; ++i) {
-      gst_clear_buffer(&out_);
       ASSERT_EQ(gst_harness_push(harness.harness(), frame(i)), GST_FLOW_OK);
-      out_ = gst_harness_pull(harness.harness());
+      out_.reset(gst_harness_pull(harness.harness()));
       ASSERT_NE(out_, nullptr) << elements;
     }
   }
-  const GstMaterialMeta* material() const { return gst_buffer_get_material_meta(out_); }
-  const GstLightStageMeta* light_stage() const { return gst_buffer_get_light_stage_meta(out_); }
+  const GstMaterialMeta* material() const { return gst_buffer_get_material_meta(out_.get()); }
+  const GstLightStageMeta* light_stage() const {
+    return gst_buffer_get_light_stage_meta(out_.get());
+  }
 
   void expect_material(float left, float top, float right, float bottom) {
     const GstMaterialMeta* m = material();
@@ -51,7 +49,7 @@ class MetaTest : public ::testing::Test {
     EXPECT_EQ(m->environment_width, 64u);
   }
 
-  GstBuffer* out_ = nullptr;
+  Buffer out_;
 
  private:
   static GstBuffer* frame(int number) {
@@ -98,7 +96,7 @@ TEST_F(MetaTest, OfSeveralLimematerialsTheLastOneCounts) {
   if (!has_networks()) GTEST_SKIP() << "built without inverse-onnx-import";
   send_through("limematerial show=input", VideoHarness::caps("RGBA", 64, 48));
   ASSERT_NE(material(), nullptr);
-  EXPECT_EQ(gst_buffer_get_n_meta(out_, g_type_from_name(GST_MATERIAL_META_API_NAME)), 1u);
+  EXPECT_EQ(gst_buffer_get_n_meta(out_.get(), g_type_from_name(GST_MATERIAL_META_API_NAME)), 1u);
   EXPECT_EQ(material()->environment, nullptr) << "not what the frame brought";
   EXPECT_NE(material()->averaged, 7u);
 }

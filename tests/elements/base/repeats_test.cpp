@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Layers of repeated pictures are reused; target-fps and latency-budget choose the work.
-#include "gst/base/meta/inverse_layers_meta.h"
+#include "tests/elements/draw.hpp"
 #include "tests/elements/element_test.hpp"
 #include "tests/elements/layer_of.hpp"
 
@@ -8,8 +8,6 @@ namespace inverse::testing {
 namespace {
 
 constexpr const char* kDecomposers[] = {"intrinsicdecomp", "intrinsicdecompthesis"};
-constexpr const char* kLayers =
-    "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS "), layers=(string)intrinsic";
 
 std::string caps_of(int width = 64, int height = 48) {
   return VideoHarness::caps("RGBA", width, height);
@@ -17,18 +15,12 @@ std::string caps_of(int width = 64, int height = 48) {
 
 /// A picture with something to decompose: tiles under a light that falls off.
 std::vector<uint8_t> tiles(int width, int height, unsigned shift = 0) {
-  std::vector<uint8_t> bytes;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const unsigned tile =
-          (static_cast<unsigned>(x) + shift) / 8 * 5 + static_cast<unsigned>(y) / 8 * 3;
-      const int light = 255 - 150 * (x + y) / (width + height);
-      for (unsigned c = 0; c < 3; ++c)
-        bytes.push_back(
-            static_cast<uint8_t>(light * static_cast<int>(2 + (tile * (c + 2)) % 7) / 9));
-      bytes.push_back(255);
-    }
-  return bytes;
+  return draw(width, height, [&](int x, int y, int c) {
+    const unsigned tile =
+        (static_cast<unsigned>(x) + shift) / 8 * 5 + static_cast<unsigned>(y) / 8 * 3;
+    const int light = 255 - 150 * (x + y) / (width + height);
+    return light * static_cast<int>(2 + (tile * static_cast<unsigned>(c + 2)) % 7) / 9;
+  });
 }
 
 class RepeatedFrames : public ::testing::TestWithParam<const char*> {
@@ -135,11 +127,10 @@ TEST_P(RepeatedFrames, ChangedPropertiesTakeEffect) {
 
 TEST_P(RepeatedFrames, AreDrawnWhereThePictureFollowsEarlierOnes) {
   // Clusters go on learning from frames that are alike.
-  const struct {
-    const char* show;
-    bool drawn;
-  } cases[] = {{"reflectance", false}, {"shading", false}, {"clusters", true}, {"mosaic", true}};
-  for (const auto& [show, drawn] : cases) {
+  for (const auto& [show, drawn] : {std::pair{"reflectance", false},
+                                    {"shading", false},
+                                    {"clusters", true},
+                                    {"mosaic", true}}) {
     VideoHarness harness(std::string(GetParam()) + " show=" + show, caps_of(), caps_of());
     const auto picture = tiles(64, 48);
     until_reused(harness, picture);
@@ -196,11 +187,8 @@ TEST_P(RepeatedFrames, ReuseLayersIfLayersAreOutputs) {
   VideoHarness harness(GetParam(), caps_of(), kLayers);
   const auto picture = tiles(64, 48);
   const auto layers = [&](const std::vector<uint8_t>& bytes, GstInverseRole role) {
-    EXPECT_EQ(harness.push(bytes), GST_FLOW_OK);
-    GstBuffer* buffer = gst_harness_pull(harness.harness());
-    std::vector<float> layer = layer_of(buffer, role);
+    auto layer = layer_of(harness.process_buffer(bytes).get(), role);
     EXPECT_FALSE(layer.empty());
-    gst_buffer_unref(buffer);
     return layer;
   };
   for (int i = 0; i < 200 && !(i > 3 && reused(harness)); ++i)

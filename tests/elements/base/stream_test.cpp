@@ -3,11 +3,10 @@
 #include <map>
 
 #include "tests/elements/element_test.hpp"
+#include "tests/elements/layer_of.hpp"
 
 namespace inverse::testing {
 namespace {
-
-constexpr const char* kLayers = "video/x-raw(meta:InverseLayers), layers=(string)intrinsic";
 
 bool history_of(VideoHarness& harness) {
   return stat<bool>(harness.find("intrinsicdecomp"), "history");
@@ -46,8 +45,7 @@ TEST(Stream, StatsReportCompletedFramesIfLayersAreOutputs) {
   VideoHarness harness("intrinsicdecomp", caps, kLayers);
   guint64 last = 0;
   for (unsigned i = 0; i < 8; ++i) {
-    ASSERT_EQ(harness.push(random_frame(caps, i % 2)), GST_FLOW_OK);
-    gst_buffer_unref(gst_harness_pull(harness.harness()));
+    ASSERT_NE(harness.process_buffer(random_frame(caps, i % 2)), nullptr);
     GstElement* element = harness.find("intrinsicdecomp");
     if (!find_stat<double>(element, "device-ms")) continue;
     EXPECT_GE(stat<guint64>(element, "frames"), last);
@@ -69,23 +67,14 @@ TEST(Stream, StatsReportCompletedFramesIfLayersAreOutputs) {
 
 TEST(Stream, LatencyIsAnnouncedWhenItChanges) {
   VideoHarness harness("intrinsicdecomp", VideoHarness::caps("RGBA", 16, 12));
-  GstBus* bus = gst_element_get_bus(harness.harness()->element);
-  const auto announced = [&] {
-    int messages = 0;
-    while (GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_LATENCY)) {
-      ++messages;
-      gst_message_unref(message);
-    }
-    return messages;
-  };
+  const auto announced = [&] { return texts_of(harness.bus(), GST_MESSAGE_LATENCY).size(); };
   harness.process(random_frame(VideoHarness::caps("RGBA", 16, 12), 1));
-  EXPECT_EQ(announced(), 1);
+  EXPECT_EQ(announced(), 1u);
   const std::string slower = "video/x-raw, format=RGBA, width=16, height=12, framerate=5/1";
   harness.set_src_caps(slower);
   harness.process(random_frame(slower, 1));
-  EXPECT_EQ(announced(), 1);
+  EXPECT_EQ(announced(), 1u);
   EXPECT_EQ(gst_harness_query_latency(harness.harness()), 200 * GST_MSECOND);
-  gst_object_unref(bus);
 }
 
 TEST(Stream, AnEditingLineInSystemMemoryOpensOneDevice) {
@@ -135,14 +124,14 @@ TEST(Stream, GapsPassThroughEveryElement) {
       // A frame that is flagged so is a frame all the same.
       if (gap || i == 4) GST_BUFFER_FLAG_SET(buffer, GST_BUFFER_FLAG_GAP);
       ASSERT_EQ(gst_harness_push(harness.harness(), buffer), GST_FLOW_OK) << line << ", " << i;
-      GstBuffer* out = gst_harness_try_pull(harness.harness());
+      const Buffer pulled(gst_harness_try_pull(harness.harness()));
+      GstBuffer* out = pulled.get();
       ASSERT_NE(out, nullptr) << line << ", " << i;
       EXPECT_EQ(GST_BUFFER_PTS(out), static_cast<GstClockTime>(i) * GST_SECOND / 25) << line;
       EXPECT_EQ(GST_BUFFER_DURATION(out), GST_SECOND / 25) << line;
       EXPECT_EQ(static_cast<bool>(GST_BUFFER_FLAG_IS_SET(out, GST_BUFFER_FLAG_GAP)), gap)
           << line << ", " << i;
       EXPECT_EQ(gst_buffer_get_size(out) == 0, gap) << line << ", " << i;
-      gst_buffer_unref(out);
     }
     const auto errors = harness.errors();
     EXPECT_TRUE(errors.empty()) << line << ": " << errors[0];

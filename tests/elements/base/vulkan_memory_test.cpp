@@ -7,6 +7,7 @@
 #include "tests/elements/element_test.hpp"
 #include "tests/has_element.hpp"
 #include "tests/kernels/material/lime_models.hpp"
+#include "tests/pipeline.hpp"
 #include "vulkan_listener.hpp"
 
 namespace inverse::testing {
@@ -34,20 +35,15 @@ void expect_same(const std::string& system, const std::string& images) {
   ASSERT_TRUE(b.errors.empty()) << b.first_error() << "\n" << images;
   ASSERT_EQ(a.frames.size(), b.frames.size()) << images;
   ASSERT_FALSE(a.frames.empty()) << images;
-  GstCaps* caps = gst_video_info_to_caps(&a.info);
-  gchar* text = gst_caps_to_string(caps);
   for (size_t i = 0; i < a.frames.size(); ++i)
-    EXPECT_LE(largest_difference(visible(text, a.frames[i]), visible(text, b.frames[i])), 1)
+    EXPECT_LE(largest_difference(visible(a.info, a.frames[i]), visible(a.info, b.frames[i])), 1)
         << images << ", frame " << i;
-  g_free(text);
-  gst_caps_unref(caps);
 }
 
 /// What stands at a pad as the context `type`; null if nothing does. Borrowed.
 template <typename T>
 T* shared(GstElement* pipeline, const char* element, const char* pad, const char* type) {
-  GstElement* found = gst_bin_get_by_name(GST_BIN(pipeline), element);
-  GstPad* at = gst_element_get_static_pad(found, pad);
+  GstPad* at = gst_element_get_static_pad(find_element(pipeline, element), pad);
   GstQuery* query = gst_query_new_context(type);
   T* object = nullptr;
   if (gst_pad_query(at, query)) {
@@ -58,54 +54,19 @@ T* shared(GstElement* pipeline, const char* element, const char* pad, const char
   }
   gst_query_unref(query);
   gst_object_unref(at);
-  gst_object_unref(found);
   return object;
 }
 
-struct Pipeline {
-  GstElement* element = nullptr;
-
-  explicit Pipeline(const std::string& line) : element(gst_parse_launch(line.c_str(), nullptr)) {
-    if (Listener::is_wanted()) Listener::get().attach(element);
-  }
-  Pipeline(const Pipeline&) = delete;
-  Pipeline& operator=(const Pipeline&) = delete;
-  ~Pipeline() {
-    gst_element_set_state(element, GST_STATE_NULL);
-    gst_object_unref(element);
+/// The listener's end, which comes after the pipeline's.
+struct Report {
+  ~Report() {
     if (Listener::is_wanted()) Listener::get().report();
   }
-  bool reaches(GstState state) {
-    return gst_element_set_state(element, state) != GST_STATE_CHANGE_FAILURE &&
-           gst_element_get_state(element, nullptr, nullptr, 60 * GST_SECOND) ==
-               GST_STATE_CHANGE_SUCCESS;
-  }
-  GstSample* sample(const char* sink) {
-    GstElement* out = gst_bin_get_by_name(GST_BIN(element), sink);
-    GstSample* sample = gst_app_sink_try_pull_sample(GST_APP_SINK(out), 60 * GST_SECOND);
-    gst_object_unref(out);
-    return sample;
-  }
-  /// Waits for the end of the stream.
-  bool ends() {
-    GstBus* bus = gst_element_get_bus(element);
-    GstMessage* message = gst_bus_timed_pop_filtered(bus, 60 * GST_SECOND, GST_MESSAGE_EOS);
-    gst_object_unref(bus);
-    if (message) gst_message_unref(message);
-    return message != nullptr;
-  }
-  /// The first error on the bus, waiting for it.
-  std::string error() {
-    GstBus* bus = gst_element_get_bus(element);
-    GstMessage* message = gst_bus_timed_pop_filtered(bus, 60 * GST_SECOND, GST_MESSAGE_ERROR);
-    gst_object_unref(bus);
-    if (!message) return "";
-    GError* error = nullptr;
-    gst_message_parse_error(message, &error, nullptr);
-    const std::string text = error->message;
-    g_error_free(error);
-    gst_message_unref(message);
-    return text;
+};
+
+struct WatchedPipeline : Report, Pipeline {
+  explicit WatchedPipeline(const std::string& line) : Pipeline(line) {
+    if (Listener::is_wanted()) Listener::get().attach(get());
   }
 };
 
@@ -182,7 +143,7 @@ TEST_F(VulkanMemory, InputAndOutputAreIndependent) {
 
 TEST_F(VulkanMemory, SystemMemoryIsChosenUnlessImagesAreRequested) {
   const std::string caps = VideoHarness::caps("RGBA", 32, 32);
-  Pipeline pipeline(source(caps) + "vulkanupload ! intrinsicdecomp ! appsink name=out");
+  WatchedPipeline pipeline(source(caps) + "vulkanupload ! intrinsicdecomp ! appsink name=out");
   ASSERT_TRUE(pipeline.reaches(GST_STATE_PLAYING));
   GstSample* sample = pipeline.sample("out");
   ASSERT_NE(sample, nullptr);
@@ -206,14 +167,14 @@ TEST_F(VulkanMemory, ElementsInARowShareOneDeviceAndQueue) {
                              "vulkandownload name=down ! " + caps + " ! appsink name=out";
   expect_same(source(caps) + with("") + caps + " ! appsink name=out", images);
 
-  Pipeline pipeline(images);
+  WatchedPipeline pipeline(images);
   ASSERT_TRUE(pipeline.reaches(GST_STATE_PAUSED));
   for (const char* type : {GST_VULKAN_DEVICE_CONTEXT_TYPE_STR, GST_VULKAN_QUEUE_CONTEXT_TYPE_STR}) {
-    auto* theirs = shared<GObject>(pipeline.element, "down", "sink", type);
+    auto* theirs = shared<GObject>(pipeline.get(), "down", "sink", type);
     ASSERT_NE(theirs, nullptr) << type;
     for (const char* name : {"first", "second", "third"})
-      EXPECT_EQ(shared<GObject>(pipeline.element, name, "sink", type), theirs) << name << type;
-    EXPECT_EQ(shared<GObject>(pipeline.element, "up", "src", type), theirs) << type;
+      EXPECT_EQ(shared<GObject>(pipeline.get(), name, "sink", type), theirs) << name << type;
+    EXPECT_EQ(shared<GObject>(pipeline.get(), "up", "src", type), theirs) << type;
   }
 }
 
@@ -276,8 +237,7 @@ TEST_F(VulkanMemory, AnImageThatIsNotWhatItsCapsSayIsRefused) {
   } else {
     const auto errors = harness.errors();
     ASSERT_FALSE(errors.empty());
-    EXPECT_NE(errors.front().find("intrinsicdecomp: a Vulkan image of 32x20"), std::string::npos)
-        << errors.front();
+    expect_contains(errors.front(), "intrinsicdecomp: a Vulkan image of 32x20");
   }
 }
 
@@ -302,23 +262,21 @@ TEST_F(VulkanMemory, StatesCycleAndNothingLeaks) {
   for (const GstState rest : {GST_STATE_NULL, GST_STATE_READY}) {
     // Each cycle to its end: where it is stopped in the middle of a frame, what videotestsrc and
     // vulkanupload share is freed while the device copies it (1.22).
-    Pipeline pipeline(source(caps, "gradient", 5) +
-                      "vulkanupload ! intrinsicdecomp show=input ! intrinsiccompose ! "
-                      "vulkandownload name=down ! appsink name=out sync=false wait-on-eos=false");
+    WatchedPipeline pipeline(
+        source(caps, "gradient", 5) +
+        "vulkanupload ! intrinsicdecomp show=input ! intrinsiccompose ! "
+        "vulkandownload name=down ! appsink name=out sync=false wait-on-eos=false");
     std::vector<uint8_t> first;
     for (int cycle = 0; cycle < 10; ++cycle) {
       ASSERT_TRUE(pipeline.reaches(GST_STATE_PLAYING)) << cycle;
       GstSample* sample = pipeline.sample("out");
       ASSERT_NE(sample, nullptr) << cycle;
-      GstMapInfo map;
-      ASSERT_TRUE(gst_buffer_map(gst_sample_get_buffer(sample), &map, GST_MAP_READ));
-      const std::vector<uint8_t> bytes(map.data, map.data + map.size);
-      gst_buffer_unmap(gst_sample_get_buffer(sample), &map);
+      const auto bytes = bytes_of(gst_sample_get_buffer(sample));
       gst_sample_unref(sample);
       if (cycle == 0) first = bytes;
       EXPECT_LE(largest_difference(first, bytes), 1) << cycle;
       auto* device =
-          shared<GObject>(pipeline.element, "down", "sink", GST_VULKAN_DEVICE_CONTEXT_TYPE_STR);
+          shared<GObject>(pipeline.get(), "down", "sink", GST_VULKAN_DEVICE_CONTEXT_TYPE_STR);
       ASSERT_NE(device, nullptr);
       if (!g_object_get_data(device, "watched")) {
         ++alive;
@@ -337,11 +295,10 @@ TEST_F(VulkanMemory, StatesCycleAndNothingLeaks) {
 TEST_F(VulkanMemory, ADeviceOfTheApplicationIsKept) {
   // The application takes the device of one pipeline …
   GstContext* demanded = nullptr;
-  Pipeline other("videotestsrc ! intrinsicdecomp ! fakesink");
+  WatchedPipeline other("videotestsrc ! intrinsicdecomp ! fakesink");
   ASSERT_TRUE(other.reaches(GST_STATE_READY));
-  GstBus* bus = gst_element_get_bus(other.element);
-  GstMessage* message = gst_bus_timed_pop_filtered(bus, GST_SECOND, GST_MESSAGE_HAVE_CONTEXT);
-  gst_object_unref(bus);
+  GstMessage* message =
+      gst_bus_timed_pop_filtered(other.bus(), GST_SECOND, GST_MESSAGE_HAVE_CONTEXT);
   ASSERT_NE(message, nullptr);
   gst_message_parse_have_context(message, &demanded);
   gst_message_unref(message);
@@ -360,36 +317,33 @@ TEST_F(VulkanMemory, ADeviceOfTheApplicationIsKept) {
         "intrinsicdecomp ! intrinsiccompose ! vulkandownload ! fakesink"}) {
     const LineResult images = run(source(caps) + rest, demand);
     EXPECT_FALSE(images.eos) << rest;
-    EXPECT_NE(images.first_error().find("needs two Vulkan devices"), std::string::npos)
-        << rest << ": " << images.first_error();
+    expect_contains(images.first_error(), "needs two Vulkan devices");
     EXPECT_EQ(images.first_error().find("intrinsic"), 0u) << images.first_error();
   }
   // The demand may be made of the element alone, and outlives a trip to NULL.
-  Pipeline again("videotestsrc ! intrinsicdecomp name=d ! vulkandownload ! fakesink");
-  GstElement* element = gst_bin_get_by_name(GST_BIN(again.element), "d");
-  gst_element_set_context(element, demanded);
-  gst_object_unref(element);
+  WatchedPipeline again("videotestsrc ! intrinsicdecomp name=d ! vulkandownload ! fakesink");
+  gst_element_set_context(again.find("d"), demanded);
   for (int start = 0; start < 3; ++start) {
-    gst_element_set_state(again.element, GST_STATE_PLAYING);
-    EXPECT_NE(again.error().find("needs two Vulkan devices"), std::string::npos) << start;
-    gst_element_set_state(again.element, GST_STATE_NULL);
+    again.set(GST_STATE_PLAYING);
+    expect_contains(again.error(), "needs two Vulkan devices");
+    again.set(GST_STATE_NULL);
   }
   gst_context_unref(demanded);
 }
 
 TEST_F(VulkanMemory, ImagesFromOneDeviceDoNotGoOutOnAnother) {
   const std::string caps = VideoHarness::caps("RGBA", 32, 32);
-  Pipeline from(source(caps, "smpte", -1) +
-                "vulkanupload ! video/x-raw(memory:VulkanImage) ! appsink name=out max-buffers=1 "
-                "sync=false");
+  WatchedPipeline from(
+      source(caps, "smpte", -1) +
+      "vulkanupload ! video/x-raw(memory:VulkanImage) ! appsink name=out max-buffers=1 "
+      "sync=false");
   ASSERT_TRUE(from.reaches(GST_STATE_PLAYING));
   GstSample* sample = from.sample("out");
   ASSERT_NE(sample, nullptr);
   const auto feed = [&](GstElement* pipeline) {
-    GstElement* source = gst_bin_get_by_name(GST_BIN(pipeline), "in");
+    GstElement* source = find_element(pipeline, "in");
     gst_app_src_push_sample(GST_APP_SRC(source), sample);
     gst_app_src_end_of_stream(GST_APP_SRC(source));
-    gst_object_unref(source);
   };
   // Into system memory it goes: the element works where the frame lies.
   const LineResult plain = run(
@@ -401,9 +355,7 @@ TEST_F(VulkanMemory, ImagesFromOneDeviceDoNotGoOutOnAnother) {
   const LineResult both =
       run("appsrc name=in format=time ! intrinsicdecomp ! vulkandownload ! fakesink", feed);
   EXPECT_FALSE(both.eos);
-  EXPECT_NE(both.first_error().find("intrinsicdecomp: this pipeline needs two Vulkan devices"),
-            std::string::npos)
-      << both.first_error();
+  expect_contains(both.first_error(), "intrinsicdecomp: this pipeline needs two Vulkan devices");
   gst_sample_unref(sample);
 }
 
@@ -421,19 +373,18 @@ namespace {
 
 /// A running pipeline to which a branch with vulkandownload is added, linked before or after it is
 /// started.
-void join_later(Pipeline& pipeline, bool link_first) {
+void join_later(WatchedPipeline& pipeline, bool link_first) {
   ASSERT_TRUE(pipeline.reaches(GST_STATE_PLAYING));
   gst_sample_unref(pipeline.sample("early"));
   GstElement* branch = gst_parse_bin_from_description(
       "queue ! intrinsiccompose show=input ! vulkandownload ! "
       "appsink name=late sync=false max-buffers=1 drop=true async=false",
       TRUE, nullptr);
-  ASSERT_TRUE(gst_bin_add(GST_BIN(pipeline.element), branch));
+  ASSERT_TRUE(gst_bin_add(GST_BIN(pipeline.get()), branch));
   if (!link_first) {
     ASSERT_TRUE(gst_element_sync_state_with_parent(branch));
   }
-  GstElement* tee = gst_bin_get_by_name(GST_BIN(pipeline.element), "t");
-  GstPad* to = gst_element_request_pad_simple(tee, "src_%u");
+  GstPad* to = gst_element_request_pad_simple(pipeline.find("t"), "src_%u");
   GstPad* at = gst_element_get_static_pad(branch, "sink");
   // No frame until it runs.
   const gulong block = gst_pad_add_probe(
@@ -446,7 +397,6 @@ void join_later(Pipeline& pipeline, bool link_first) {
   gst_pad_remove_probe(to, block);
   gst_object_unref(at);
   gst_object_unref(to);
-  gst_object_unref(tee);
 }
 
 constexpr const char* kTee =
@@ -460,9 +410,9 @@ constexpr const char* kTee =
 // somebody asks for images stays there.
 TEST_F(VulkanMemory, ADownloaderThatJoinsALineOfSystemMemoryIsRefused) {
   for (const bool link_first : {true, false}) {
-    Pipeline pipeline(kTee);
+    WatchedPipeline pipeline(kTee);
     join_later(pipeline, link_first);
-    EXPECT_NE(pipeline.error().find("needs two Vulkan devices"), std::string::npos) << link_first;
+    expect_contains(pipeline.error(), "needs two Vulkan devices");
   }
 }
 

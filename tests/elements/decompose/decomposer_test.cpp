@@ -5,10 +5,9 @@
 
 #include <cmath>
 
-#include "gst/base/meta/inverse_layers_meta.h"
+#include "tests/elements/draw.hpp"
 #include "tests/elements/element_test.hpp"
 #include "tests/elements/layer_of.hpp"
-#include "tests/expect_error.hpp"
 #include "tests/srgb.hpp"
 
 namespace inverse::testing {
@@ -16,6 +15,8 @@ namespace {
 
 constexpr const char* kDecomposers[] = {"intrinsicdecomp", "intrinsicdecompthesis",
                                         "globalintrinsic", "globalintrinsicthesis"};
+constexpr const char* kAnyLayers =
+    "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS "), layers=(string){ intrinsic, global }";
 
 /// The formats that an element's sink pad takes in system memory.
 std::vector<std::string> formats_of(const char* factory) {
@@ -34,10 +35,6 @@ std::vector<std::string> formats_of(const char* factory) {
   }
   gst_object_unref(found);
   return formats;
-}
-
-std::vector<float> intrinsic_of(GstBuffer* buffer) {
-  return layer_of(buffer, GST_INVERSE_ROLE_INTRINSIC);
 }
 
 /// A code value of 8-bit sRGB in linear light.
@@ -122,14 +119,7 @@ TEST_P(Decomposer, ConvertsBetweenFormats) {
 TEST_P(Decomposer, DifficultPicturesGiveFiniteLayers) {
   const int width = 32, height = 24;
   const std::string caps = VideoHarness::caps("RGBA", width, height);
-  const auto picture = [&](auto value) {
-    std::vector<uint8_t> frame(static_cast<size_t>(width) * height * 4, 255);
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x)
-        for (int c = 0; c < 3; ++c)
-          frame[(static_cast<size_t>(y) * width + x) * 4 + c] = value(x, y, c);
-    return frame;
-  };
+  const auto picture = [&](auto value) { return draw(width, height, value); };
   std::mt19937 random(3);
   const std::vector<std::pair<const char*, std::vector<uint8_t>>> pictures = {
       {"black", picture([](int, int, int) { return 0; })},
@@ -140,15 +130,12 @@ TEST_P(Decomposer, DifficultPicturesGiveFiniteLayers) {
       {"noise of one code value",
        picture([&](int, int, int) { return 100 + static_cast<int>(random() % 2); })},
   };
-  VideoHarness harness(GetParam(), caps,
-                       "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS
-                       "), layers=(string){ intrinsic, global }");
+  VideoHarness harness(GetParam(), caps, kAnyLayers);
   for (int round = 0; round < 2; ++round) {
     for (const auto& [name, frame] : pictures) {
-      ASSERT_EQ(harness.push(frame), GST_FLOW_OK) << name;
-      GstBuffer* buffer = gst_harness_pull(harness.harness());
-      const auto layer = intrinsic_of(buffer), color = layer_of(buffer, GST_INVERSE_ROLE_LIGHT);
-      gst_buffer_unref(buffer);
+      const Buffer buffer = harness.process_buffer(frame);
+      const auto layer = layer_of(buffer.get(), GST_INVERSE_ROLE_INTRINSIC),
+                 color = layer_of(buffer.get(), GST_INVERSE_ROLE_LIGHT);
       ASSERT_EQ(layer.size(), frame.size()) << name;
       const std::string method = GetParam();
       const bool exact = method == "intrinsicdecomp" || method == "globalintrinsic";
@@ -195,9 +182,7 @@ TEST_P(Decomposer, AShortBufferIsOneClearError) {
   const std::string caps = VideoHarness::caps("RGBA", 64, 48);
   VideoHarness harness(GetParam(), caps, caps);
   EXPECT_EQ(harness.push(std::vector<uint8_t>(1000)), GST_FLOW_ERROR);
-  const auto errors = harness.errors();
-  ASSERT_EQ(errors.size(), 1u);
-  expect_contains(errors[0], "1000 bytes");
+  expect_one(harness.errors(), "1000 bytes");
 }
 
 TEST_P(Decomposer, InterlacedVideoIsRefusedWithAdvice) {
@@ -302,46 +287,35 @@ INSTANTIATE_TEST_SUITE_P(All, Decomposer, ::testing::ValuesIn(kDecomposers),
 
 TEST(Layers, ReflectanceTimesShadingIsTheInput) {
   const std::string caps = VideoHarness::caps("RGBA", 33, 21);
-  VideoHarness harness("intrinsicdecomp", caps,
-                       "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS
-                       "), layers=(string){ intrinsic, global }");
+  VideoHarness harness("intrinsicdecomp", caps, kAnyLayers);
   const auto frame = random_frame(caps, 5);
-  ASSERT_EQ(harness.push(frame), GST_FLOW_OK);
-  GstBuffer* buffer = gst_harness_pull(harness.harness());
-  const auto layer = intrinsic_of(buffer);
+  const auto layer = layer_of(harness.process_buffer(frame).get(), GST_INVERSE_ROLE_INTRINSIC);
   ASSERT_EQ(layer.size(), frame.size());
   for (size_t i = 0; i < frame.size(); ++i) {
     if (i % 4 == 3) continue;
     ASSERT_NEAR(layer[i] * layer[i | 3], linear_of(frame[i]), 2e-3) << i;
   }
-  gst_buffer_unref(buffer);
 }
 
 TEST(Layers, CanBeReadReplacedAndCopiedThroughTheInstalledHeader) {
   const std::string caps = VideoHarness::caps("RGBA", 8, 6);
-  VideoHarness harness("intrinsicdecomp", caps,
-                       "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS
-                       "), layers=(string){ intrinsic, global }");
-  ASSERT_EQ(harness.push(random_frame(caps, 5)), GST_FLOW_OK);
-  GstBuffer* buffer = gst_harness_pull(harness.harness());
-  EXPECT_EQ(gst_buffer_n_memory(buffer), 0u);
-  GstBuffer* copy = gst_buffer_copy(buffer);
-  GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(copy);
+  VideoHarness harness("intrinsicdecomp", caps, kAnyLayers);
+  const Buffer buffer = harness.process_buffer(random_frame(caps, 5));
+  EXPECT_EQ(gst_buffer_n_memory(buffer.get()), 0u);
+  const Buffer copy(gst_buffer_copy(buffer.get()));
+  GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(copy.get());
   ASSERT_NE(meta, nullptr);
   EXPECT_EQ(meta->width, 8u);
   EXPECT_EQ(meta->height, 6u);
   std::vector<float> mine(8 * 6 * 4, 0.25f);
-  GBytes* bytes = g_bytes_new(mine.data(), mine.size() * sizeof(float));
-  EXPECT_TRUE(meta->upload(meta, GST_INVERSE_ROLE_INTRINSIC, bytes));
-  g_bytes_unref(bytes);
-  bytes = g_bytes_new(mine.data(), 7);
+  EXPECT_TRUE(replace_layer(copy.get(), GST_INVERSE_ROLE_INTRINSIC, mine));
+  GBytes* bytes = g_bytes_new(mine.data(), 7);
   EXPECT_FALSE(meta->upload(meta, GST_INVERSE_ROLE_INTRINSIC, bytes));
   g_bytes_unref(bytes);
   EXPECT_EQ(meta->download(meta, GST_INVERSE_ROLE_MASK), nullptr);
-  EXPECT_EQ(intrinsic_of(copy), mine);
-  EXPECT_NE(intrinsic_of(buffer), mine) << "the original must not change with its copy";
-  gst_buffer_unref(copy);
-  gst_buffer_unref(buffer);
+  EXPECT_EQ(layer_of(copy.get(), GST_INVERSE_ROLE_INTRINSIC), mine);
+  EXPECT_NE(layer_of(buffer.get(), GST_INVERSE_ROLE_INTRINSIC), mine)
+      << "the original must not change with its copy";
 }
 
 TEST(Pipelines, TwoDecomposersInOneProcessDoNotDisturbEachOther) {
@@ -367,9 +341,7 @@ TEST(Properties, ControllersReachLiveProperties) {
       GST_OBJECT(element),
       gst_direct_control_binding_new_absolute(GST_OBJECT(element), "temporal-weight", source));
   for (int i = 0; i < 6; ++i) harness.process(random_frame(caps, i));
-  gfloat weight = 0;
-  g_object_get(element, "temporal-weight", &weight, nullptr);
-  EXPECT_NEAR(weight, 5.0f, 1e-3f);  // at 5/25 s
+  EXPECT_NEAR(property<gfloat>(element, "temporal-weight"), 5.0f, 1e-3f);  // at 5/25 s
   gst_object_unref(source);
 }
 
@@ -391,13 +363,7 @@ TEST(Properties, TuningTakesAllEntriesOrNone) {
     harness.process(random_frame(caps, 1));
     return stat<int>(element, "irls-iterations");
   };
-  const auto tuning = [&] {
-    gchar* text = nullptr;
-    g_object_get(element, "tuning", &text, nullptr);
-    const std::string copy = text;
-    g_free(text);
-    return copy;
-  };
+  const auto tuning = [&] { return property<std::string>(element, "tuning"); };
   EXPECT_EQ(irls(), 2);
   g_object_set(element, "tuning", "irls-iterations = 3, irls=printed", nullptr);
   EXPECT_EQ(irls(), 3) << "live";
@@ -407,10 +373,7 @@ TEST(Properties, TuningTakesAllEntriesOrNone) {
        {"irls-iterations=1:magic=1", "irls-iterations=1:irls=maybe", "irls-iterations=0",
         "irls-iterations=many", "irls-iterations", "w-data=nan", "seed=1"}) {
     g_object_set(element, "tuning", wrong, nullptr);
-    const auto warnings = harness.warnings();
-    ASSERT_EQ(warnings.size(), 1u) << wrong;
-    expect_contains(warnings[0], wrong);
-    expect_contains(warnings[0], "keyframe-spacing");
+    expect_one(harness.warnings(), wrong, "keyframe-spacing");
     EXPECT_EQ(irls(), 3) << wrong;
     EXPECT_EQ(tuning(), "irls-iterations = 3, irls=printed");
   }
@@ -421,9 +384,7 @@ TEST(Properties, TuningTakesAllEntriesOrNone) {
 TEST(Properties, ElementsDoNotStartWithATuningThatCannotBeRead) {
   const LineResult line =
       run_line("videotestsrc num-buffers=1 ! intrinsicdecomp tuning=cycle=2 ! fakesink");
-  ASSERT_EQ(line.errors.size(), 1u);
-  expect_contains(line.first_error(), "there is no \"cycle\"");
-  expect_contains(line.first_error(), "warm-cycles");
+  expect_one(line.errors, "there is no \"cycle\"", "warm-cycles");
 }
 
 }  // namespace inverse::testing

@@ -61,6 +61,12 @@ RateController trade_for(double fps, double latency_ms = 0, size_t top = kTop) {
   return controller;
 }
 
+/// A controller whose goal is thirty frames a second.
+class ThirtyFrames : public ::testing::Test {
+ protected:
+  RateController controller = trade_for(30);
+};
+
 TEST(RateController, WithoutAGoalQualityDecides) {
   RateController controller(kCosts);
   for (const size_t top : {kTop, size_t{2}, size_t{3}}) {
@@ -78,16 +84,14 @@ TEST(RateController, TheStricterGoalIsTheBudget) {
   EXPECT_DOUBLE_EQ((RateController::Goal{25, 60}).budget_ms(), 40);
 }
 
-TEST(RateController, WhatFitsStaysAtTheTop) {
-  RateController controller = trade_for(30);
+TEST_F(ThirtyFrames, WhatFitsStaysAtTheTop) {
   Machine machine{[](double) { return 10.; }, 0.1};  // 30 of 33 ms at the top
   run(controller, machine, 0, 60);
   EXPECT_EQ(controller.level(), kTop);
   EXPECT_EQ(controller.report().moves, 0u);
 }
 
-TEST(RateController, QualityFallsAtOnceAndAsFarAsNeeded) {
-  RateController controller = trade_for(30);
+TEST_F(ThirtyFrames, QualityFallsAtOnceAndAsFarAsNeeded) {
   Machine machine{[](double time) { return time < 10 ? 8. : 30.; }};
   run(controller, machine, 0, 10);
   ASSERT_EQ(controller.level(), kTop);
@@ -100,8 +104,7 @@ TEST(RateController, QualityFallsAtOnceAndAsFarAsNeeded) {
   EXPECT_EQ(controller.level(), 2u);
 }
 
-TEST(RateController, ReturnsWhenTheLoadGoesOneLevelAtATime) {
-  RateController controller = trade_for(30);
+TEST_F(ThirtyFrames, ReturnsWhenTheLoadGoesOneLevelAtATime) {
   Machine machine{[](double time) { return time < 60 ? 60. : 8.; }};
   run(controller, machine, 0, 60);
   ASSERT_EQ(controller.level(), 0u);
@@ -131,8 +134,7 @@ TEST(RateController, NoiseCausesNoOscillation) {
   }
 }
 
-TEST(RateController, ALevelAboveItsExpectedCostIsTriedEverMoreRarely) {
-  RateController controller = trade_for(30);
+TEST_F(ThirtyFrames, ALevelAboveItsExpectedCostIsTriedEverMoreRarely) {
   // 20 ms at the chosen level; 25 expected above, and 40 found.
   Machine machine{[](double) { return 25.; }, 0.05, {0.5, 0.6, 0.8, 1.6, 2, 3}};
   run(controller, machine, 0, 10);
@@ -143,8 +145,7 @@ TEST(RateController, ALevelAboveItsExpectedCostIsTriedEverMoreRarely) {
   EXPECT_LT(rest.over, rest.frames / 50);
 }
 
-TEST(RateController, ReturnsAlsoAfterManyFailedTries) {
-  RateController controller = trade_for(30);
+TEST_F(ThirtyFrames, ReturnsAlsoAfterManyFailedTries) {
   Machine machine{
       [](double time) { return time < 300 ? 25. : 6.; }, 0.05, {0.5, 0.6, 0.8, 1.6, 2, 3}};
   run(controller, machine, 0, 300);
@@ -154,16 +155,14 @@ TEST(RateController, ReturnsAlsoAfterManyFailedTries) {
   EXPECT_EQ(controller.level(), kTop);
 }
 
-TEST(RateController, SingleSlowFramesMoveNothing) {
-  RateController controller = trade_for(30);
+TEST_F(ThirtyFrames, SingleSlowFramesMoveNothing) {
   int frame = 0;
   Machine machine{[&](double) { return ++frame % 10 == 0 ? 200. : 8.; }};
   run(controller, machine, 0, 60);
   EXPECT_EQ(controller.report().moves, 0u);
 }
 
-TEST(RateController, TheFirstFramesOfAStreamMayTakeLonger) {
-  RateController controller = trade_for(30);
+TEST_F(ThirtyFrames, TheFirstFramesOfAStreamMayTakeLonger) {
   for (int stream = 0; stream < 3; ++stream) {
     controller.forget();
     for (int i = 0; i < 30; ++i) controller.frame(10 * stream + i / 30., i < 3 ? 400 : 20, kTop);
@@ -171,8 +170,7 @@ TEST(RateController, TheFirstFramesOfAStreamMayTakeLonger) {
   EXPECT_EQ(controller.report().moves, 0u);
 }
 
-TEST(RateController, FramesOfAnOlderLevelDoNotCount) {
-  RateController controller = trade_for(30);
+TEST_F(ThirtyFrames, FramesOfAnOlderLevelDoNotCount) {
   for (int i = -3; i < 0; ++i) controller.frame(i * 0.1, 8, kTop);
   for (int i = 0; i < 3; ++i) controller.frame(i * 0.1, 60, kTop);
   const size_t level = controller.level();
@@ -181,8 +179,7 @@ TEST(RateController, FramesOfAnOlderLevelDoNotCount) {
   EXPECT_EQ(controller.level(), level);
 }
 
-TEST(RateController, LatenessDownstreamCountsWhateverFramesTakeHere) {
-  RateController controller = trade_for(30);
+TEST_F(ThirtyFrames, LatenessDownstreamCountsWhateverFramesTakeHere) {
   Machine machine{[](double) { return 3.; }};
   run(controller, machine, 0, 1);
   double time = 1;
@@ -200,16 +197,14 @@ TEST(RateController, LatenessDownstreamCountsWhateverFramesTakeHere) {
   EXPECT_EQ(controller.level(), kTop);
 }
 
-TEST(RateController, LatenessOfFramesBeforeAChangeIsIgnored) {
-  RateController controller = trade_for(30);
+TEST_F(ThirtyFrames, LatenessOfFramesBeforeAChangeIsIgnored) {
   for (int i = 0; i < 12; ++i) controller.late(0.03 * i, 40);
   EXPECT_EQ(controller.report().moves, 1u);
   for (int i = 12; i < 24; ++i) controller.late(0.03 * i, 40);
   EXPECT_EQ(controller.report().moves, 2u);
 }
 
-TEST(RateController, OneLateFrameIsIgnored) {
-  RateController controller = trade_for(30);
+TEST_F(ThirtyFrames, OneLateFrameIsIgnored) {
   for (int i = 0; i < 300; ++i) {
     controller.frame(i / 30., 8, controller.level());
     controller.late(i / 30., i % 3 == 0 ? 10 : -1);
@@ -232,8 +227,7 @@ TEST(RateController, QualityIsTheUpperEndAlsoWhileItIsChanged) {
   EXPECT_EQ(controller.level(), 4u);
 }
 
-TEST(RateController, ReportsItsExpectedTime) {
-  RateController controller = trade_for(30);
+TEST_F(ThirtyFrames, ReportsItsExpectedTime) {
   Machine machine{[](double) { return 30.; }};
   run(controller, machine, 0, 10);
   EXPECT_EQ(controller.report().level, controller.level());

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "tests/elements/draw.hpp"
 #include "tests/elements/element_test.hpp"
 #include "tests/srgb.hpp"
 #include "tests/update_max.hpp"
@@ -16,18 +17,12 @@ constexpr int kWidth = 160, kHeight = 120;
 /// Soft blotches of color, or grains of paint under a hard shadow; another picture for every
 /// `time`.
 std::vector<uint8_t> picture(bool soft, int time) {
-  std::vector<uint8_t> frame(static_cast<size_t>(kWidth) * kHeight * 4, 255);
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x)
-      for (int c = 0; c < 3; ++c) {
-        const double wave = std::sin(0.025 * x + 0.04 * y + 2 * c + 0.015 * time);
-        const unsigned paint = static_cast<unsigned>((x / 2) * 7919 + y * 104729 + c * 31) % 97;
-        const double light = x + 2 * y > 150 + time ? 0.9 : 0.3;
-        const double value = soft ? 0.5 + 0.3 * wave : light * (0.1 + 0.009 * paint);
-        frame[4 * (static_cast<size_t>(y) * kWidth + static_cast<size_t>(x)) +
-              static_cast<size_t>(c)] = static_cast<uint8_t>(255 * value);
-      }
-  return frame;
+  return draw(kWidth, kHeight, [&](int x, int y, int c) {
+    const double wave = std::sin(0.025 * x + 0.04 * y + 2 * c + 0.015 * time);
+    const unsigned paint = static_cast<unsigned>((x / 2) * 7919 + y * 104729 + c * 31) % 97;
+    const double light = x + 2 * y > 150 + time ? 0.9 : 0.3;
+    return 255 * (soft ? 0.5 + 0.3 * wave : light * (0.1 + 0.009 * paint));
+  });
 }
 
 struct Skipped {

@@ -109,10 +109,8 @@ TEST(Live, WhatIsSetExplicitlyStays) {
   send_until(harness, source, [](const Live& l) { return l.on && l.level == 0; });
   harness.process(source.next());
   EXPECT_EQ(live_of(harness).cycles, 3u);
-  gchar* tuning = nullptr;
-  g_object_get(harness.find("intrinsicdecomp"), "tuning", &tuning, nullptr);
-  EXPECT_STREQ(tuning, "warm-cycles=3") << "properties show what was set, not what is done";
-  g_free(tuning);
+  EXPECT_EQ(property<std::string>(harness.find("intrinsicdecomp"), "tuning"), "warm-cycles=3")
+      << "properties show what was set, not what is done";
 }
 
 // The artificial load is the frame: two hundred times as many pixels.
@@ -143,10 +141,8 @@ TEST(Live, LatenessDownstreamLowersQuality) {
   GstClockTime time = 0;
   // A sink that was a millisecond late, or early by five: too little to drop a frame for.
   const auto report = [&](GstClockTimeDiff late) {
-    gst_harness_push_upstream_event(
-        harness.harness(),
-        gst_event_new_qos(late > 0 ? GST_QOS_TYPE_UNDERFLOW : GST_QOS_TYPE_OVERFLOW, 1.0, late,
-                          time));
+    harness.send_upstream(gst_event_new_qos(
+        late > 0 ? GST_QOS_TYPE_UNDERFLOW : GST_QOS_TYPE_OVERFLOW, 1.0, late, time));
     time += GST_SECOND / 25;
   };
   Live live = send_until(
@@ -163,8 +159,7 @@ TEST(Live, FramesAreDroppedAtTheLowestQuality) {
   VideoHarness harness("intrinsicdecomp quality=low target-fps=1000", caps, caps);
   Source source(caps);
   harness.process(source.next());  // at 0
-  gst_harness_push_upstream_event(
-      harness.harness(),
+  harness.send_upstream(
       gst_event_new_qos(GST_QOS_TYPE_UNDERFLOW, 2.0, 100 * GST_MSECOND, 10 * GST_MSECOND));
   // GstBaseTransform drops what is due before 110 ms.
   for (int i = 1; i < 5; ++i) EXPECT_EQ(harness.push(source.next()), GST_FLOW_OK);

@@ -9,16 +9,15 @@
 #include <limits>
 #include <tuple>
 
-#include "gst/base/meta/inverse_layers_meta.h"
+#include "tests/elements/draw.hpp"
 #include "tests/elements/element_test.hpp"
+#include "tests/elements/layer_of.hpp"
 #include "tests/srgb.hpp"
 
 namespace inverse::testing {
 namespace {
 
 constexpr int kWidth = 24, kHeight = 10;
-constexpr const char* kIntrinsic =
-    "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS "), layers=(string)intrinsic";
 constexpr const char* kGlobal =
     "video/x-raw(meta:InverseLayers), format=RGBA, layers=(string)global, width=24, height=10, "
     "framerate=25/1";
@@ -43,10 +42,8 @@ int srgb(double linear) {
 }
 
 void put(GstBuffer* buffer, GstInverseRole role, const std::vector<Pixel>& pixels) {
-  GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(buffer);
-  GBytes* bytes = g_bytes_new(pixels.data(), pixels.size() * sizeof(Pixel));
-  ASSERT_TRUE(meta->upload(meta, role, bytes)) << role;
-  g_bytes_unref(bytes);
+  const float* values = pixels.front().data();
+  ASSERT_TRUE(replace_layer(buffer, role, {values, values + 4 * pixels.size()})) << role;
 }
 
 /// A line of editors that gets the frame above.
@@ -55,9 +52,9 @@ class LightOf : public ::testing::Test {
   /// The pixel in the middle that comes out of a line (RGBA), or nothing.
   std::vector<int> through(const std::string& line, GstFlowReturn expected = GST_FLOW_OK) {
     const std::string caps = VideoHarness::caps("RGBA", kWidth, kHeight);
-    VideoHarness source("intrinsicdecomp", caps, kIntrinsic);
-    EXPECT_EQ(source.push(flat_frame(caps, 128)), GST_FLOW_OK);
-    GstBuffer* buffer = gst_buffer_make_writable(gst_harness_pull(source.harness()));
+    VideoHarness source("intrinsicdecomp", caps, kLayers);
+    GstBuffer* buffer =
+        gst_buffer_make_writable(source.process_buffer(flat_frame(caps, 128)).release());
     const std::vector<Pixel> paint(kWidth * kHeight, kPaint);
     const std::vector<Pixel> light(kWidth * kHeight, light_of(kFromGreen, kFromRed));
     Pixel input = light.front();
@@ -80,11 +77,9 @@ class LightOf : public ::testing::Test {
     EXPECT_EQ(gst_harness_push(editors.harness(), buffer), expected);
     errors_ = editors.errors();
     if (expected != GST_FLOW_OK) return {};
-    GstBuffer* made = gst_harness_try_pull(editors.harness());
+    const Buffer made(gst_harness_try_pull(editors.harness()));
     if (!made) return {};
-    std::vector<uint8_t> bytes(gst_buffer_get_size(made));
-    gst_buffer_extract(made, 0, bytes.data(), bytes.size());
-    gst_buffer_unref(made);
+    const auto bytes = bytes_of(made.get());
     const uint8_t* middle = &bytes[4 * (kWidth * (kHeight / 2) + kWidth / 2)];
     return {middle[0], middle[1], middle[2]};
   }
@@ -154,23 +149,19 @@ TEST_F(LightOf, SplitSendsEveryLayer) {
 /// RGBA: a red wall on the left, a green one on the right, white between, lit from above, the white
 /// with the walls' color on it.
 std::vector<uint8_t> colored_corner(int width, int height) {
-  std::vector<uint8_t> frame;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const double u = (x + 0.5) / width, v = (y + 0.5) / height, direct = 0.7 - 0.4 * v;
-      const bool left = u<0.3, right = u> 0.7;
-      const double red = left ? 0.03 : 0.25 * std::exp(-4 * (u - 0.3)),
-                   green = right ? 0.03 : 0.25 * std::exp(-4 * (0.7 - u));
-      const std::array<double, 3> paint = left    ? std::array{0.75, 0.1, 0.1}
-                                          : right ? std::array{0.12, 0.6, 0.12}
-                                                  : std::array{0.75, 0.75, 0.75};
-      const std::array<double, 3> light{direct + red + 0.15 * green, direct + 0.1 * red + green,
-                                        direct + 0.1 * red + 0.15 * green};
-      for (size_t c = 0; c < 3; ++c)
-        frame.push_back(static_cast<uint8_t>(srgb(paint[c] * light[c])));
-      frame.push_back(255);
-    }
-  return frame;
+  return draw(width, height, [&](int x, int y, int c) {
+    const double u = (x + 0.5) / width, v = (y + 0.5) / height, direct = 0.7 - 0.4 * v;
+    const bool left = u<0.3, right = u> 0.7;
+    const double red = left ? 0.03 : 0.25 * std::exp(-4 * (u - 0.3)),
+                 green = right ? 0.03 : 0.25 * std::exp(-4 * (0.7 - u));
+    const std::array<double, 3> paint = left    ? std::array{0.75, 0.1, 0.1}
+                                        : right ? std::array{0.12, 0.6, 0.12}
+                                                : std::array{0.75, 0.75, 0.75};
+    const std::array<double, 3> light{direct + red + 0.15 * green, direct + 0.1 * red + green,
+                                      direct + 0.1 * red + 0.15 * green};
+    const auto channel = static_cast<size_t>(c);
+    return srgb(paint[channel] * light[channel]);
+  });
 }
 
 TEST(GlobalIntrinsic, UneditedChainReturnsItsInput) {
@@ -195,8 +186,7 @@ TEST(GlobalIntrinsic, DespillTakesTheWallsColorOffTheFloor) {
       "globalintrinsic name=g ! intrinsicdespill key=0xffe05050 tolerance=1.2 ! "
       "intrinsiccompose",
       caps, caps);
-  std::vector<uint8_t> out;
-  for (int k = 0; k < 3; ++k) out = harness.process(frame);
+  const auto out = harness.process(frame, 3);
   const size_t by_the_wall = 4 * (size_t(width) * 90 + 54);
   const auto cast = [&](const std::vector<uint8_t>& picture) {
     return double(picture[by_the_wall]) / picture[by_the_wall + 1];
@@ -258,31 +248,24 @@ std::vector<std::pair<int, std::string>> lost_regions(GstBus* bus) {
 class GlobalIntrinsicThesis : public ::testing::Test {
  protected:
   static constexpr int kSide = 48;
-  void SetUp() override {
-    element_ = harness_.find("globalintrinsicthesis");
-    gst_element_set_bus(element_, bus_);
-  }
-  void TearDown() override {
-    gst_element_set_bus(element_, nullptr);
-    gst_object_unref(bus_);
-  }
   void mark(int x, int y) { g_signal_emit_by_name(element_, "mark", x, y); }
+  void click(double x, double y) {
+    harness_.send_upstream(
+        gst_navigation_event_new_mouse_button_press(1, x, y, GST_NAVIGATION_MODIFIER_NONE));
+  }
   unsigned regions() { return stat<guint>(element_, "regions"); }
 
   const std::string caps_ = VideoHarness::caps("RGBA", kSide, kSide);
   const std::vector<uint8_t> frame_ = colored_corner(kSide, kSide);
   VideoHarness harness_{"globalintrinsicthesis tuning=steps=2:keyframes=0", caps_, caps_};
-  GstBus* bus_ = gst_bus_new();
-  GstElement* element_ = nullptr;
+  GstBus* bus_ = harness_.bus();
+  GstElement* element_ = harness_.find("globalintrinsicthesis");
 };
 
 TEST_F(GlobalIntrinsicThesis, ClicksMarkRegionsAndGetColors) {
   harness_.process(frame_);
   mark(kSide / 2, kSide / 2);
-  // A click on the shown picture, as a sink sends it.
-  GstEvent* press =
-      gst_navigation_event_new_mouse_button_press(1, 2.7, 30.2, GST_NAVIGATION_MODIFIER_NONE);
-  gst_harness_push_upstream_event(harness_.harness(), press);
+  click(2.7, 30.2);  // on the shown picture, as a sink sends it
   for (int k = 0; k < 3; ++k) harness_.process(frame_);
   EXPECT_EQ(fields(bus_, "inverse-region-marked", "region"), (std::vector{1, 2}));
   EXPECT_EQ(regions(), 2u);
@@ -364,10 +347,6 @@ TEST_F(GlobalIntrinsicThesis, AFlushDropsClicksThatWait) {
 
 TEST_F(GlobalIntrinsicThesis, ClicksOnTheMosaicMarkThePixelUnderThem) {
   gst_util_set_object_arg(G_OBJECT(element_), "show", "mosaic");
-  const auto click = [&](double x, double y) {
-    gst_harness_push_upstream_event(harness_.harness(), gst_navigation_event_new_mouse_button_press(
-                                                            1, x, y, GST_NAVIGATION_MODIFIER_NONE));
-  };
   harness_.process(frame_);
   click(kSide / 2 + 6.3, 2.9);
   click(3, kSide - 1);
@@ -422,8 +401,7 @@ TEST(LightLayers, AreRefusedByNameWhereThereAreNone) {
         run_line(std::string("videotestsrc num-buffers=2 ! video/x-raw,width=32,height=24 ! ") +
                  line + " ! fakesink");
     ASSERT_FALSE(result.errors.empty()) << line;
-    EXPECT_NE(result.first_error().find(element), std::string::npos)
-        << line << ": " << result.first_error();
+    expect_contains(result.first_error(), element);
   }
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // materialclone.
-#include <ImfRgbaFile.h>
 #include <gst/app/gstappsrc.h>
 #include <gst/video/navigation.h>
 #include <sys/stat.h>
@@ -34,8 +33,7 @@ class CloneTest : public LimeElementTest {
     return flat_frame(frame_caps(width, height), 128);
   }
   static const uint8_t* at(const std::vector<uint8_t>& frame, int x, int y, int width = kSide) {
-    return &frame[4 *
-                  (static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x))];
+    return pixel_at(frame, x, y, width);
   }
   std::string written(const std::string& name, const std::string& bytes) const {
     return folder_.write(name, bytes);
@@ -49,19 +47,18 @@ class CloneTest : public LimeElementTest {
   /// The same in OpenEXR; `odd` in the red of its last pixel, where that is given.
   std::string lamp_exr(float red, float green, float blue, std::optional<float> odd = {}) const {
     const Environment map = lamp(4, red, green, blue);
-    const auto [width, height] = map.extent();
+    const size_t width = map.extent().width;
     std::vector<Imf::Rgba> pixels(map.extent().pixels());
     for (size_t i = 0; i < pixels.size(); ++i) {  // as an observer facing the camera sees it
       const float* rgb = &map.rgb()[3 * (i / width * width + width - 1 - i % width)];
       pixels[i] = Imf::Rgba(rgb[0], rgb[1], rgb[2]);
     }
     if (odd) pixels.back().r = *odd;
-    std::string path = folder_ / "lamp.exr";
-    Imf::RgbaOutputFile file(path.c_str(), static_cast<int>(width), static_cast<int>(height),
-                             Imf::WRITE_RGB);
-    file.setFrameBuffer(pixels.data(), 1, width);
-    file.writePixels(static_cast<int>(height));
-    return path;
+    return write_exr(folder_ / "lamp.exr", static_cast<int>(width), pixels);
+  }
+  /// The result of two frames that are drawn into.
+  static LineResult run(const std::string& properties) {
+    return run_line("videotestsrc num-buffers=2 ! materialclone " + properties + " ! fakesink");
   }
 
   TemporaryFolder folder_;
@@ -73,9 +70,7 @@ TEST_F(CloneTest, PixelsThatAreNotSquareAreWarnedOf) {
   VideoHarness harness("materialclone source=properties",
                        VideoHarness::caps("RGBA", kSide, kSide, "pixel-aspect-ratio=2/1"));
   ASSERT_FALSE(harness.process(gray()).empty());
-  const auto warnings = harness.warnings();
-  ASSERT_EQ(warnings.size(), 1u);
-  expect_contains(warnings.front(), "2:1");
+  expect_one(harness.warnings(), "2:1");
 }
 
 TEST_F(CloneTest, DrawsABallByDefault) {
@@ -101,16 +96,14 @@ TEST_F(CloneTest, TakesTheMaterialOfTheStreamAndHoldsIt) {
   GstElement* clone = harness.find("materialclone");
   harness.process(scene(0, 0, 0));
   EXPECT_EQ(stat<std::string>(clone, "material"), "properties");
-  for (int i = 0; i < 8; ++i) ASSERT_FALSE(harness.process(scene(60, 30, 20)).empty());
+  harness.process(scene(60, 30, 20), 8);
   EXPECT_EQ(stat<std::string>(clone, "material"), "stream");
   EXPECT_NEAR(stat<double>(clone, "diffuse-blue"), .7, 1e-2);
-  ASSERT_EQ(harness.push(scene(60, 30, 20)), GST_FLOW_OK);
-  GstBuffer* out = gst_harness_pull(harness.harness());
-  const GstMaterialMeta* meta = gst_buffer_get_material_meta(out);
+  const Buffer out = harness.process_buffer(scene(60, 30, 20));
+  const GstMaterialMeta* meta = gst_buffer_get_material_meta(out.get());
   ASSERT_NE(meta, nullptr) << "it travels on";
   EXPECT_TRUE(meta->found);
-  gst_buffer_unref(out);
-  for (int i = 0; i < 12; ++i) harness.process(scene(0, 0, 0));
+  harness.process(scene(0, 0, 0), 12);
   EXPECT_EQ(stat<std::string>(clone, "material"), "held");
   EXPECT_NEAR(stat<double>(clone, "diffuse-blue"), .7, 1e-2);
   gst_util_set_object_arg(G_OBJECT(clone), "source", "properties");
@@ -123,7 +116,7 @@ TEST_F(CloneTest, MaterialsPassElementsThatConvertAndScale) {
                            " ! videoconvert ! video/x-raw,format=I420 ! videoscale ! "
                            "video/x-raw,width=64,height=96 ! materialclone size=0.3 x=0.15",
                        caps());
-  for (int i = 0; i < 8; ++i) ASSERT_FALSE(harness.process(scene(60, 30, 20)).empty());
+  harness.process(scene(60, 30, 20), 8);
   GstElement* clone = harness.find("materialclone");
   EXPECT_EQ(stat<std::string>(clone, "material"), "stream");
   EXPECT_EQ(stat<std::string>(clone, "light"), "estimate");
@@ -144,9 +137,8 @@ TEST_F(CloneTest, AStreamWithoutMaterialsIsAWarning) {
   EXPECT_TRUE(warnings("", "source=properties").empty());
   for (const std::string& between :
        {std::string(), lime + "videoflip video-direction=180 ! ", lime + "videocrop top=10 ! "}) {
-    const auto found = warnings(between);
-    ASSERT_EQ(found.size(), 1u) << between;
-    expect_contains(found[0], "put limematerial before this element");
+    SCOPED_TRACE(between);
+    expect_one(warnings(between), "put limematerial before this element");
   }
 }
 
@@ -176,16 +168,10 @@ TEST_F(CloneTest, LightOfAnOpenExrFileIsThatOfTheSameMapInRadiance) {
   };
   EXPECT_EQ(drawn(lamp_exr(8, 4, 2)), drawn(lamp_file(8, 4, 2)));
   const auto warnings = [](const std::string& path) {
-    return run_line(
-               "videotestsrc num-buffers=2 ! materialclone source=properties "
-               "environment-location=" +
-               path + " ! fakesink")
-        .warnings;
+    return run("source=properties environment-location=" + path).warnings;
   };
   EXPECT_TRUE(warnings(lamp_exr(8, 4, 2)).empty());
-  const auto found = warnings(lamp_exr(8, 4, 2, -1.0F));
-  ASSERT_EQ(found.size(), 1u);
-  expect_contains(found[0], "1 values that are no radiance");
+  expect_one(warnings(lamp_exr(8, 4, 2, -1.0F)), "1 values that are no radiance");
 }
 
 TEST_F(CloneTest, LightOfTheStreamIsTakenUnlessInvalid) {
@@ -225,11 +211,10 @@ TEST_F(CloneTest, StillObjectsAreDrawnOnceAndSpinningOnesTurn) {
   VideoHarness harness("materialclone", frame_caps(), frame_caps());
   GstElement* clone = harness.find("materialclone");
   for (int i = 0; i < 5; ++i) harness.process(gray());
-  const guint64 drawn = 1;
-  EXPECT_EQ(stat<guint64>(clone, "drawn"), drawn);
+  EXPECT_EQ(stat<guint64>(clone, "drawn"), 1u);
   g_object_set(clone, "spin", 90.0F, nullptr);
   for (int i = 0; i < 5; ++i) harness.process(gray());
-  EXPECT_EQ(stat<guint64>(clone, "drawn"), drawn + 5);
+  EXPECT_EQ(stat<guint64>(clone, "drawn"), 6u);
   EXPECT_EQ(stat<guint64>(clone, "shadows"), 1u);
 }
 
@@ -275,9 +260,7 @@ TEST_F(CloneTest, FollowsTheMouseIfEnabled) {
   VideoHarness harness("materialclone size=0.3 tuning=shadow=0 specular=0 diffuse-color=0xff0000ff",
                        frame_caps(), frame_caps());
   GstElement* clone = harness.find("materialclone");
-  const auto send = [&](GstEvent* event) {
-    gst_harness_push_upstream_event(harness.harness(), event);
-  };
+  const auto send = [&](GstEvent* event) { harness.send_upstream(event); };
   auto out = harness.process(gray());
   send(gst_navigation_event_new_mouse_button_press(1, 20, 24, GST_NAVIGATION_MODIFIER_NONE));
   EXPECT_EQ(harness.process(gray()), out) << "not without drag";
@@ -306,7 +289,7 @@ TEST_F(CloneTest, SizesFormatsAndNewCaps) {
   VideoHarness harness("materialclone spin=40", frame_caps());
   for (const auto& [width, height] : {std::pair{16, 16}, {1, 1}, {200, 120}, {33, 7}, {640, 16}}) {
     harness.set_src_caps(frame_caps(width, height));
-    for (int i = 0; i < 3; ++i) ASSERT_FALSE(harness.process(gray(width, height)).empty());
+    harness.process(gray(width, height), 3);
     harness.flush();
   }
   for (const char* format : {"I420", "NV12", "BGRx", "RGB", "GRAY8", "P010_10LE", "RGBA64_LE"}) {
@@ -359,25 +342,18 @@ TEST_F(CloneTest, SpinWithoutTimeIsWarnedOf) {
       "appsrc name=in format=bytes caps=video/x-raw,format=RGBA,width=16,height=16,framerate=0/1 ! "
       "materialclone spin=90 source=properties ! fakesink",
       60, [](GstElement* pipeline) {
-        GstElement* in = gst_bin_get_by_name(GST_BIN(pipeline), "in");
+        GstElement* in = find_element(pipeline, "in");
         for (int i = 0; i < 3; ++i)
           gst_app_src_push_buffer(GST_APP_SRC(in), gst_buffer_new_allocate(nullptr, 1024, nullptr));
         gst_app_src_end_of_stream(GST_APP_SRC(in));
-        gst_object_unref(in);
       });
   EXPECT_TRUE(result.eos) << result.first_error();
-  ASSERT_EQ(result.warnings.size(), 1u);
-  expect_contains(result.warnings[0], "stream time");
+  expect_one(result.warnings, "stream time");
 }
 
 TEST_F(CloneTest, BadFilesAreErrorsWithTheirCause) {
-  const auto error = [](const std::string& properties) {
-    return run_line("videotestsrc num-buffers=2 ! materialclone " + properties + " ! fakesink")
-        .first_error();
-  };
-  EXPECT_NE(error("mesh=/nowhere/a.obj").find("mesh /nowhere/a.obj cannot be read"),
-            std::string::npos)
-      << error("mesh=/nowhere/a.obj");
+  const auto error = [](const std::string& properties) { return run(properties).first_error(); };
+  expect_contains(error("mesh=/nowhere/a.obj"), "mesh /nowhere/a.obj cannot be read");
   expect_contains(error("environment-location=/nowhere/a.hdr"), "/nowhere/a.hdr cannot be read");
   const std::string pipe = folder_ / "pipe.hdr";  // waits for a writer
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
@@ -392,11 +368,9 @@ TEST_F(CloneTest, AMeshWithDamagedFacesIsDrawnWithOneWarning) {
   const std::string mesh = written("damaged.obj",
                                    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\n"
                                    "f 1 2 3\nf 1 2 4\n");
-  const auto result = run_line(
-      "videotestsrc num-buffers=2 ! materialclone source=properties mesh=" + mesh + " ! fakesink");
+  const auto result = run("source=properties mesh=" + mesh);
   EXPECT_TRUE(result.eos) << result.first_error();
-  ASSERT_EQ(result.warnings.size(), 1U);
-  expect_contains(result.warnings[0], "1 of 2 faces were dropped");
+  expect_one(result.warnings, "1 of 2 faces were dropped");
 }
 
 TEST_F(CloneTest, FilesAreReadAtEveryStartAndNotBetween) {
@@ -427,8 +401,7 @@ TEST_F(CloneTest, ALargeMeshIsAWarningOfSoftwareDevices) {
     const std::string mesh = written("large.obj", obj);
     VideoHarness harness("materialclone source=properties size=0.1 mesh=" + mesh, frame_caps());
     std::filesystem::remove(mesh);
-    for (int frame = 0; frame < 2; ++frame)
-      EXPECT_EQ(harness.process(gray()).size(), gray().size());
+    EXPECT_EQ(harness.process(gray(), 2).size(), gray().size());
     harness.set_src_caps(frame_caps(64, 48));
     EXPECT_EQ(harness.process(gray(64, 48)).size(), gray(64, 48).size());
     return harness.warnings();

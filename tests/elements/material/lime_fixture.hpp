@@ -32,6 +32,10 @@ class LimeElementTest : public ::testing::Test {
   static std::string caps(int width = kWidth, int height = kHeight) {
     return VideoHarness::caps("RGBA", width, height);
   }
+  /// What a pattern of two frames gives.
+  LineResult run(const std::string& more) const {
+    return run_line("videotestsrc num-buffers=2 ! " + line(more) + " ! fakesink");
+  }
   HandMadeLime files;
 };
 

@@ -8,6 +8,7 @@
 
 #include "gst/material/meta/inverse_material_meta.h"
 #include "lime_fixture.hpp"
+#include "tests/elements/draw.hpp"
 #include "tests/has_networks.hpp"
 #include "tests/srgb.hpp"
 #include "tests/temporary_folder.hpp"
@@ -17,7 +18,7 @@ namespace inverse::testing {
 TEST_F(LimeElementTest, ReportsTheMaterialInPropertiesStatsAndMeta) {
   VideoHarness harness(line(), caps(), caps());
   GstElement* lime = harness.find("limematerial");
-  for (int i = 0; i < 8; ++i) ASSERT_FALSE(harness.process(scene(60, 30, 20)).empty());
+  harness.process(scene(60, 30, 20), 8);
   const auto color = property<guint>(lime, "diffuse-albedo");
   const auto code = [](double v) { return std::lround(255 * srgb_code(v)); };
   EXPECT_EQ(color, 0xff000000u | static_cast<guint>(code(.2) << 16 | code(.5) << 8 | code(.7)));
@@ -26,27 +27,25 @@ TEST_F(LimeElementTest, ReportsTheMaterialInPropertiesStatsAndMeta) {
   EXPECT_EQ(stat<guint>(lime, "bin"), 5u);
   EXPECT_NEAR(stat<double>(lime, "diffuse-green"), .5, 1e-3);
 
-  ASSERT_EQ(harness.push(scene(60, 30, 20)), GST_FLOW_OK);
-  GstBuffer* out = gst_harness_pull(harness.harness());
-  GstMaterialMeta* meta = gst_buffer_get_material_meta(out);
+  Buffer out = harness.process_buffer(scene(60, 30, 20));
+  GstMaterialMeta* meta = gst_buffer_get_material_meta(out.get());
   ASSERT_NE(meta, nullptr);
   EXPECT_TRUE(meta->found);
   EXPECT_NEAR(meta->diffuse[2], .7, 1e-3);
   EXPECT_NEAR((meta->left + meta->right) / 2, 60, 3);
-  GstBuffer* copy = gst_buffer_copy(out);
-  ASSERT_NE(gst_buffer_get_material_meta(copy), nullptr);
-  EXPECT_EQ(gst_buffer_get_material_meta(copy)->averaged, meta->averaged);
-  gst_buffer_unref(copy);
+  Buffer copy(gst_buffer_copy(out.get()));
+  ASSERT_NE(gst_buffer_get_material_meta(copy.get()), nullptr);
+  EXPECT_EQ(gst_buffer_get_material_meta(copy.get())->averaged, meta->averaged);
 
   bool freed = false;
   const auto free_light = [](gpointer flag) { *static_cast<bool*>(flag) = true; };
   GBytes* light = g_bytes_new_with_free_func("light", 5, free_light, &freed);
   g_clear_pointer(&meta->environment, g_bytes_unref);
   meta->environment = g_bytes_ref(light);
-  copy = gst_buffer_copy(out);
-  gst_buffer_unref(out);
-  EXPECT_EQ(gst_buffer_get_material_meta(copy)->environment, light) << "shared by copies";
-  gst_buffer_unref(copy);
+  copy.reset(gst_buffer_copy(out.get()));
+  out.reset();
+  EXPECT_EQ(gst_buffer_get_material_meta(copy.get())->environment, light) << "shared by copies";
+  copy.reset();
   EXPECT_FALSE(freed);
   g_bytes_unref(light);
   EXPECT_TRUE(freed) << "no buffer references it";
@@ -54,11 +53,9 @@ TEST_F(LimeElementTest, ReportsTheMaterialInPropertiesStatsAndMeta) {
 
 TEST_F(LimeElementTest, ReportsThatAnObjectComesAndGoes) {
   VideoHarness harness(line(), caps(), caps());
-  GstBus* bus = gst_bus_new();
-  gst_element_set_bus(harness.find("limematerial"), bus);
-  const auto changes = [bus] {
+  const auto changes = [&] {
     std::vector<bool> found;
-    for (const Structure& message : element_messages(bus, "material"))
+    for (const Structure& message : element_messages(harness.bus(), "material"))
       found.push_back(field<bool>(message.get(), "found").value());
     return found;
   };
@@ -72,16 +69,13 @@ TEST_F(LimeElementTest, ReportsThatAnObjectComesAndGoes) {
   for (int i = 0; i < 8; ++i) harness.process(scene(0, 0, 0));
   EXPECT_EQ(changes(), std::vector<bool>{false});
   EXPECT_EQ(property<guint>(harness.find("limematerial"), "diffuse-albedo"), 0u);
-  gst_element_set_bus(harness.find("limematerial"), nullptr);
-  gst_object_unref(bus);
 }
 
 TEST_F(LimeElementTest, EveryShowHasAPicture) {
   std::map<std::string, std::vector<uint8_t>> shown;
   for (const char* show : {"input", "mask", "specular", "diffuse", "mirror", "mosaic"}) {
     VideoHarness harness(line(std::string("show=") + show), caps(), caps());
-    std::vector<uint8_t> out;
-    for (int i = 0; i < 6; ++i) out = harness.process(scene(60, 30, 20));
+    const auto out = harness.process(scene(60, 30, 20), 6);
     ASSERT_EQ(out.size(), scene(0, 0, 0).size()) << show;
     const uint8_t* object = &out[4 * (30 * kWidth + 60)];
     if (!strcmp(show, "input")) {
@@ -133,13 +127,12 @@ TEST_F(LimeElementTest, AnUnchangedPictureIsNotDrawnAgain) {
                          caps());
     GstElement* lime = harness.find("limematerial");
     const auto kept = [lime] { return stat<bool>(lime, "reused"); };
-    std::vector<uint8_t> out;
-    for (int i = 0; i < 40; ++i) out = harness.process(scene(60, 30, 20));
+    auto out = harness.process(scene(60, 30, 20), 40);
     EXPECT_TRUE(kept()) << show;
     EXPECT_EQ(harness.process(scene(60, 30, 20)), out) << show;
     EXPECT_NE(harness.process(scene(62, 30, 20)), out) << show;
     EXPECT_FALSE(kept()) << show;
-    for (int i = 0; i < 4; ++i) out = harness.process(scene(60, 30, 20));
+    out = harness.process(scene(60, 30, 20), 4);
     g_object_set(lime, "adaptive", FALSE, nullptr);
     EXPECT_EQ(harness.process(scene(60, 30, 20)), out) << show << ": the same, drawn anew";
     EXPECT_FALSE(kept()) << show;
@@ -149,8 +142,7 @@ TEST_F(LimeElementTest, AnUnchangedPictureIsNotDrawnAgain) {
 TEST_F(LimeElementTest, LayersOfAnUnchangedPictureAreReused) {
   VideoHarness harness(line("tuning=estimate-interval=1000") + " ! intrinsiccompose show=specular",
                        caps(), caps());
-  std::vector<uint8_t> out;
-  for (int i = 0; i < 40; ++i) out = harness.process(scene(60, 30, 20));
+  const auto out = harness.process(scene(60, 30, 20), 40);
   EXPECT_GT(out[4 * (30 * kWidth + 60)], 20) << "there are highlights";
   EXPECT_TRUE(stat<bool>(harness.find("limematerial"), "reused"));
   g_object_set(harness.find("limematerial"), "adaptive", FALSE, nullptr);
@@ -178,8 +170,7 @@ TEST_F(LimeElementTest, AnUnchangedPictureIsDrawnAgainForAnotherView) {
 TEST_F(LimeElementTest, APreviewIsDrawnAgainAfterItsLightIsDiscarded) {
   VideoHarness harness(line("tuning=estimate-interval=1000 show=preview"), caps(), caps());
   GstElement* lime = harness.find("limematerial");
-  std::vector<uint8_t> lit;
-  for (int i = 0; i < 40; ++i) lit = harness.process(scene(60, 30, 20));
+  const auto lit = harness.process(scene(60, 30, 20), 40);
   EXPECT_TRUE(stat<bool>(lime, "reused"));
   EXPECT_GT(stat<guint64>(lime, "light-views"), 0u);
   gst_util_set_object_arg(G_OBJECT(lime), "normals", "none");
@@ -201,15 +192,13 @@ TEST_F(LimeElementTest, TracksTheObjectAcrossAChangeOfRate) {
 TEST_F(LimeElementTest, SurvivesFlushesAndNewCaps) {
   VideoHarness harness(line(), caps());
   GstElement* lime = harness.find("limematerial");
-  for (int i = 0; i < 5; ++i) ASSERT_FALSE(harness.process(scene(60, 30, 20)).empty());
+  harness.process(scene(60, 30, 20), 5);
   harness.flush();
   ASSERT_FALSE(harness.process(scene(0, 0, 0)).empty());
   EXPECT_FALSE(stat<bool>(lime, "found"));
   for (const auto& [width, height] : {std::pair{16, 16}, {1, 1}, {200, 120}, {33, 7}}) {
     harness.set_src_caps(caps(width, height));
-    for (int i = 0; i < 4; ++i)
-      ASSERT_FALSE(
-          harness.process(scene(width / 2, height / 2, height / 3, width, height)).empty());
+    harness.process(scene(width / 2, height / 2, height / 3, width, height), 4);
   }
   EXPECT_TRUE(harness.errors().empty());
 }
@@ -260,10 +249,10 @@ TEST_F(LimeElementTest, ModelsThatAreMissingAreAnError) {
         .first_error();
   };
   const auto none = error("/nowhere");
-  EXPECT_NE(none.find("there is no folder /nowhere/lime"), std::string::npos) << none;
-  EXPECT_NE(none.find("INVERSE_MODELS"), std::string::npos) << "what to do";
+  expect_contains(none, "there is no folder /nowhere/lime");
+  expect_contains(none, "INVERSE_MODELS");  // what to do
   std::filesystem::remove(files.path("albedo"));
-  EXPECT_NE(error(files.folder()).find("albedo.net"), std::string::npos);
+  expect_contains(error(files.folder()), "albedo.net");
 }
 
 TEST_F(LimeElementTest, ModelsAreReadAtEveryStart) {
@@ -283,23 +272,16 @@ namespace {
 /// A glossy blue ball before checks, RGBA.
 std::vector<uint8_t> ball(int width, int height, double x0, double y0, double radius) {
   const double albedo[3] = {.08, .35, .5};
-  std::vector<uint8_t> picture(size_t{4} * width * height, 255);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const double nx = (x - x0) / radius, ny = (y - y0) / radius, r2 = nx * nx + ny * ny;
-      for (int c = 0; c < 3; ++c) {
-        double light = ((x / 24 + y / 24) % 2 ? .30 : .18) * (c == 2 ? .6 : 1);
-        if (r2 < 1) {
-          const double nz = std::sqrt(1 - r2), facing = -.48 * nx - .48 * ny + .73 * nz;
-          const double half = -.26 * nx - .26 * ny + .93 * nz;
-          light =
-              albedo[c] * (.25 + .9 * std::max(0., facing)) + .8 * std::pow(std::max(0., half), 60);
-        }
-        picture[4 * (static_cast<size_t>(width) * y + x) + c] =
-            static_cast<uint8_t>(std::lround(255 * std::clamp(srgb_code(light), 0., 1.)));
-      }
+  return draw(width, height, [&](int x, int y, int c) {
+    const double nx = (x - x0) / radius, ny = (y - y0) / radius, r2 = nx * nx + ny * ny;
+    double light = ((x / 24 + y / 24) % 2 ? .30 : .18) * (c == 2 ? .6 : 1);
+    if (r2 < 1) {
+      const double nz = std::sqrt(1 - r2), facing = -.48 * nx - .48 * ny + .73 * nz;
+      const double half = -.26 * nx - .26 * ny + .93 * nz;
+      light = albedo[c] * (.25 + .9 * std::max(0., facing)) + .8 * std::pow(std::max(0., half), 60);
     }
-  return picture;
+    return std::lround(255 * std::clamp(srgb_code(light), 0., 1.));
+  });
 }
 
 }  // namespace
@@ -310,8 +292,7 @@ TEST_F(LimeElementTest, BundledNetworksFindABall) {
   const auto picture = ball(kSide, kSide, 128, 128, kRadius);
   VideoHarness harness("limematerial show=specular", caps(kSide, kSide), caps(kSide, kSide));
   GstElement* lime = harness.find("limematerial");
-  std::vector<uint8_t> highlights;
-  for (int i = 0; i < 8; ++i) highlights = harness.process(picture);
+  const auto highlights = harness.process(picture, 8);
   ASSERT_TRUE(stat<bool>(lime, "found"));
   EXPECT_NEAR(stat<double>(lime, "left"), 128 - kRadius, 12);
   EXPECT_NEAR(stat<double>(lime, "bottom"), 128 + kRadius, 12);

@@ -2,11 +2,9 @@
 // Layers of limematerial: what carries them, what draws them, and who refuses them.
 #include <algorithm>
 
-#include "gst/base/meta/inverse_layers_meta.h"
 #include "gst/material/meta/inverse_material_meta.h"
 #include "lime_fixture.hpp"
 #include "tests/elements/layer_of.hpp"
-#include "tests/expect_error.hpp"
 #include "tests/srgb.hpp"
 
 namespace inverse::testing {
@@ -18,18 +16,19 @@ constexpr const char* kMaterial =
 class MaterialLayers : public LimeElementTest {
  protected:
   static constexpr size_t kObject = 4 * (size_t{30} * kWidth + 60);
+  /// What comes out of the last of six frames.
+  static Buffer sixth(VideoHarness& harness) {
+    for (int i = 0; i < 5; ++i) harness.process_buffer(scene(60, 30, 20));
+    return harness.process_buffer(scene(60, 30, 20));
+  }
 };
 
 }  // namespace
 
 TEST_F(MaterialLayers, GoOutWhereTheyAreTaken) {
   VideoHarness harness(line(), caps(), kMaterial);
-  GstBuffer* buffer = nullptr;
-  for (int i = 0; i < 6; ++i) {
-    if (buffer) gst_buffer_unref(buffer);
-    ASSERT_EQ(harness.push(scene(60, 30, 20)), GST_FLOW_OK);
-    buffer = gst_harness_pull(harness.harness());
-  }
+  const Buffer last = sixth(harness);
+  GstBuffer* buffer = last.get();
   EXPECT_EQ(gst_buffer_get_size(buffer), 0u) << "no pixels";
   ASSERT_NE(gst_buffer_get_material_meta(buffer), nullptr);
   EXPECT_TRUE(gst_buffer_get_material_meta(buffer)->found);
@@ -47,7 +46,6 @@ TEST_F(MaterialLayers, GoOutWhereTheyAreTaken) {
   EXPECT_GT(specular[kObject], .01);
   EXPECT_GT(specular[kObject + 3], specular[kObject]) << "mirror image";
   EXPECT_EQ(specular[3], 0);
-  gst_buffer_unref(buffer);
 }
 
 TEST_F(MaterialLayers, UneditedTheyAreComposedToTheInput) {
@@ -72,48 +70,28 @@ TEST_F(MaterialLayers, UneditedTheyAreComposedToTheInput) {
 
 TEST_F(MaterialLayers, AnEditShowsInThePicture) {
   VideoHarness lime(line(), caps(), kMaterial);
-  GstBuffer* buffer = nullptr;
-  for (int i = 0; i < 6; ++i) {
-    if (buffer) gst_buffer_unref(buffer);
-    lime.push(scene(60, 30, 20));
-    buffer = gst_harness_pull(lime.harness());
-  }
-  auto specular = layer_of(buffer, GST_INVERSE_ROLE_SPECULAR);
-  std::fill(specular.begin(), specular.end(), 0.0F);
-  GBytes* none = g_bytes_new(specular.data(), specular.size() * sizeof(float));
-  buffer = gst_buffer_make_writable(buffer);
-  GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(buffer);
-  EXPECT_TRUE(meta->upload(meta, GST_INVERSE_ROLE_SPECULAR, none));
-  g_bytes_unref(none);
+  GstBuffer* buffer = gst_buffer_make_writable(sixth(lime).release());
+  const std::vector<float> none(layer_of(buffer, GST_INVERSE_ROLE_SPECULAR).size());
+  EXPECT_TRUE(replace_layer(buffer, GST_INVERSE_ROLE_SPECULAR, none));
   const auto diffuse = layer_of(buffer, GST_INVERSE_ROLE_DIFFUSE);
-
-  GstHarness* compose = gst_harness_new("intrinsiccompose");
-  GstCaps* sent = gst_pad_get_current_caps(lime.harness()->sinkpad);
-  gst_harness_set_src_caps(compose, sent);
-  gst_harness_set_sink_caps_str(compose, caps().c_str());
-  ASSERT_EQ(gst_harness_push(compose, buffer), GST_FLOW_OK);
-  GstBuffer* out = gst_harness_pull(compose);
-  std::vector<uint8_t> pixels(gst_buffer_get_size(out));
-  gst_buffer_extract(out, 0, pixels.data(), pixels.size());
+  VideoHarness compose("intrinsiccompose", caps_out_of(lime.harness()), caps());
+  ASSERT_EQ(gst_harness_push(compose.harness(), buffer), GST_FLOW_OK);
+  const auto pixels = compose.pull();
   const double red = static_cast<double>(diffuse[kObject]);
   EXPECT_NEAR(pixels[kObject], 255 * srgb_code(red), 1) << "without highlights";
   EXPECT_EQ(pixels[0], 128);
-  gst_buffer_unref(out);
-  gst_harness_teardown(compose);
 }
 
 TEST_F(MaterialLayers, ComposeShowsEachOfThem) {
   const auto at_object = [&](const std::string& elements) {
     VideoHarness harness(line("show=input") + elements, caps(), caps());
-    std::vector<uint8_t> out;
-    for (int i = 0; i < 6; ++i) out = harness.process(scene(60, 30, 20));
+    const auto out = harness.process(scene(60, 30, 20), 6);
     EXPECT_TRUE(harness.errors().empty());
     return out.empty() ? std::vector<uint8_t>(4) : std::vector(&out[kObject], &out[kObject + 4]);
   };
   for (const char* show : {"diffuse", "specular", "mirror", "mask"}) {
     VideoHarness direct(line(std::string("show=") + show), caps(), caps());
-    std::vector<uint8_t> out;
-    for (int i = 0; i < 6; ++i) out = direct.process(scene(60, 30, 20));
+    const auto out = direct.process(scene(60, 30, 20), 6);
     EXPECT_EQ(at_object(std::string(" ! intrinsiccompose show=") + show),
               std::vector(&out[kObject], &out[kObject + 4]))
         << show;
@@ -154,7 +132,7 @@ TEST_F(MaterialLayers, EditorsOfReflectanceRefuseThem) {
       "videotestsrc num-buffers=3 ! video/x-raw,width=96,height=64 ! " + line() + " ! ";
   for (const char* editor : {"intrinsicrecolor", "intrinsicdespill"}) {
     const auto error = run_line(source + editor + " ! intrinsiccompose ! fakesink").first_error();
-    EXPECT_NE(error.find("works on layers"), std::string::npos) << editor << ": " << error;
+    expect_contains(error, "works on layers");
     const auto forced =
         run_line(source + kMaterial + " ! " + editor + " ! intrinsiccompose ! fakesink");
     EXPECT_FALSE(forced.eos) << editor;

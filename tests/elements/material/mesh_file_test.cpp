@@ -270,7 +270,7 @@ TEST_F(MeshFile, DegenerateFacesAreDroppedWithAWarning) {
   const std::string obj = written(
       "nan.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nf 1 2 3\nf 1 2 4\nf 2 3 4\nl 1 2\n");
   EXPECT_EQ(load_mesh(obj, warning).triangles(), 1U);
-  EXPECT_NE(warning.find(obj + ": 2 of 3 faces were dropped"), std::string::npos) << warning;
+  expect_contains(warning, obj + ": 2 of 3 faces were dropped");
 }
 
 TEST_F(MeshFile, TooManyTrianglesAreAnErrorThatNamesTheLimit) {
@@ -371,9 +371,8 @@ TEST_F(MeshFile, NamedNodesOfGltfThatAreNoTreeAreRefused) {
   const auto node = [](int i, const std::string& children) {
     return "\"n" + std::to_string(i) + R"(":{"children":[)" + children + "]}";
   };
-  EXPECT_NE(error(written("ring.gltf", file(node(0, R"("n1")") + "," + node(1, R"("n0")"))))
-                .find("below themselves"),
-            std::string::npos);
+  expect_contains(error(written("ring.gltf", file(node(0, R"("n1")") + "," + node(1, R"("n0")")))),
+                  "below themselves");
   std::string chain;
   for (int i = 0; i < 20000; ++i) chain += node(i, "\"n" + std::to_string(i + 1) + "\"") + ",";
   expect_contains(error(written("chain.gltf", file(chain + node(20000, "")))), "below each other");

@@ -4,7 +4,6 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfOutputFile.h>
-#include <ImfRgbaFile.h>
 
 #include <algorithm>
 #include <cmath>
@@ -71,8 +70,7 @@ class RelightTest : public ::testing::Test {
     return VideoHarness::caps(format, width, height);
   }
   static const uint8_t* at(const std::vector<uint8_t>& frame, int x, int y, int width = kSide) {
-    return &frame[4 *
-                  (static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x))];
+    return pixel_at(frame, x, y, width);
   }
   std::string white(float radiance = 1) const {
     const std::string path = folder / "white.hdr";
@@ -88,11 +86,7 @@ class RelightTest : public ::testing::Test {
   std::string exr(float odd, int width = 64) const {
     std::vector<Imf::Rgba> pixels(static_cast<size_t>(width) * 32, Imf::Rgba(1, 1, 1));
     pixels[100].g = odd;
-    const std::string path = folder / "map.exr";
-    Imf::RgbaOutputFile file(path.c_str(), width, 32, Imf::WRITE_RGB);
-    file.setFrameBuffer(pixels.data(), 1, static_cast<size_t>(width));
-    file.writePixels(32);
-    return path;
+    return write_exr(folder / "map.exr", width, pixels);
   }
   /// A map of single floats whose channels have these names, even but for one pixel.
   std::string float_exr(const std::vector<const char*>& channels, float odd) const {
@@ -118,14 +112,12 @@ class RelightTest : public ::testing::Test {
     write_graph(random_light(2), folder / "models/olat/light.net");
     return folder / "models";
   }
-  static std::vector<std::string> warnings_of(const std::string& line, std::string* error) {
-    const auto result = run_line(line);
-    *error = result.first_error();
-    return result.warnings;
+  static LineResult run(const std::string& properties, int width = 128) {
+    return run_line("videotestsrc num-buffers=2 ! video/x-raw,width=" + std::to_string(width) +
+                    ",height=32 ! olatrelight " + properties + " ! fakesink");
   }
-  static std::string line(const std::string& properties, int width = 128) {
-    return "videotestsrc num-buffers=2 ! video/x-raw,width=" + std::to_string(width) +
-           ",height=32 ! olatrelight " + properties + " ! fakesink";
+  static std::string error_of(const std::string& properties) {
+    return run(properties).first_error();
   }
 
   const Sphere sphere;

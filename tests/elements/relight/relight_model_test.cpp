@@ -70,13 +70,11 @@ TEST_F(RelightTest, TheBundledNetworkPreservesTheLight) {
 }
 
 TEST_F(RelightTest, WithoutItsNetworkTheElementDoesNotStart) {
-  std::string error;
-  warnings_of(line("model=network models=" + folder.path()), &error);
-  EXPECT_NE(error.find("there is no folder " + (folder / "olat")), std::string::npos) << error;
+  expect_contains(error_of("model=network models=" + folder.path()),
+                  "there is no folder " + (folder / "olat"));
   const std::string good = models();
   std::filesystem::resize_file(good + "/olat/light.net", 300);
-  warnings_of(line("model=network models=" + good), &error);
-  EXPECT_NE(error.find("light.net"), std::string::npos) << error;
+  expect_contains(error_of("model=network models=" + good), "light.net");
 }
 
 TEST_F(RelightTest, TheModelIsThatOfTheStart) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // olatrelight.
+#include <gst/app/gstappsrc.h>
 #include <gst/controller/controller.h>
 #include <gst/video/navigation.h>
 #include <sys/stat.h>
@@ -9,7 +10,6 @@
 #include "gst/base/meta/inverse_layers_meta.h"
 #include "kernels/image/layers.hpp"
 #include "relight_fixture.hpp"
-#include "tests/expect_error.hpp"
 #include "tests/update_max.hpp"
 
 namespace inverse::testing {
@@ -69,16 +69,16 @@ TEST_F(RelightTest, LabelsMustMatchTheExpectedLight) {
   const std::string sync = "lightstagesync program=performance:42 ";
   const auto alone = run_line(camera + sync + "! olatrelight program=performance:42 ! fakesink");
   expect_contains(alone.first_error(), "assemble=pairs");
-  const auto run = [&](const std::string& program) {
+  const auto relit = [&](const std::string& program) {
     return run_line(camera + sync + "assemble=pairs ! olatrelight program=" + program +
                     " ! fakesink");
   };
-  const auto same = run("performance:42"), as_good = run("static:42"), other = run("performance");
+  const auto same = relit("performance:42"), as_good = relit("static:42"),
+             other = relit("performance");
   for (const auto& result : {same, as_good, other}) EXPECT_TRUE(result.eos) << result.first_error();
   EXPECT_TRUE(same.warnings.empty());
   EXPECT_TRUE(as_good.warnings.empty());
-  ASSERT_EQ(other.warnings.size(), 1u) << "once, not with every frame";
-  expect_contains(other.warnings[0], "42 lights");
+  expect_one(other.warnings, "42 lights");  // once, not with every frame
 }
 
 TEST_F(RelightTest, LayersAreTakenAsPairsSideBySideAre) {
@@ -135,10 +135,7 @@ TEST_F(RelightTest, OneLightFollowsItsDirection) {
   g_object_set(relight, "light-x", 0.0F, "light-y", 1.0F, "light-z", 0.0F, nullptr);
   out = harness.process(sphere.side_by_side());
   EXPECT_GT(at(out, 32, 8)[0], at(out, 32, 50)[0] + 60);
-  gchar* text = nullptr;
-  g_object_get(relight, "light-direction", &text, nullptr);
-  EXPECT_STREQ(text, "0,1,0");
-  g_free(text);
+  EXPECT_EQ(property<std::string>(relight, "light-direction"), "0,1,0");
   // What is no direction changes nothing.
   const auto quiet = g_log_set_default_handler([](auto...) {}, nullptr);
   for (const char* bad : {"", "1,2", "a,b,c", "1,2,3,4", "nan,0,0", "1e30,0,0"})
@@ -154,9 +151,7 @@ TEST_F(RelightTest, OneLightFollowsItsDirection) {
 TEST_F(RelightTest, TheMouseMovesTheLight) {
   VideoHarness harness("olatrelight show=olat", caps(), caps(kSide));
   GstElement* relight = harness.find("olatrelight");
-  const auto send = [&](GstEvent* event) {
-    gst_harness_push_upstream_event(harness.harness(), event);
-  };
+  const auto send = [&](GstEvent* event) { harness.send_upstream(event); };
   const auto none = GST_NAVIGATION_MODIFIER_NONE;
   harness.process(sphere.side_by_side());
   send(gst_navigation_event_new_mouse_move(8, 32, none));
@@ -179,7 +174,7 @@ TEST_F(RelightTest, RotationFollowsAController) {
       "appsrc name=in ! olatrelight name=relight environment-location=" + environment +
           " ! video/x-raw,format=RGBA ! appsink name=out",
       60, [this](GstElement* pipeline) {
-        GstElement* relight = gst_bin_get_by_name(GST_BIN(pipeline), "relight");
+        GstElement* relight = find_element(pipeline, "relight");
         GstControlSource* source = gst_interpolation_control_source_new();
         g_object_set(source, "mode", GST_INTERPOLATION_MODE_LINEAR, nullptr);
         auto* values = reinterpret_cast<GstTimedValueControlSource*>(source);
@@ -189,8 +184,7 @@ TEST_F(RelightTest, RotationFollowsAController) {
             GST_OBJECT(relight), gst_direct_control_binding_new_absolute(
                                      GST_OBJECT(relight), "environment-rotation", source)));
         gst_object_unref(source);
-        gst_object_unref(relight);
-        GstElement* in = gst_bin_get_by_name(GST_BIN(pipeline), "in");
+        GstElement* in = find_element(pipeline, "in");
         GstCaps* frame_caps = gst_caps_from_string(caps().c_str());
         g_object_set(in, "caps", frame_caps, "format", GST_FORMAT_TIME, nullptr);
         gst_caps_unref(frame_caps);
@@ -198,13 +192,9 @@ TEST_F(RelightTest, RotationFollowsAController) {
         for (const GstClockTime time : {GstClockTime{0}, GstClockTime{GST_SECOND}}) {
           GstBuffer* buffer = gst_buffer_new_memdup(bytes.data(), bytes.size());
           GST_BUFFER_PTS(buffer) = time;
-          GstFlowReturn flow = GST_FLOW_OK;
-          g_signal_emit_by_name(in, "push-buffer", buffer, &flow);
-          gst_buffer_unref(buffer);
+          gst_app_src_push_buffer(GST_APP_SRC(in), buffer);
         }
-        GstFlowReturn flow = GST_FLOW_OK;
-        g_signal_emit_by_name(in, "end-of-stream", &flow);
-        gst_object_unref(in);
+        gst_app_src_end_of_stream(GST_APP_SRC(in));
       });
   ASSERT_TRUE(result.eos) << result.first_error();
   ASSERT_EQ(result.frames.size(), 2u);
@@ -255,10 +245,8 @@ TEST_F(RelightTest, SizesFormatsAndNewCaps) {
   for (const auto& [width, height] :
        {std::pair{2, 1}, {16, 16}, {66, 33}, {400, 120}, {1280, 16}}) {
     harness.set_src_caps(caps(width, height));
-    for (int i = 0; i < 2; ++i) {
-      const auto out = harness.process(random_frame(caps(width, height), 7));
-      EXPECT_EQ(out.size(), static_cast<size_t>(width / 2 * height * 4));
-    }
+    const auto out = harness.process(random_frame(caps(width, height), 7), 2);
+    EXPECT_EQ(out.size(), static_cast<size_t>(width / 2 * height * 4));
     harness.flush();
   }
   for (const char* format : {"I420", "NV12", "BGRx", "RGB", "GRAY8", "P010_10LE", "RGBA64_LE"}) {
@@ -275,13 +263,8 @@ TEST_F(RelightTest, SizesFormatsAndNewCaps) {
 TEST_F(RelightTest, FramesThatCannotBeHalvedAreErrors) {
   VideoHarness harness("olatrelight", caps(65, 32));
   EXPECT_NE(harness.push(random_frame(caps(65, 32), 1)), GST_FLOW_OK);
-  const auto errors = harness.errors();
-  ASSERT_EQ(errors.size(), 1u);
-  expect_contains(errors[0], "side by side");
-  expect_contains(errors[0], "65");
-  std::string error;
-  warnings_of(line("", 101), &error);
-  expect_contains(error, "side by side");
+  expect_one(harness.errors(), "side by side", "65");
+  expect_contains(run("", 101).first_error(), "side by side");
   // The output's width determines the input's.
   const auto result = run_line(
       "videotestsrc num-buffers=1 ! olatrelight ! video/x-raw,width=50,height=20 ! "
@@ -291,53 +274,44 @@ TEST_F(RelightTest, FramesThatCannotBeHalvedAreErrors) {
 }
 
 TEST_F(RelightTest, BadFilesAreErrorsWithTheirCause) {
-  std::string error;
-  warnings_of(line("environment-location=/nowhere/a.hdr"), &error);
-  expect_contains(error, "/nowhere/a.hdr cannot be read");
-  warnings_of(line("program=/nowhere/a.json"), &error);
-  expect_contains(error, "/nowhere/a.json");
-  warnings_of(line("program=performance:0"), &error);
-  expect_contains(error, "number of lights");
+  expect_contains(error_of("environment-location=/nowhere/a.hdr"), "/nowhere/a.hdr cannot be read");
+  expect_contains(error_of("program=/nowhere/a.json"), "/nowhere/a.json");
+  expect_contains(error_of("program=performance:0"), "number of lights");
   const std::string lamp_path = lamp_file(1, 1, 1);
   std::filesystem::resize_file(lamp_path, std::filesystem::file_size(lamp_path) / 2);
-  warnings_of(line("environment-location=" + lamp_path), &error);
-  expect_contains(error, "ends too early");
+  expect_contains(error_of("environment-location=" + lamp_path), "ends too early");
   const std::string exr_path = exr(1);
   std::filesystem::resize_file(exr_path, std::filesystem::file_size(exr_path) / 2);
-  warnings_of(line("environment-location=" + exr_path), &error);
-  expect_contains(error, "map.exr");
-  warnings_of(line("environment-location=" + exr(1, 60)), &error);
-  expect_contains(error, "60x32");
+  expect_contains(error_of("environment-location=" + exr_path), "map.exr");
+  expect_contains(error_of("environment-location=" + exr(1, 60)), "60x32");
   const std::string pipe = folder / "pipe.hdr";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
-  warnings_of(line("environment-location=" + pipe), &error);
-  expect_contains(error, "pipe.hdr is no file");
-  EXPECT_TRUE(warnings_of(line("environment-location=" + exr(1)), &error).empty());
-  EXPECT_EQ(error, "");
+  expect_contains(error_of("environment-location=" + pipe), "pipe.hdr is no file");
+  const LineResult good = run("environment-location=" + exr(1));
+  EXPECT_TRUE(good.warnings.empty());
+  EXPECT_EQ(good.first_error(), "");
 }
 
 TEST_F(RelightTest, InvalidRadianceIsClampedWithAWarning) {
   for (const float odd :
        {-1.0F, std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
         std::numeric_limits<float>::quiet_NaN()}) {
-    std::string error;
-    const auto warnings = warnings_of(line("environment-location=" + exr(odd)), &error);
-    EXPECT_EQ(error, "");
-    ASSERT_EQ(warnings.size(), 1u) << odd;
-    expect_contains(warnings[0], "clamped");
+    const LineResult result = run("environment-location=" + exr(odd));
+    EXPECT_EQ(result.first_error(), "") << odd;
+    expect_one(result.warnings, "clamped");
   }
 }
 
 TEST_F(RelightTest, MapsOfSingleFloatsAreTakenAsTheyAre) {
-  std::string error;
-  EXPECT_TRUE(
-      warnings_of(line("environment-location=" + float_exr({"R", "G", "B"}, 1e5F)), &error).empty())
-      << "more than a half float holds, but a sun has it";
-  EXPECT_EQ(error, "");
-  EXPECT_TRUE(warnings_of(line("environment-location=" + float_exr({"Y"}, 2)), &error).empty());
-  EXPECT_EQ(error, "");
-  warnings_of(line("environment-location=" + float_exr({"View.R", "View.G", "View.B"}, 1)), &error);
-  expect_contains(error, "View.G");
+  const std::string views = float_exr({"View.R", "View.G", "View.B"}, 1);
+  expect_contains(error_of("environment-location=" + views), "View.G");
+  // More than a half float holds, but a sun has it.
+  for (const auto& [channels, odd] :
+       {std::pair{std::vector{"R", "G", "B"}, 1e5F}, {std::vector{"Y"}, 2}}) {
+    const LineResult result = run("environment-location=" + float_exr(channels, odd));
+    EXPECT_TRUE(result.warnings.empty());
+    EXPECT_EQ(result.first_error(), "");
+  }
 }
 
 TEST_F(RelightTest, AnUnreadableEnvironmentLeavesTheLightUnchanged) {
@@ -376,16 +350,14 @@ TEST_F(RelightTest, GrayGradientsAreAWarning) {
       "videotestsrc num-buffers=3 ! video/x-raw,format=GRAY8,width=64,height=32 ! olatrelight ! "
       "fakesink");
   EXPECT_TRUE(result.eos) << result.first_error();
-  ASSERT_EQ(result.warnings.size(), 1u) << "reported once";
-  expect_contains(result.warnings[0], "gray video");
+  expect_one(result.warnings, "gray video");
   // As layers they no longer report it.
   const auto pairs = run_line(
       "lightstagetestsrc is-live=false num-buffers=14 program=performance:24 ! "
       "video/x-raw,format=GRAY8,width=64,height=48 ! lightstagesync program=performance:24 "
       "assemble=pairs ! olatrelight program=performance:24 ! fakesink");
   EXPECT_TRUE(pairs.eos) << pairs.first_error();
-  ASSERT_EQ(pairs.warnings.size(), 1u);
-  expect_contains(pairs.warnings[0], "gray video");
+  expect_one(pairs.warnings, "gray video");
 }
 
 }  // namespace inverse::testing

@@ -25,15 +25,17 @@ class FakeCamera : public ::testing::Test {
       GTEST_SKIP() << "arv-fake-gv-camera-0.8 is missing: install aravis-tools";
     if (!has_element("lightstagearavissrc"))
       GTEST_SKIP() << "the plugin was built without Aravis: install libaravis-dev";
+    start_camera();
   }
   void TearDown() override {
-    for (GstBuffer* buffer : frames_) gst_buffer_unref(buffer);
+    forget();
     close();
   }
 
-  /// Starts the camera; it loses so many of a thousand packets. One at a time on a machine.
+  /// Starts the camera anew; it loses so many of a thousand packets. One at a time on a machine.
   void start_camera(const std::string& lost = "0") {
     static int count = 0;
+    fake_.reset();
     serial_ = "gi" + std::to_string(getpid()) + "x" + std::to_string(count++);
     for (int attempt = 0; attempt < 60; ++attempt) {
       fake_ = std::make_unique<Process>(std::vector<std::string>{
@@ -73,47 +75,33 @@ class FakeCamera : public ::testing::Test {
   /// The first error within so many seconds, "" where there is none.
   std::string error(double seconds) { return message(GST_MESSAGE_ERROR, seconds); }
   std::string message(GstMessageType type, double seconds) {
-    GstMessage* message =
-        gst_bus_timed_pop_filtered(bus_, static_cast<GstClockTime>(seconds * GST_SECOND), type);
-    if (!message) return "";
-    GError* error = nullptr;
-    if (type == GST_MESSAGE_ERROR)
-      gst_message_parse_error(message, &error, nullptr);
-    else
-      gst_message_parse_warning(message, &error, nullptr);
-    error_ = error->message;
-    g_error_free(error);
-    gst_message_unref(message);
-    return error_;
+    std::string text = next_text(bus_, type, seconds);
+    if (!text.empty()) error_ = text;
+    return text;
   }
 
   /// Takes frames from the appsink `out` and holds them. Fewer where they stop coming.
   void take(size_t count, double seconds = 10) {
-    GstElement* out = gst_bin_get_by_name(GST_BIN(pipeline_), "out");
     for (size_t i = 0; i < count; ++i) {
       GstSample* sample = gst_app_sink_try_pull_sample(
-          GST_APP_SINK(out), static_cast<GstClockTime>(seconds * GST_SECOND));
+          GST_APP_SINK(element("out")), static_cast<GstClockTime>(seconds * GST_SECOND));
       if (!sample) break;
       frames_.push_back(gst_buffer_ref(gst_sample_get_buffer(sample)));
       gst_sample_unref(sample);
     }
-    gst_object_unref(out);
+  }
+  /// The same where all of them have to come.
+  void take_all(size_t count) {
+    const size_t before = frames_.size();
+    take(count);
+    ASSERT_EQ(frames_.size(), before + count) << error(0);
   }
   void forget() {
     for (GstBuffer* buffer : frames_) gst_buffer_unref(buffer);
     frames_.clear();
   }
-  GstElement* element(const char* name) {
-    GstElement* found = gst_bin_get_by_name(GST_BIN(pipeline_), name);
-    gst_object_unref(found);  // the pipeline's
-    return found;
-  }
+  GstElement* element(const char* name) { return find_element(pipeline_, name); }
   guint64 camera_stat(const char* name) { return stat<guint64>(element("camera"), name); }
-  static std::vector<uint8_t> bytes(GstBuffer* buffer) {
-    std::vector<uint8_t> all(gst_buffer_get_size(buffer));
-    gst_buffer_extract(buffer, 0, all.data(), all.size());
-    return all;
-  }
 
   std::string serial_, error_;
   std::unique_ptr<Process> fake_;

@@ -23,17 +23,9 @@ class AravisSync : public FakeCamera {
     program_.name = "test";
     program_.lights = stage_lights(geodesic_directions(12));
     program_.repeat = passes;
-    for (uint32_t light = 0; light < 12; ++light) {
-      LightStep step;
-      step.kind = StepKind::olat;
-      step.light = light;
-      program_.steps.push_back(step);
-    }
-    LightStep step;
-    step.kind = StepKind::gradient_a;
-    program_.steps.push_back(step);
-    step.kind = StepKind::gradient_b;
-    program_.steps.push_back(step);
+    for (uint32_t light = 0; light < 12; ++light) program_.steps.push_back({StepKind::olat, light});
+    program_.steps.push_back({StepKind::gradient_a});
+    program_.steps.push_back({StepKind::gradient_b});
     program_.check();
     program_.save(folder_ / "program.json");
   }
@@ -47,10 +39,7 @@ class AravisSync : public FakeCamera {
   /// What the lights of a frame are by its label; nothing without one.
   static std::vector<float> label(GstBuffer* frame) {
     const GstLightStageMeta* meta = gst_buffer_get_light_stage_meta(frame);
-    if (!meta) return {};
-    gsize bytes = 0;
-    const auto* colors = static_cast<const float*>(g_bytes_get_data(meta->colors, &bytes));
-    return {colors, colors + bytes / sizeof(float)};
+    return floats_of(meta ? meta->colors : nullptr);
   }
   static uint64_t trigger(GstBuffer* frame) {
     return gst_buffer_get_light_stage_meta(frame)->trigger;
@@ -64,13 +53,10 @@ class AravisSync : public FakeCamera {
 struct Witness {
   Witness(const LightProgram& program, const std::vector<uint32_t>& universes)
       : patch(program, 1), receiver("127.0.0.1:0", universes) {}
-  static GstPadProbeReturn saw(GstPad*, GstPadProbeInfo* info, gpointer data) {
-    auto* self = static_cast<Witness*>(data);
-    const std::lock_guard lock(self->mutex);
-    self->receiver.poll();
-    self->lit[GST_BUFFER_OFFSET(GST_PAD_PROBE_INFO_BUFFER(info))] =
-        self->patch.colors(self->receiver.levels());
-    return GST_PAD_PROBE_OK;
+  void see(GstBuffer* frame) {
+    const std::lock_guard lock(mutex);
+    receiver.poll();
+    lit[GST_BUFFER_OFFSET(frame)] = patch.colors(receiver.levels());
   }
   DmxPatch patch;
   sacn::Receiver receiver;
@@ -79,15 +65,12 @@ struct Witness {
 };
 
 TEST_F(AravisSync, EveryFrameIsLabeledWithTheLightItWasTakenIn) {
-  ASSERT_NO_FATAL_FAILURE(start_camera());
   write_program(11);  // 154 frames and the marker's: ids wrap
   Witness witness(program_, {1});
   ASSERT_NO_FATAL_FAILURE(
       play(line("backend=sacn host=127.0.0.1:" + std::to_string(witness.receiver.port()) +
                 " tuning=trigger-timeout=2")));
-  GstPad* pad = gst_element_get_static_pad(element("before"), "sink");
-  gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, Witness::saw, &witness, nullptr);
-  gst_object_unref(pad);
+  watch_buffers(element("before"), "sink", [&](GstBuffer* frame) { witness.see(frame); });
   take(1000);  // to the end
   EXPECT_EQ(error(0), "");
   ASSERT_EQ(frames_.size(), 157U);
@@ -115,16 +98,13 @@ TEST_F(AravisSync, EveryFrameIsLabeledWithTheLightItWasTakenIn) {
 }
 
 TEST_F(AravisSync, GoesOnAfterAPauseAndStartsAgain) {
-  ASSERT_NO_FATAL_FAILURE(start_camera());
   write_program(0);
   ASSERT_NO_FATAL_FAILURE(play(line()));
-  take(10);
-  ASSERT_EQ(frames_.size(), 10U) << error(0);
+  ASSERT_NO_FATAL_FAILURE(take_all(10));
   gst_element_set_state(pipeline_, GST_STATE_PAUSED);
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   gst_element_set_state(pipeline_, GST_STATE_PLAYING);
-  take(20);
-  ASSERT_EQ(frames_.size(), 30U) << error(0);
+  ASSERT_NO_FATAL_FAILURE(take_all(20));
   // The step in which the pause began may be without a frame. None comes twice.
   uint64_t gaps = 0;
   for (size_t i = 1; i < frames_.size(); ++i) {
@@ -136,8 +116,7 @@ TEST_F(AravisSync, GoesOnAfterAPauseAndStartsAgain) {
   forget();
   ASSERT_NE(gst_element_set_state(pipeline_, GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE)
       << error(0);
-  take(10);
-  ASSERT_EQ(frames_.size(), 10U) << error(0);
+  ASSERT_NO_FATAL_FAILURE(take_all(10));
   EXPECT_EQ(trigger(frames_.front()), 0U);
   EXPECT_EQ(error(0), "");
 }
@@ -154,11 +133,9 @@ TEST_F(AravisSync, LostFramesAreTakenAgain) {
 }
 
 TEST_F(AravisSync, ACameraThatDisappearsIsAnError) {
-  ASSERT_NO_FATAL_FAILURE(start_camera());
   write_program(0);
   ASSERT_NO_FATAL_FAILURE(play(line()));
-  take(10);
-  ASSERT_EQ(frames_.size(), 10U) << error(0);
+  ASSERT_NO_FATAL_FAILURE(take_all(10));
   fake_.reset();
   EXPECT_NE(error(20), "");
   const auto began = std::chrono::steady_clock::now();
@@ -167,7 +144,6 @@ TEST_F(AravisSync, ACameraThatDisappearsIsAnError) {
 }
 
 TEST_F(AravisSync, LatencyHasNoTermForCamerasThatMayBeTriggeredAgain) {
-  ASSERT_NO_FATAL_FAILURE(start_camera());
   write_program(1);
   make(
       "lightstagesync name=sync camera-trigger=aravis-software tuning=trigger-timeout=2 "
@@ -191,12 +167,11 @@ TEST_F(AravisSync, LatencyHasNoTermForCamerasThatMayBeTriggeredAgain) {
 }
 
 TEST_F(AravisSync, IncompatibleSettingsAreErrors) {
-  ASSERT_NO_FATAL_FAILURE(start_camera());
   write_program(1);
   const auto fails = [&](const std::string& line, const std::string& text) {
     make(line);
     EXPECT_EQ(gst_element_set_state(pipeline_, GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
-    EXPECT_NE(error(1).find(text), std::string::npos) << line << "\n" << error_;
+    expect_contains(error(1), text);
     close();
   };
   fails("videotestsrc ! lightstagesync camera-trigger=aravis-software ! fakesink",
@@ -205,7 +180,7 @@ TEST_F(AravisSync, IncompatibleSettingsAreErrors) {
   // Lights are spoken to while the cameras start.
   make(line("backend=serial serial-port=/dev/no-such-port"));
   gst_element_set_state(pipeline_, GST_STATE_PLAYING);
-  EXPECT_NE(error(20).find("/dev/no-such-port"), std::string::npos) << error_;
+  expect_contains(error(20), "/dev/no-such-port");
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 // lightstagearavissrc with Aravis' camera in software.
 #include "aravis_fixture.hpp"
 #include "stage/triggers/frame_ids.hpp"
-#include "tests/expect_error.hpp"
+#include "tests/pipeline.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -18,13 +18,9 @@ double seconds_since(Clock::time_point began) {
 }
 
 TEST_F(Aravis, IdsWrapAndEveryFrameIsItsOwn) {
-  ASSERT_NO_FATAL_FAILURE(start_camera());
   ASSERT_NO_FATAL_FAILURE(play(source() + " ! " + kGray + kOut));
-  take(220);
-  ASSERT_EQ(frames_.size(), 220U) << error(0);
-  guint bits = 0;
-  g_object_get(element("camera"), "frame-id-bits", &bits, nullptr);
-  EXPECT_EQ(bits, 16U);
+  ASSERT_NO_FATAL_FAILURE(take_all(220));
+  EXPECT_EQ(property<guint>(element("camera"), "frame-id-bits"), 16U);
   EXPECT_GE(camera_stat("frames"), 220U);
   // All stay in use: some are the camera's own memory, the others are copies.
   EXPECT_EQ(camera_stat("zero-copy"), 8U);
@@ -46,7 +42,7 @@ TEST_F(Aravis, IdsWrapAndEveryFrameIsItsOwn) {
     }
     lost += ids.missed_before(id);
     // The ramp (x + y + id) % 255, also after the stream has ended.
-    const auto pixels = bytes(frame);
+    const auto pixels = bytes_of(frame);
     ASSERT_EQ(pixels.size(), 128U * 64);
     for (const size_t x : {0U, 77U, 127U})
       for (const size_t y : {0U, 63U}) ASSERT_EQ(pixels[y * 128 + x], (x + y + id) % 255) << id;
@@ -70,7 +66,6 @@ TEST_F(Aravis, IdsWrapAndEveryFrameIsItsOwn) {
 
 /// Rows whose length is no multiple of four, two bytes a pixel.
 TEST_F(Aravis, RowsHaveGStreamersStride) {
-  ASSERT_NO_FATAL_FAILURE(start_camera());
   struct Case {
     const char* caps;
     size_t stride, bytes;
@@ -85,7 +80,7 @@ TEST_F(Aravis, RowsHaveGStreamersStride) {
     close();
     ASSERT_EQ(frames_.size(), 5U);
     for (GstBuffer* frame : frames_) {
-      const auto pixels = bytes(frame);
+      const auto pixels = bytes_of(frame);
       ASSERT_EQ(pixels.size(), one.stride * 33);
       const uint64_t id = GST_BUFFER_OFFSET(frame);
       for (size_t y = 0; y < 33 && one.bytes; ++y)
@@ -102,12 +97,10 @@ TEST_F(Aravis, RowsHaveGStreamersStride) {
 }
 
 TEST_F(Aravis, StartsAgainAndGoesOnAfterAPause) {
-  ASSERT_NO_FATAL_FAILURE(start_camera());
   ASSERT_NO_FATAL_FAILURE(play(source() + " ! " + kGray + kOut));
   for (const GstState rest : {GST_STATE_NULL, GST_STATE_READY, GST_STATE_PAUSED}) {
     SCOPED_TRACE(gst_element_state_get_name(rest));
-    take(20);
-    ASSERT_EQ(frames_.size(), 20U) << error(0);
+    ASSERT_NO_FATAL_FAILURE(take_all(20));
     const GstClockTime last = GST_BUFFER_PTS(frames_.back());
     ASSERT_EQ(gst_element_set_state(pipeline_, rest),
               rest == GST_STATE_PAUSED ? GST_STATE_CHANGE_NO_PREROLL : GST_STATE_CHANGE_SUCCESS);
@@ -131,15 +124,11 @@ TEST_F(Aravis, StartsAgainAndGoesOnAfterAPause) {
 }
 
 TEST_F(Aravis, ACameraThatDisappearsIsAnError) {
-  ASSERT_NO_FATAL_FAILURE(start_camera());
   ASSERT_NO_FATAL_FAILURE(play(source("timeout=1000") + " ! " + kGray + kOut));
-  take(10);
-  ASSERT_EQ(frames_.size(), 10U) << error(0);
+  ASSERT_NO_FATAL_FAILURE(take_all(10));
   fake_.reset();
   const auto began = Clock::now();
-  EXPECT_NE(error(5).find("no frame came from the camera Aravis-Fake-" + serial_),
-            std::string::npos)
-      << error_;
+  expect_contains(error(5), "no frame came from the camera Aravis-Fake-" + serial_);
   EXPECT_LT(seconds_since(began), 4);
   close();
   EXPECT_LT(seconds_since(began), 30);
@@ -147,17 +136,15 @@ TEST_F(Aravis, ACameraThatDisappearsIsAnError) {
 
 /// A camera that waits for triggers is quiet; only that it is gone is an error.
 TEST_F(Aravis, ATriggeredCameraThatDisappearsIsAnError) {
-  ASSERT_NO_FATAL_FAILURE(start_camera());
   ASSERT_NO_FATAL_FAILURE(play(source("timeout=200 trigger-source=Software") +
                                " ! video/x-raw,format=GRAY8,width=128,height=64" + kOut));
   EXPECT_EQ(error(1.5), "");
   EXPECT_GT(camera_stat("timeouts"), 3U);
   fake_.reset();
-  EXPECT_NE(error(20).find("does not answer any more"), std::string::npos) << error_;
+  expect_contains(error(20), "does not answer any more");
 }
 
 TEST_F(Aravis, StopsAtOnceWhileItWaits) {
-  ASSERT_NO_FATAL_FAILURE(start_camera());
   ASSERT_NO_FATAL_FAILURE(play(source("timeout=0 trigger-source=Software") +
                                " ! video/x-raw,format=GRAY8,width=128,height=64" + kOut));
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
@@ -168,32 +155,23 @@ TEST_F(Aravis, StopsAtOnceWhileItWaits) {
 }
 
 TEST_F(Aravis, InvalidSettingsAreErrors) {
-  ASSERT_NO_FATAL_FAILURE(start_camera());
   ASSERT_NO_FATAL_FAILURE(play(source() + " ! " + kGray + kOut));
   take(1);
   // It has one controller.
-  GstElement* other = gst_parse_launch((source() + " ! fakesink").c_str(), nullptr);
-  EXPECT_EQ(gst_element_set_state(other, GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
-  GstBus* bus = gst_element_get_bus(other);
-  std::swap(bus, bus_);
-  EXPECT_NE(error(1).find("is in use by another program"), std::string::npos) << error_;
-  std::swap(bus, bus_);
-  gst_object_unref(bus);
-  gst_element_set_state(other, GST_STATE_NULL);
-  gst_object_unref(other);
+  {
+    Pipeline other(source() + " ! fakesink");
+    EXPECT_EQ(other.set(GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
+    expect_contains(other.error(1), "is in use by another program");
+  }
   g_object_set(element("camera"), "exposure", 1e8, nullptr);
-  EXPECT_NE(message(GST_MESSAGE_WARNING, 1).find("takes 10.000000 to 10000000.000000 µs"),
-            std::string::npos)
-      << error_;
+  expect_contains(message(GST_MESSAGE_WARNING, 1), "takes 10.000000 to 10000000.000000 µs");
   g_object_set(element("camera"), "exposure", 20000.0, "gain", 1.0, nullptr);
   EXPECT_EQ(message(GST_MESSAGE_WARNING, .2), "");
   close();
 
   make("lightstagearavissrc camera-name=Aravis-Fake-none ! fakesink");
   EXPECT_EQ(gst_element_set_state(pipeline_, GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
-  EXPECT_NE(error(1).find("cannot find the camera Aravis-Fake-none; there are: "),
-            std::string::npos)
-      << error_;
+  expect_contains(error(1), "cannot find the camera Aravis-Fake-none; there are: ");
   expect_contains(error_, "Aravis-Fake-" + serial_);
   close();
 
@@ -206,7 +184,7 @@ TEST_F(Aravis, InvalidSettingsAreErrors) {
            {source("trigger-source=Line7") + " ! fakesink", "Line7"},
        }) {
     play(line);
-    EXPECT_NE(error(5).find(text), std::string::npos) << line << "\n" << error_;
+    expect_contains(error(5), text);
     close();
   }
 }
@@ -214,14 +192,12 @@ TEST_F(Aravis, InvalidSettingsAreErrors) {
 TEST_F(Aravis, LostPacketsAreCountedAndReported) {
   ASSERT_NO_FATAL_FAILURE(start_camera("15"));  // of a thousand, and a frame has nine
   ASSERT_NO_FATAL_FAILURE(play(source() + " ! " + kGray + kOut));
-  take(200);
-  ASSERT_EQ(frames_.size(), 200U) << error(0);
+  ASSERT_NO_FATAL_FAILURE(take_all(200));
   EXPECT_GE(camera_stat("incomplete"), 5U);
   EXPECT_GE(camera_stat("missed"), 5U);
-  EXPECT_NE(message(GST_MESSAGE_WARNING, 1).find("did not come whole"), std::string::npos)
-      << error_;
+  expect_contains(message(GST_MESSAGE_WARNING, 1), "did not come whole");
   for (GstBuffer* frame : frames_) {
-    const auto pixels = bytes(frame);
+    const auto pixels = bytes_of(frame);
     for (size_t i = 0; i < pixels.size(); i += 97)
       ASSERT_EQ(pixels[i], (i % 128 + i / 128 + GST_BUFFER_OFFSET(frame)) % 255);
   }

@@ -10,7 +10,6 @@
 #include "common/error.hpp"
 #include "gst/stage/sync/lights/camera_trigger.hpp"
 #include "stage/triggers/triggered_capture.hpp"
-#include "tests/expect_error.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -41,29 +40,31 @@ class AravisTrigger : public FakeCamera {
     program.lights = stage_lights({{0, 0, 1}});
     program.marker = LightProgram::Marker::start;
     program.repeat = passes;
-    program.steps.resize(1);
-    program.steps[0].kind = StepKind::olat;
+    program.steps = {{StepKind::olat}};
     program.check();
     return program;
   }
 
-  /// The trigger of the camera upstream of the appsink.
+  /// The trigger of the camera upstream of the appsink `out`.
+  std::unique_ptr<CameraTrigger> trigger_upstream() {
+    const std::unique_ptr<GstPad, decltype(&gst_object_unref)> pad(
+        gst_element_get_static_pad(element("out"), "sink"), &gst_object_unref);
+    return CameraTrigger::find(pad.get());
+  }
+  /// Plays a line, and finds that trigger.
   void find(const std::string& line, bool prepare = true) {
     for (int attempt = 0; attempt < 8; ++attempt) {
       make(line);
-      GstPad* pad = gst_element_get_static_pad(element("out"), "sink");
-      trigger_ = CameraTrigger::find(pad);
-      gst_object_unref(pad);
+      trigger_ = trigger_upstream();
       if (prepare) trigger_->prepare();
       if (gst_element_set_state(pipeline_, GST_STATE_PLAYING) != GST_STATE_CHANGE_FAILURE) {
         // Caps are there once the camera sends.
         GstPad* sink = gst_element_get_static_pad(element("out"), "sink");
-        GstCaps* caps = nullptr;
-        for (int i = 0; i < 500 && !(caps = gst_pad_get_current_caps(sink)); ++i)
+        for (int i = 0; i < 500 && !gst_pad_has_current_caps(sink); ++i)
           std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        const bool sends = gst_pad_has_current_caps(sink);
         gst_object_unref(sink);
-        ASSERT_NE(caps, nullptr) << error(0);
-        gst_caps_unref(caps);
+        ASSERT_TRUE(sends) << error(0);
         return;
       }
       error(0);
@@ -157,7 +158,6 @@ class AravisTrigger : public FakeCamera {
 };
 
 TEST_F(AravisTrigger, EachTriggerIsOneFrame) {
-  ASSERT_NO_FATAL_FAILURE(start_camera());
   // Through whatever stands between.
   ASSERT_NO_FATAL_FAILURE(
       find("bin. ( name=inside " + source() + " ! " + kSmall +
@@ -165,9 +165,7 @@ TEST_F(AravisTrigger, EachTriggerIsOneFrame) {
   EXPECT_EQ(trigger_->name(), "camera");
   trigger_->configure();
   EXPECT_EQ(trigger_->frame_id_bits(), 16U);
-  TriggeredCapture::Params params;
-  params.timeout = 2;
-  capture(program(150), params);  // three of the marker before
+  capture(program(150), {.timeout = 2});  // three of the marker before
   EXPECT_EQ(failed_, "");
   EXPECT_EQ(stats_.triggers, 153U);
   EXPECT_EQ(stats_.dropped + stats_.surplus + stats_.ambiguous + stats_.early, 0U);
@@ -182,7 +180,6 @@ TEST_F(AravisTrigger, EachTriggerIsOneFrame) {
 
 /// A source without trigger properties, as aravissrc, runs freely by default.
 TEST_F(AravisTrigger, ACameraThatRunsFreelyIsTakenOver) {
-  ASSERT_NO_FATAL_FAILURE(start_camera());
   ASSERT_NO_FATAL_FAILURE(
       find(source("timeout=0") + " ! " + kSmall + " ! appsink name=out sync=false max-buffers=4",
            false));
@@ -204,10 +201,7 @@ TEST_F(AravisTrigger, LostFramesAreTakenAgainInTheSameLight) {
   ASSERT_NO_FATAL_FAILURE(
       find(source() + " ! " + kSmall + " ! appsink name=out sync=false max-buffers=4"));
   trigger_->configure();
-  TriggeredCapture::Params params;
-  params.timeout = .5;
-  params.retries = 5;
-  capture(program(120), params, 120);
+  capture(program(120), {.timeout = .5, .retries = 5}, 120);
   EXPECT_EQ(failed_, "");
   EXPECT_EQ(stats_.triggers + stats_.dropped, 123U);
   EXPECT_GE(stats_.retried, 2U);
@@ -224,7 +218,6 @@ TEST_F(AravisTrigger, LostFramesAreTakenAgainInTheSameLight) {
 }
 
 TEST_F(AravisTrigger, ACameraThatDisappearsIsAnError) {
-  ASSERT_NO_FATAL_FAILURE(start_camera());
   ASSERT_NO_FATAL_FAILURE(
       find(source() + " ! " + kSmall + " ! appsink name=out sync=false max-buffers=4"));
   trigger_->configure();
@@ -234,22 +227,18 @@ TEST_F(AravisTrigger, ACameraThatDisappearsIsAnError) {
     const std::lock_guard lock(mutex_);
     if (got_.size() > 5 && !dead.exchange(true)) fake_.reset();
   });
-  EXPECT_NE(failed_.find("camera refused the trigger"), std::string::npos) << failed_;
+  expect_contains(failed_, "camera refused the trigger");
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(30));
   trigger_.reset();
 }
 
 TEST_F(AravisTrigger, AMissingCameraIsAnErrorWithItsRemedy) {
   make("videotestsrc ! queue ! appsink name=out");
-  GstPad* pad = gst_element_get_static_pad(element("out"), "sink");
   expect_error(ErrorKind::unsupported, "no camera to trigger upstream",
-               [&] { CameraTrigger::find(pad); });
-  gst_object_unref(pad);
+               [&] { trigger_upstream(); });
   close();
   make("lightstagearavissrc name=camera trigger-source=Line0 ! appsink name=out");
-  pad = gst_element_get_static_pad(element("out"), "sink");
-  trigger_ = CameraTrigger::find(pad);
-  gst_object_unref(pad);
+  trigger_ = trigger_upstream();
   expect_error(ErrorKind::unsupported, "has trigger-source=Line0", [&] { trigger_->prepare(); });
   expect_error(ErrorKind::internal, "was not made ready", [&] { trigger_->fire(); });
 }

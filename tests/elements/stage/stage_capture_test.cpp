@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "stage_fixture.hpp"
-#include "tests/expect_error.hpp"
 #include "tests/srgb.hpp"
 
 namespace inverse::testing {
@@ -34,10 +33,8 @@ TEST_F(StageCapture, LightsAreMovedToTheLastTrackingFrameAndWritten) {
   const auto place = [](int64_t n) { return 9 * std::sin(static_cast<double>(n) / 9); };
   const auto triggers = static_cast<int64_t>(*program_.triggers());
   for (int64_t n = -20; n < triggers; ++n)
-    ASSERT_EQ(gst_harness_push(camera(), buffer_of(ball.draw(n, place(n)), static_cast<double>(n))),
-              GST_FLOW_OK);
+    ASSERT_EQ(push(ball.draw(n, place(n)), static_cast<double>(n)), GST_FLOW_OK);
   const auto frames = pull(static_cast<size_t>(triggers));
-  ASSERT_EQ(frames.size(), static_cast<size_t>(triggers));
   int64_t reference = 0;
   for (const Out& frame : frames)
     if (frame.kind == GST_LIGHT_STAGE_TRACKING) reference = frame.trigger;
@@ -92,12 +89,11 @@ TEST_F(StageCapture, LatencyIncludesTheBufferedPass) {
 
 TEST_F(StageCapture, ACaptureThatAnotherStreamCutsShortGoesOutBeforeIt) {
   start();
-  for (int64_t n = -20; n < 30; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  push_all(-20, 30);
   ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_stream_start("another")));
   const auto triggers = static_cast<int64_t>(*program_.triggers());
-  for (int64_t n = -20; n < triggers; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  push_all(-20, triggers);
   const auto frames = pull(27 + static_cast<size_t>(triggers));
-  ASSERT_EQ(frames.size(), 27 + static_cast<size_t>(triggers));
   EXPECT_EQ(frames[26].trigger, 26);
   EXPECT_EQ(frames[27].trigger, 0);
   EXPECT_EQ(frames.back().trigger, triggers - 1);
@@ -105,22 +101,19 @@ TEST_F(StageCapture, ACaptureThatAnotherStreamCutsShortGoesOutBeforeIt) {
 
 TEST_F(StageCapture, ACaptureThatIsCutShortGoesOutAsFarAsItCame) {
   start();
-  for (int64_t n = -20; n < 30; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
-  ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_eos()));
+  push_all(-20, 30);
+  ASSERT_TRUE(push_end());
   EXPECT_EQ(pull(27).back().trigger, 26);  // the last tracking frame
   EXPECT_EQ(count("ambiguous"), 3u);
-  EXPECT_TRUE(texts(GST_MESSAGE_ERROR).empty());
+  EXPECT_TRUE(errors().empty());
 }
 
 TEST_F(StageCapture, ACaptureWhoseLastFrameIsLostGoesOutWithTheFirstOneAfterIt) {
   start();
   const auto triggers = static_cast<int64_t>(*program_.triggers());
-  for (int64_t n = -20; n < triggers + 3; ++n)
-    if (n != triggers - 1) {
-      ASSERT_EQ(push(n), GST_FLOW_OK);
-    }
+  push_all(-20, triggers - 1);
+  push_all(triggers, triggers + 3);
   const auto frames = pull(static_cast<size_t>(triggers) - 1);
-  ASSERT_EQ(frames.size(), static_cast<size_t>(triggers) - 1);
   EXPECT_EQ(frames.back().trigger, triggers - 2);
   EXPECT_EQ(frames.back().kind, GST_LIGHT_STAGE_GRADIENT_A);
 }
@@ -159,20 +152,16 @@ TEST_F(StageCapture, PicturesOfAnEarlierCaptureAreNotAmongTheNewOnes) {
           folder + " ! appsink name=out sync=false",
       60);
   EXPECT_EQ(played.frames.size(), 8u) << played.first_error();
-  ASSERT_EQ(played.warnings.size(), 1u);
-  expect_contains(played.warnings[0], "no picture of light 3");
+  expect_one(played.warnings, "no picture of light 3");
 }
 
 TEST_F(StageCapture, FewFramesMayWaitForCamerasAndManyForTheMarker) {
   g_object_set(element_, "tuning", "max-frames=8", nullptr);
   start();
-  for (int64_t n = -3; n < 40; ++n) {
-    if (n == 14) continue;  // the first tracking frame: the second one has to suffice
-    ASSERT_EQ(push(n), GST_FLOW_OK);
-  }
-  ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_eos()));
+  push_all(-3, 14);
+  push_all(15, 40);  // without the first tracking frame: the second one has to suffice
+  ASSERT_TRUE(push_end());
   const auto frames = pull(38);
-  ASSERT_EQ(frames.size(), 38u);
   EXPECT_EQ(frames.front().trigger, 0);
   EXPECT_EQ(frames.back().trigger, 38);  // a tracking frame
 }
@@ -181,9 +170,7 @@ TEST_F(StageCapture, AFolderThatCannotBeMadeIsAnError) {
   g_object_set(element_, "location", "/proc/nowhere/capture", nullptr);
   EXPECT_EQ(gst_element_set_state(element_, GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
   gst_element_set_state(element_, GST_STATE_NULL);
-  const auto errors = texts(GST_MESSAGE_ERROR);
-  ASSERT_EQ(errors.size(), 1u);
-  expect_contains(errors[0], "/proc/nowhere/capture");
+  expect_one(errors(), "/proc/nowhere/capture");
 }
 
 class StageCaptureFolder : public StageCapture {
@@ -203,8 +190,8 @@ class StageCaptureFolder : public StageCapture {
   /// Plays a program from before its start until `last`, to the end of the stream.
   void play(int64_t last) {
     start();
-    for (int64_t n = -20; n <= last; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
-    ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_eos()));
+    push_all(-20, last + 1);
+    ASSERT_TRUE(push_end());
     ASSERT_TRUE(ends());
   }
   /// Pictures of single lights and others in a folder.
@@ -226,7 +213,7 @@ TEST_F(StageCaptureFolder, KeepsACompletePassIfTheStreamEndsInTheNextMarker) {
   EXPECT_TRUE(std::filesystem::exists(location_ + "/camera_0/lights.json"));
   EXPECT_FALSE(std::filesystem::exists(location_ + "/camera_0.partial"));
   EXPECT_FALSE(std::filesystem::exists(location_ + "/camera_0/new"));
-  EXPECT_TRUE(texts(GST_MESSAGE_WARNING).empty());
+  EXPECT_TRUE(warnings().empty());
 }
 
 TEST_F(StageCaptureFolder, APassThatIsCutShortIsPutBesideTheWholeOneBeforeIt) {
@@ -240,10 +227,7 @@ TEST_F(StageCaptureFolder, APassThatIsCutShortIsPutBesideTheWholeOneBeforeIt) {
   EXPECT_FALSE(list("/camera_0.partial").contains("gradient-b"));
   EXPECT_EQ(pictures(location_ + "/camera_0.partial"), 12u);
   EXPECT_FALSE(std::filesystem::exists(location_ + "/camera_0/new"));
-  const auto warnings = texts(GST_MESSAGE_WARNING);
-  ASSERT_EQ(warnings.size(), 1u);
-  expect_contains(warnings[0], "cut short: 12 of 15 pictures");
-  expect_contains(warnings[0], "camera_0.partial");
+  expect_one(warnings(), "cut short: 12 of 15 pictures", "camera_0.partial");
 }
 
 TEST_F(StageCaptureFolder, APartialPassAfterAFlushOrNewCapsReplacesNoCompleteOne) {
@@ -251,29 +235,21 @@ TEST_F(StageCaptureFolder, APartialPassAfterAFlushOrNewCapsReplacesNoCompleteOne
   start();
   const int64_t first = LightProgram::kMarkerSteps + pass_, second = first + pass_,
                 third = second + pass_;
-  for (int64_t n = -20; n < first + 4; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  push_all(-20, first + 4);
   start(0, caps(kWidth + 16, kHeight));
   const BallOnStage wider(program_, kWidth + 16, kHeight);
-  for (int64_t n = first + 4; n < second + 4; ++n)
-    ASSERT_EQ(gst_harness_push(camera(), buffer_of(wider.draw(n, 0), static_cast<double>(n))),
-              GST_FLOW_OK);
+  push_all(wider, first + 4, second + 4);
   // The whole one, and both parts of the one that the caps cut.
   for (int i = 0; i < 500 && count("passes") < 3; ++i) g_usleep(10000);
-  gst_harness_push_event(camera(), gst_event_new_flush_start());
-  gst_harness_push_event(camera(), gst_event_new_flush_stop(TRUE));
-  GstSegment segment;
-  gst_segment_init(&segment, GST_FORMAT_TIME);
-  gst_harness_push_event(camera(), gst_event_new_segment(&segment));
-  for (int64_t n = second + 6; n < third; ++n)
-    ASSERT_EQ(gst_harness_push(camera(), buffer_of(wider.draw(n, 0), static_cast<double>(n))),
-              GST_FLOW_OK);
-  ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_eos()));
+  flush(camera());
+  push_all(wider, second + 6, third);
+  ASSERT_TRUE(push_end());
   ASSERT_TRUE(ends());
   EXPECT_EQ(pictures(location_ + "/camera_0"), 15u);
   const auto list = nlohmann::json::parse(std::ifstream(location_ + "/camera_0/lights.json"));
   EXPECT_EQ(list["width"], kWidth);
   EXPECT_GT(pictures(location_ + "/camera_0.partial"), 0u);
-  EXPECT_EQ(texts(GST_MESSAGE_WARNING).empty(), false);
+  EXPECT_FALSE(warnings().empty());
 }
 
 TEST_F(StageCaptureFolder, AFolderMayBeALinkToAnotherDisk) {
@@ -289,9 +265,7 @@ TEST_F(StageCaptureFolder, TheFirstCaptureIsThereAsFarAsItCame) {
   use_passes(LightProgram::Marker::start);
   play(LightProgram::kMarkerSteps + 11);
   EXPECT_EQ(pictures(location_ + "/camera_0"), 12u);
-  const auto warnings = texts(GST_MESSAGE_WARNING);
-  ASSERT_EQ(warnings.size(), 1u);
-  expect_contains(warnings[0], "cut short: 12 of 15 pictures");
+  expect_one(warnings(), "cut short: 12 of 15 pictures");
 }
 
 // The launch line of docs/reference/elements/lightstagesync.md, and pairs of what it plays.

@@ -106,17 +106,30 @@ class StageSync : public ::testing::Test {
     gst_harness_set_src_caps_str(camera(number), which.c_str());
   }
   static GstBuffer* buffer_of(const std::vector<uint8_t>& bytes, double trigger) {
-    GstBuffer* buffer = gst_buffer_new_allocate(nullptr, bytes.size(), nullptr);
-    gst_buffer_fill(buffer, 0, bytes.data(), bytes.size());
+    GstBuffer* buffer = gst_buffer_new_memdup(bytes.data(), bytes.size());
     GST_BUFFER_PTS(buffer) = static_cast<GstClockTime>((trigger + 100) * GST_SECOND / 60);
     GST_BUFFER_DURATION(buffer) = GST_SECOND / 60;
     return buffer;
   }
+  /// A frame with the time of a trigger.
+  GstFlowReturn push(const std::vector<uint8_t>& frame, double time, unsigned number = 0) {
+    return gst_harness_push(camera(number), buffer_of(frame, time));
+  }
   GstFlowReturn push(int64_t trigger, unsigned number = 0, double shift = 0) {
     const BallOnStage ball(program_, kWidth, kHeight);
-    return gst_harness_push(
-        camera(number), buffer_of(ball.draw(trigger, shift, number), static_cast<double>(trigger)));
+    return push(ball.draw(trigger, shift, number), static_cast<double>(trigger), number);
   }
+  /// Frames of these triggers from each of some cameras; every one is taken.
+  void push_all(int64_t from, int64_t to, unsigned cameras = 1) {
+    for (int64_t n = from; n < to; ++n)
+      for (unsigned number = 0; number < cameras; ++number) ASSERT_EQ(push(n, number), GST_FLOW_OK);
+  }
+  /// The same with frames of another size or place.
+  void push_all(const BallOnStage& ball, int64_t from, int64_t to) {
+    for (int64_t n = from; n < to; ++n)
+      ASSERT_EQ(push(ball.draw(n), static_cast<double>(n)), GST_FLOW_OK);
+  }
+  bool push_end() { return gst_harness_push_event(camera(), gst_event_new_eos()); }
   struct Out {
     int64_t trigger = -1;
     int kind = -1, light = -1, step = -2;
@@ -125,49 +138,37 @@ class StageSync : public ::testing::Test {
     guint lights = 0;
     std::vector<float> colors;
   };
-  /// What has come out so far; waits for `count` frames, at most some seconds.
+  /// The next frames that come out. Those that do not within a minute fail the test.
   std::vector<Out> pull(size_t count, unsigned number = 0) {
     std::vector<Out> all;
     while (all.size() < count) {
-      GstBuffer* buffer = gst_harness_pull(camera(number));  // a minute at most
+      const Buffer buffer(gst_harness_pull(camera(number)));  // a minute at most
       if (!buffer) break;
       Out out;
-      out.pts = GST_BUFFER_PTS(buffer);
-      out.duration = GST_BUFFER_DURATION(buffer);
-      out.bytes.resize(gst_buffer_get_size(buffer));
-      gst_buffer_extract(buffer, 0, out.bytes.data(), out.bytes.size());
-      if (GstLightStageMeta* meta = gst_buffer_get_light_stage_meta(buffer)) {
+      out.pts = GST_BUFFER_PTS(buffer.get());
+      out.duration = GST_BUFFER_DURATION(buffer.get());
+      out.bytes = bytes_of(buffer.get());
+      if (GstLightStageMeta* meta = gst_buffer_get_light_stage_meta(buffer.get())) {
         out.trigger = static_cast<int64_t>(meta->trigger);
         out.kind = meta->kind;
         out.light = meta->light;
         out.step = meta->step;
         out.lights = meta->lights;
-        gsize size = 0;
-        const auto* colors = static_cast<const float*>(g_bytes_get_data(meta->colors, &size));
-        out.colors.assign(colors, colors + size / sizeof(float));
+        out.colors = floats_of(meta->colors);
       }
-      gst_buffer_unref(buffer);
       all.push_back(out);
     }
+    EXPECT_EQ(all.size(), count);
+    all.resize(count);
     return all;
   }
-  std::vector<std::string> texts(GstMessageType type) {
-    std::vector<std::string> found;
-    while (GstMessage* message = gst_bus_pop_filtered(bus_, type)) {
-      GError* error = nullptr;
-      if (type == GST_MESSAGE_ERROR) gst_message_parse_error(message, &error, nullptr);
-      if (type == GST_MESSAGE_WARNING) gst_message_parse_warning(message, &error, nullptr);
-      if (error) found.emplace_back(error->message);
-      g_clear_error(&error);
-      gst_message_unref(message);
-    }
-    return found;
-  }
+  std::vector<std::string> errors() { return texts_of(bus_, GST_MESSAGE_ERROR); }
+  std::vector<std::string> warnings() { return texts_of(bus_, GST_MESSAGE_WARNING); }
   /// Waits for a warning that has this in it.
   bool warned_of(const std::string& what, unsigned seconds = 30) {
     const gint64 until = g_get_monotonic_time() + gint64{seconds} * G_USEC_PER_SEC;
     while (g_get_monotonic_time() < until) {
-      for (const std::string& text : texts(GST_MESSAGE_WARNING))
+      for (const std::string& text : warnings())
         if (text.find(what) != std::string::npos) return true;
       g_usleep(10000);
     }
@@ -194,6 +195,11 @@ class StageSync : public ::testing::Test {
     g_object_set(element_, "program", path_.c_str(), nullptr);
   }
   void use_performance() { use(performance(stage_lights(geodesic_directions(42)))); }
+  /// The same, and the first cameras start.
+  void start_performance(unsigned cameras = 1) {
+    use_performance();
+    for (unsigned number = 0; number < cameras; ++number) start(number);
+  }
 
   GstBus* bus_ = gst_bus_new();
   GstElement* element_ = nullptr;

@@ -5,6 +5,7 @@
 #include "stage/controllers/dmx_levels.hpp"
 #include "stage/controllers/sacn_receiver.hpp"
 #include "stage_fixture.hpp"
+#include "tests/pipeline.hpp"
 #include "tests/stage/serial_controller.hpp"
 #include "tests/update_max.hpp"
 
@@ -13,34 +14,6 @@ namespace {
 
 constexpr const char* kCamera =
     "videotestsrc is-live=true ! video/x-raw,width=32,height=24,framerate=60/1 ! ";
-
-/// A line that is stopped at the end whatever happens.
-class Line {
- public:
-  explicit Line(const std::string& line) : pipeline_(gst_parse_launch(line.c_str(), nullptr)) {}
-  Line(const Line&) = delete;
-  Line& operator=(const Line&) = delete;
-  ~Line() {
-    gst_element_set_state(pipeline_, GST_STATE_NULL);
-    gst_object_unref(pipeline_);
-  }
-  GstStateChangeReturn set(GstState state) { return gst_element_set_state(pipeline_, state); }
-  std::string error() {
-    GstBus* bus = gst_element_get_bus(pipeline_);
-    GstMessage* message = gst_bus_timed_pop_filtered(bus, 10 * GST_SECOND, GST_MESSAGE_ERROR);
-    gst_object_unref(bus);
-    if (!message) return "";
-    GError* error = nullptr;
-    gst_message_parse_error(message, &error, nullptr);
-    std::string text = error->message;
-    g_error_free(error);
-    gst_message_unref(message);
-    return text;
-  }
-
- private:
-  GstElement* pipeline_;
-};
 
 /// Whether the lights emit what the program has in a step, within half a minute.
 bool shows(sacn::Receiver& receiver, const LightProgram& program, StepKind kind) {
@@ -63,7 +36,7 @@ TEST(StageLights, AreSteppedWhilePlayingAndDarkAfterwards) {
   const LightProgram program = performance(stage_lights(geodesic_directions(42)));
   const std::vector<uint32_t> universes = {1};
   sacn::Receiver receiver("127.0.0.1:0", universes);
-  Line line(
+  Pipeline line(
       std::string(kCamera) +
       "lightstagesync program=performance:42 backend=sacn tuning=lead-in=0.2 host=127.0.0.1:" +
       std::to_string(receiver.port()) + " ! fakesink");
@@ -84,15 +57,13 @@ TEST_F(StageSync, ProgramsThatRestartAfterAPauseAreLabeledAgain) {
   g_object_set(element_, "host", ("127.0.0.1:" + std::to_string(receiver.port())).c_str(), nullptr);
   start();
   const BallOnStage ball(program_, kWidth, kHeight);
-  for (int64_t n = -10; n < 20; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  push_all(-10, 20);
   pull(20);
   gst_element_set_state(element_, GST_STATE_PAUSED);
   gst_element_set_state(element_, GST_STATE_PLAYING);
   for (int64_t n = -10; n < 20; ++n)
-    ASSERT_EQ(gst_harness_push(camera(), buffer_of(ball.draw(n), static_cast<double>(n + 51))),
-              GST_FLOW_OK);
+    ASSERT_EQ(push(ball.draw(n), static_cast<double>(n + 51)), GST_FLOW_OK);
   const auto again = pull(20);
-  ASSERT_EQ(again.size(), 20u);
   EXPECT_EQ(again.front().trigger, 0);
   EXPECT_EQ(again.back().trigger, 19);
   EXPECT_EQ(count("contradicted"), 0u);
@@ -107,12 +78,12 @@ std::string on_line(const std::string& port) {
 }
 
 TEST(StageLights, StateChangesDoNotWaitForAController) {
-  if (!Descriptor(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)))
+  if (!has_pseudo_terminals())
     GTEST_SKIP() << "this system has no pseudo-terminals: mount /dev/pts";
   Controller unresponsive([](const std::string&) { return ""; });
   const gint64 start = g_get_monotonic_time();
   {
-    Line line(on_line(unresponsive.path()));
+    Pipeline line(on_line(unresponsive.path()));
     ASSERT_NE(line.set(GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
     EXPECT_FALSE(unresponsive.lines(1).empty());  // it is being spoken to
   }
@@ -120,35 +91,34 @@ TEST(StageLights, StateChangesDoNotWaitForAController) {
 }
 
 TEST(StageLights, AControllerIsGivenTheProgramOnce) {
-  if (!Descriptor(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)))
+  if (!has_pseudo_terminals())
     GTEST_SKIP() << "this system has no pseudo-terminals: mount /dev/pts";
-  Rig rig;
-  Controller controller([&](const std::string& line) { return rig(line); });
+  ConnectedRig rig;
   {
-    Line line(on_line(controller.path()));
+    Pipeline line(on_line(rig.path()));
     for (int time = 1; time <= 3; ++time) {
       ASSERT_NE(line.set(GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
-      const int pulses = controller.count("pulse");
-      for (int i = 0; i < 1000 && controller.count("pulse") < pulses + 5; ++i) g_usleep(10000);
-      EXPECT_GE(controller.count("pulse"), pulses + 5);
+      const int pulses = rig.count("pulse");
+      for (int i = 0; i < 1000 && rig.count("pulse") < pulses + 5; ++i) g_usleep(10000);
+      EXPECT_GE(rig.count("pulse"), pulses + 5);
       line.set(GST_STATE_PAUSED);
-      for (int i = 0; i < 1000 && controller.count("off") < time; ++i) g_usleep(10000);
+      for (int i = 0; i < 1000 && rig.count("off") < time; ++i) g_usleep(10000);
     }
   }
-  EXPECT_EQ(controller.count("begin"), 1);
-  EXPECT_EQ(controller.count("go"), 3);
-  EXPECT_EQ(controller.count("off"), 3);
+  EXPECT_EQ(rig.count("begin"), 1);
+  EXPECT_EQ(rig.count("go"), 3);
+  EXPECT_EQ(rig.count("off"), 3);
   EXPECT_EQ(rig.after(0), Rig::Lights(42));
 }
 
 TEST(StageLights, AnUnreachableControllerIsAnError) {
-  Line line(std::string(kCamera) +
-            "lightstagesync backend=serial serial-port=/dev/nowhere ! fakesink");
+  Pipeline line(std::string(kCamera) +
+                "lightstagesync backend=serial serial-port=/dev/nowhere ! fakesink");
   line.set(GST_STATE_PLAYING);
-  EXPECT_NE(line.error().find("/dev/nowhere"), std::string::npos);
-  Line without(std::string(kCamera) + "lightstagesync backend=serial ! fakesink");
+  expect_contains(line.error(10), "/dev/nowhere");
+  Pipeline without(std::string(kCamera) + "lightstagesync backend=serial ! fakesink");
   EXPECT_EQ(without.set(GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
-  EXPECT_NE(without.error().find("port"), std::string::npos);
+  expect_contains(without.error(10), "port");
 }
 
 }  // namespace

@@ -16,43 +16,28 @@ struct Truth {
   guint64 labeled = 0, mislabeled = 0;
 };
 
-GstPadProbeReturn before(GstPad*, GstPadProbeInfo* info, gpointer data) {
-  auto& truth = *static_cast<Truth*>(data);
-  GstBuffer* buffer = GST_PAD_PROBE_INFO_BUFFER(info);
-  std::lock_guard lock(truth.mutex);
-  if (const GstLightStageMeta* meta = gst_buffer_get_light_stage_meta(buffer))
-    truth.triggers[gst_buffer_peek_memory(buffer, 0)] = meta->trigger;
-  return GST_PAD_PROBE_OK;
-}
-
-GstPadProbeReturn after(GstPad*, GstPadProbeInfo* info, gpointer data) {
-  auto& truth = *static_cast<Truth*>(data);
-  GstBuffer* buffer = GST_PAD_PROBE_INFO_BUFFER(info);
-  std::lock_guard lock(truth.mutex);
-  const GstLightStageMeta* meta = gst_buffer_get_light_stage_meta(buffer);
-  ++truth.labeled;
-  if (!meta || truth.triggers[gst_buffer_peek_memory(buffer, 0)] != meta->trigger)
-    ++truth.mislabeled;
-  return GST_PAD_PROBE_OK;
-}
-
 void run(const std::string& source, const std::string& sync, Truth& truth) {
-  GstElement* element = nullptr;
+  const auto before = [&](GstBuffer* buffer) {
+    std::lock_guard lock(truth.mutex);
+    if (const GstLightStageMeta* meta = gst_buffer_get_light_stage_meta(buffer))
+      truth.triggers[gst_buffer_peek_memory(buffer, 0)] = meta->trigger;
+  };
+  const auto after = [&](GstBuffer* buffer) {
+    std::lock_guard lock(truth.mutex);
+    const GstLightStageMeta* meta = gst_buffer_get_light_stage_meta(buffer);
+    ++truth.labeled;
+    if (!meta || truth.triggers[gst_buffer_peek_memory(buffer, 0)] != meta->trigger)
+      ++truth.mislabeled;
+  };
   const LineResult result =
       run_line("lightstagetestsrc is-live=false noise=0.01 " + source +
                    " ! video/x-raw,format=RGBA,width=48,height=36 ! lightstagesync name=s " + sync +
                    " ! fakesink sync=false",
                120, [&](GstElement* pipeline) {
-                 element = gst_bin_get_by_name(GST_BIN(pipeline), "s");
-                 GstPad *sink = gst_element_get_static_pad(element, "sink_0"),
-                        *src = gst_element_get_static_pad(element, "src_0");
-                 gst_pad_add_probe(sink, GST_PAD_PROBE_TYPE_BUFFER, before, &truth, nullptr);
-                 gst_pad_add_probe(src, GST_PAD_PROBE_TYPE_BUFFER, after, &truth, nullptr);
-                 gst_object_unref(sink);
-                 gst_object_unref(src);
+                 watch_buffers(find_element(pipeline, "s"), "sink_0", before);
+                 watch_buffers(find_element(pipeline, "s"), "src_0", after);
                });
   EXPECT_TRUE(result.eos) << result.first_error();
-  if (element) gst_object_unref(element);
 }
 
 /// `more`: further entries of tuning.

@@ -58,8 +58,7 @@ TEST_F(StageSinks, WaitForConfirmationAndBlockNoCamera) {
 }
 
 TEST_F(StageSinks, WaitForOtherBranchesAndBlockNoCamera) {
-  use_performance();
-  start();
+  start_performance();
   hold();
   gst_harness_push_upstream_event(camera(), gst_event_new_latency(GST_SECOND));
   EXPECT_TRUE(all_sent(-10, 60));
@@ -67,8 +66,7 @@ TEST_F(StageSinks, WaitForOtherBranchesAndBlockNoCamera) {
 }
 
 TEST_F(StageSinks, ThatDoNotWaitHaveAFewFramesInLine) {
-  use_performance();
-  start();
+  start_performance();
   gst_harness_set_live(camera(), FALSE);
   hold();
   auto sent = std::async(std::launch::async, [&] {

@@ -16,59 +16,45 @@ class StageStreams : public StageSync {
 };
 
 TEST_F(StageStreams, AnotherStreamWithoutAnEndOfTheLastOneGoesOn) {
-  use_performance();
-  start();
-  for (int64_t n = -10; n < 0; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);  // some are held
+  start_performance();
+  push_all(-10, 0);  // some are held
   ASSERT_TRUE(begin("another"));
-  for (int64_t n = -10; n < 30; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  push_all(-10, 30);
   const auto frames = pull(30);
-  ASSERT_EQ(frames.size(), 30u);
   EXPECT_EQ(frames.back().trigger, 29);
   EXPECT_EQ(count("before-marker"), 20u);
 }
 
 TEST_F(StageStreams, FramesWithoutAnEndedCameraAreReportedOnce) {
-  use_performance();
-  start(0);
-  start(1);
-  for (int64_t n = -10; n < 20; ++n) {
-    ASSERT_EQ(push(n, 0), GST_FLOW_OK);
-    ASSERT_EQ(push(n, 1), GST_FLOW_OK);
-  }
+  start_performance(2);
+  push_all(-10, 20, 2);
   ASSERT_TRUE(gst_harness_push_event(camera(1), gst_event_new_eos()));
-  for (int64_t n = 20; n < 40; ++n) ASSERT_EQ(push(n, 0), GST_FLOW_OK);
-  EXPECT_TRUE(texts(GST_MESSAGE_WARNING).empty()) << "streams may end a little apart";
-  for (int64_t n = 40; n < 120; ++n) ASSERT_EQ(push(n, 0), GST_FLOW_OK);
-  const auto warnings = texts(GST_MESSAGE_WARNING);
-  ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings[0].find("sink_1 has ended"), std::string::npos) << warnings[0];
+  push_all(20, 40);
+  EXPECT_TRUE(warnings().empty()) << "streams may end a little apart";
+  push_all(40, 120);
+  expect_one(warnings(), "sink_1 has ended");
   EXPECT_EQ(count("incomplete"), 100u);
 }
 
 TEST_F(StageStreams, LabelsGoOnInAnotherFrame) {
-  use_performance();
-  start();
-  for (int64_t n = -10; n < 40; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  start_performance();
+  push_all(-10, 40);
   int64_t next = 40;
   for (const auto& [width, height] : {std::pair{160, 32}, {kWidth, 90}, {kWidth, kHeight}}) {
     start(0, caps(width, height));
-    const BallOnStage ball(program_, width, height);
-    for (const int64_t until = next + 30; next < until; ++next)
-      ASSERT_EQ(
-          gst_harness_push(camera(), buffer_of(ball.draw(next, 0), static_cast<double>(next))),
-          GST_FLOW_OK);
+    push_all(BallOnStage(program_, width, height), next, next + 30);
+    next += 30;
   }
   EXPECT_EQ(pull(130).back().trigger, 129);
   EXPECT_EQ(count("contradicted"), 0u);
 }
 
 TEST_F(StageStreams, AStreamMayFollowAnEnd) {
-  use_performance();
-  start();
+  start_performance();
   for (const char* name : {"one", "two", "two", "three"}) {
     ASSERT_TRUE(begin(name));
-    for (int64_t n = -10; n < 20; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
-    ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_eos()));
+    push_all(-10, 20);
+    ASSERT_TRUE(push_end());
     EXPECT_EQ(push(20), GST_FLOW_EOS);
     // Also before the end has left.
     if (std::string(name) == "one") {
@@ -94,16 +80,12 @@ TEST_F(StageStreams, TwoCamerasGoOnTogetherAfterOneWasCovered) {
   for (int64_t n = -10; n < 400; ++n) {
     ASSERT_EQ(push(n, 0), GST_FLOW_OK);
     const int64_t seen = n >= 220 && n < 230 ? -1 : n;
-    ASSERT_EQ(
-        gst_harness_push(camera(1), buffer_of(ball.draw(seen, 0, static_cast<unsigned>(n + 20)),
-                                              static_cast<double>(n))),
-        GST_FLOW_OK);
+    ASSERT_EQ(push(ball.draw(seen, 0, static_cast<unsigned>(n + 20)), static_cast<double>(n), 1),
+              GST_FLOW_OK);
   }
   const guint64 complete = count("sets-complete");
   EXPECT_GT(complete, 350u);  // all but one pass
   const auto one = pull(complete, 0), other = pull(complete, 1);
-  ASSERT_EQ(one.size(), complete);
-  ASSERT_EQ(other.size(), complete);
   for (size_t i = 0; i < complete; ++i) EXPECT_EQ(one[i].trigger, other[i].trigger) << i;
   EXPECT_EQ(one.back().trigger, 399);
 }
@@ -114,21 +96,17 @@ TEST_F(StageStreams, LosingAnUnmarkedProgramIsAWarningWithItsRemedy) {
   use(program);
   start();
   const BallOnStage ball(program_, kWidth, kHeight);
-  const auto send = [&](int64_t n, double time) {
-    return gst_harness_push(camera(), buffer_of(ball.draw(n), time));
-  };
-  for (int64_t n = 0; n < 20; ++n) ASSERT_EQ(send(n, static_cast<double>(n) + 1000), GST_FLOW_OK);
-  for (int64_t n = 20; n < 60; ++n) ASSERT_EQ(send(n, static_cast<double>(n) - 50.5), GST_FLOW_OK);
+  for (int64_t n = 0; n < 60; ++n)
+    ASSERT_EQ(push(ball.draw(n), static_cast<double>(n) + (n < 20 ? 1000 : -50.5)), GST_FLOW_OK);
   EXPECT_LE(count("labeled"), 20u);
   for (const Out& frame : pull(count("labeled"))) EXPECT_LT(frame.trigger, 20);
-  ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_eos()));
+  ASSERT_TRUE(push_end());
   EXPECT_TRUE(warned_of("the program has no marker"));
 }
 
 TEST_F(StageStreams, CamerasMayGoWhileTheyAreFlushed) {
-  use_performance();
-  start(0);
-  for (int64_t n = -10; n < 10; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  start_performance();
+  push_all(-10, 10);
   for (int64_t n = 10; n < 110; ++n) {
     GstPad* pad = gst_element_request_pad_simple(element_, "sink_1");
     ASSERT_NE(pad, nullptr);

@@ -9,11 +9,9 @@ namespace inverse::testing {
 namespace {
 
 TEST_F(StageSync, FramesLeaveAsTheyCameWithTheirLabels) {
-  use_performance();
-  start();
-  for (int64_t n = -10; n < 30; ++n) ASSERT_EQ(push(n), GST_FLOW_OK) << n;
+  start_performance();
+  push_all(-10, 30);
   const auto frames = pull(30);
-  ASSERT_EQ(frames.size(), 30u);
   for (size_t n = 0; n < frames.size(); ++n) {
     EXPECT_EQ(frames[n].trigger, static_cast<int64_t>(n));
     const int kind = n == 1  ? GST_LIGHT_STAGE_TRACKING
@@ -30,36 +28,36 @@ TEST_F(StageSync, FramesLeaveAsTheyCameWithTheirLabels) {
   }
   EXPECT_EQ(count("labeled"), 30u);
   EXPECT_EQ(count("before-marker"), 10u);
-  EXPECT_TRUE(texts(GST_MESSAGE_ERROR).empty());
+  EXPECT_TRUE(errors().empty());
 }
 
 TEST_F(StageSync, LostFramesAreCountedAndReported) {
-  use_performance();
-  start();
-  for (int64_t n = -10; n < 60; ++n)
-    if (n != 20 && n != 31) {
-      ASSERT_EQ(push(n), GST_FLOW_OK);
-    }
+  start_performance();
+  push_all(-10, 20);
+  push_all(21, 31);
+  push_all(32, 60);
   EXPECT_EQ(pull(58).back().trigger, 59);
   EXPECT_EQ(count("missing"), 2u);
   EXPECT_TRUE(warned_of("lost"));
 }
 
-TEST_F(StageSync, TwoCamerasLeaveInCompleteSets) {
-  use_performance();
-  start(0);
-  start(1);
-  for (int64_t n = -10; n < 40; ++n) {
-    if (n != 20) {
-      ASSERT_EQ(push(n, 0), GST_FLOW_OK);
-    }
-    if (n != 25) {
-      ASSERT_EQ(push(n, 1), GST_FLOW_OK);
-    }
+/// Two cameras, each of which loses a frame.
+class StageSets : public StageSync {
+ protected:
+  void push_sets() {
+    push_all(-10, 20, 2);
+    ASSERT_EQ(push(20, 1), GST_FLOW_OK);
+    push_all(21, 25, 2);
+    ASSERT_EQ(push(25, 0), GST_FLOW_OK);
+    push_all(26, 40, 2);
   }
+};
+
+TEST_F(StageSets, LeaveWhereTheyAreComplete) {
+  start_performance(2);
+  push_sets();
   for (const unsigned number : {0u, 1u}) {
     const auto frames = pull(38, number);
-    ASSERT_EQ(frames.size(), 38u);
     for (const Out& frame : frames) EXPECT_TRUE(frame.trigger != 20 && frame.trigger != 25);
     EXPECT_EQ(frames.back().trigger, 39);
   }
@@ -68,19 +66,10 @@ TEST_F(StageSync, TwoCamerasLeaveInCompleteSets) {
   EXPECT_EQ(count("incomplete"), 2u);
 }
 
-TEST_F(StageSync, AllSetsPassWhereThatIsWanted) {
-  use_performance();
+TEST_F(StageSets, AllPassWhereThatIsWanted) {
   gst_util_set_object_arg(G_OBJECT(element_), "sets", "all");
-  start(0);
-  start(1);
-  for (int64_t n = -10; n < 40; ++n) {
-    if (n != 20) {
-      ASSERT_EQ(push(n, 0), GST_FLOW_OK);
-    }
-    if (n != 25) {
-      ASSERT_EQ(push(n, 1), GST_FLOW_OK);
-    }
-  }
+  start_performance(2);
+  push_sets();
   EXPECT_EQ(pull(39, 0).back().trigger, 39);
   EXPECT_EQ(pull(39, 1).back().trigger, 39);
 }
@@ -88,9 +77,10 @@ TEST_F(StageSync, AllSetsPassWhereThatIsWanted) {
 TEST_F(StageSync, ACameraThatLosesATrackingFrameIsWaitedFor) {
   use(static_capture(stage_lights(geodesic_directions(42)), 60));
   g_object_set(element_, "timeout", 0.1, nullptr);
-  start(0);
-  start(1);
-  for (GstHarness* one : {camera(0), camera(1)}) gst_harness_set_live(one, TRUE);
+  for (const unsigned number : {0u, 1u}) {
+    start(number);
+    gst_harness_set_live(camera(number), TRUE);
+  }
   // At the rate of cameras: the labels of one wait for 23 frames, which take longer than `timeout`.
   for (int64_t n = -5; n < 52; ++n) {
     for (const unsigned number : {0u, 1u})
@@ -102,36 +92,31 @@ TEST_F(StageSync, ACameraThatLosesATrackingFrameIsWaitedFor) {
   EXPECT_EQ(pull(50, 0).back().trigger, 50);  // a tracking frame
   EXPECT_EQ(count("incomplete"), 1u);         // that of the other camera
   EXPECT_EQ(count("sets-complete"), 50u);
-  for (const std::string& text : texts(GST_MESSAGE_WARNING))
+  for (const std::string& text : warnings())
     EXPECT_EQ(text.find("have waited"), std::string::npos) << text;
 }
 
 TEST_F(StageSync, AStoppedCameraIsReportedAndTheOtherContinues) {
-  use_performance();
   g_object_set(element_, "timeout", 0.1, nullptr);
   gst_util_set_object_arg(G_OBJECT(element_), "sets", "all");
-  start(0);
-  start(1);
+  start_performance(2);
   for (GstHarness* one : {camera(0), camera(1)}) gst_harness_set_live(one, TRUE);
-  for (int64_t n = -10; n < 20; ++n)
-    for (const unsigned number : {0u, 1u}) ASSERT_EQ(push(n, number), GST_FLOW_OK);
+  push_all(-10, 20, 2);
   pull(20, 1);
-  for (int64_t n = 20; n < 100; ++n) ASSERT_EQ(push(n, 0), GST_FLOW_OK);
+  push_all(20, 100);
   EXPECT_EQ(pull(100, 0).back().trigger, 99);
   EXPECT_TRUE(warned_of("sink_1"));
   // And comes back.
-  for (int64_t n = 100; n < 130; ++n)
-    for (const unsigned number : {0u, 1u}) ASSERT_EQ(push(n, number), GST_FLOW_OK);
+  push_all(100, 130, 2);
   EXPECT_EQ(pull(30, 1).back().trigger, 129);
-  EXPECT_TRUE(texts(GST_MESSAGE_ERROR).empty());
+  EXPECT_TRUE(errors().empty());
 }
 
 TEST_F(StageSync, ASingleStoppedCameraIsReportedAndMayResume) {
-  use_performance();
-  start();
-  for (int64_t n = -10; n < 20; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  start_performance();
+  push_all(-10, 20);
   EXPECT_TRUE(warned_of("sink_0 has sent no frame"));
-  for (int64_t n = 200; n < 220; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  push_all(200, 220);
   EXPECT_EQ(pull(40).back().trigger, 219);
   EXPECT_EQ(count("missing"), 180u);
 }
@@ -140,36 +125,33 @@ TEST_F(StageSync, ACameraThatHasNotBegunIsGivenTimeAndOneThatHasIsNot) {
   use_performance();
   camera();  // plays
   g_usleep(3 * G_USEC_PER_SEC);
-  EXPECT_TRUE(texts(GST_MESSAGE_WARNING).empty());
+  EXPECT_TRUE(warnings().empty());
   start();
   EXPECT_TRUE(warned_of("sink_0 has sent no frame"));
 }
 
 TEST_F(StageSync, ACameraThatDoesNotStartBlocksNoOther) {
-  use_performance();
   gst_util_set_object_arg(G_OBJECT(element_), "sets", "all");
-  start(0);
+  start_performance();
   camera(1);
   const gint64 from = g_get_monotonic_time();
-  for (int64_t n = -10; n < 60; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  push_all(-10, 60);
   EXPECT_EQ(pull(60).back().trigger, 59);
   EXPECT_LT(g_get_monotonic_time() - from, 25 * G_USEC_PER_SEC);  // not only after the report
   EXPECT_TRUE(warned_of("whose source has not begun"));
 }
 
 TEST_F(StageSync, AMarkerThatNeverComesIsAWarning) {
-  use_performance();
   g_object_set(element_, "tuning", "marker-timeout=0.5", nullptr);
-  start();
-  for (int64_t n = -50; n < 0; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  start_performance();
+  push_all(-50, 0);
   EXPECT_TRUE(warned_of("marker"));
   EXPECT_EQ(gst_harness_buffers_in_queue(camera()), 0u);
 }
 
 TEST_F(StageSync, AMissingMarkerIsReportedBeforeTheEnd) {
-  use_performance();
-  start();
-  for (int64_t n = -50; n < 0; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  start_performance();
+  push_all(-50, 0);
   std::string messages;
   gst_pad_add_probe(
       camera()->sinkpad, GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM,
@@ -177,21 +159,15 @@ TEST_F(StageSync, AMissingMarkerIsReportedBeforeTheEnd) {
         auto& [bus, text] = *static_cast<std::pair<GstBus*, std::string*>*>(data);
         if (GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info)) != GST_EVENT_EOS)
           return GST_PAD_PROBE_OK;
-        while (GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING)) {
-          GError* error = nullptr;
-          gst_message_parse_warning(message, &error, nullptr);
-          *text += error->message;
-          g_error_free(error);
-          gst_message_unref(message);
-        }
+        for (const std::string& warning : texts_of(bus, GST_MESSAGE_WARNING)) *text += warning;
         *text += " END";
         return GST_PAD_PROBE_OK;
       },
       new std::pair(bus_, &messages),
       [](gpointer data) { delete static_cast<std::pair<GstBus*, std::string*>*>(data); });
-  ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_eos()));
+  ASSERT_TRUE(push_end());
   ASSERT_TRUE(ends());
-  EXPECT_NE(messages.find("none of its frames has a label"), std::string::npos) << messages;
+  expect_contains(messages, "none of its frames has a label");
   EXPECT_LT(messages.find("none of its frames"), messages.find("END"));
 }
 
@@ -200,17 +176,15 @@ TEST_F(StageSync, UnconfirmedSingleLightsAreAWarning) {
   std::erase_if(alone.steps, [](const LightStep& step) { return step.kind == StepKind::tracking; });
   use(alone);
   start();
-  for (int64_t n = -5; n < 5; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  push_all(-5, 5);
   EXPECT_TRUE(warned_of("no tracking frame"));
 }
 
 TEST_F(StageSync, UnlabeledFramesMayPass) {
-  use_performance();
   g_object_set(element_, "tuning", "drop-unlabeled=false", nullptr);
-  start();
-  for (int64_t n = -10; n < 10; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  start_performance();
+  push_all(-10, 10);
   const auto frames = pull(20);
-  ASSERT_EQ(frames.size(), 20u);
   for (size_t n = 0; n < 20; ++n)
     EXPECT_EQ(frames[n].trigger, n < 10 ? -1 : static_cast<int64_t>(n) - 10);
 }
@@ -220,9 +194,7 @@ TEST_F(StageSync, MissingAndInvalidProgramsAreErrors) {
     g_object_set(element_, "program", program, nullptr);
     EXPECT_EQ(gst_element_set_state(element_, GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
     gst_element_set_state(element_, GST_STATE_NULL);
-    const auto errors = texts(GST_MESSAGE_ERROR);
-    ASSERT_EQ(errors.size(), 1u) << program;
-    EXPECT_NE(errors[0].find(expected), std::string::npos) << errors[0];
+    expect_one(errors(), expected);
   };
   fails("/nowhere/program.json", "/nowhere/program.json");
   use_performance();
@@ -235,30 +207,24 @@ TEST_F(StageSync, MissingAndInvalidProgramsAreErrors) {
 }
 
 TEST_F(StageSync, FlushSeekAndEos) {
-  use_performance();
-  start();
-  for (int64_t n = -10; n < 20; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  start_performance();
+  push_all(-10, 20);
   pull(20);
   ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_flush_start()));
   EXPECT_EQ(push(20), GST_FLOW_FLUSHING);
-  ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_flush_stop(TRUE)));
-  GstSegment segment;
-  gst_segment_init(&segment, GST_FORMAT_TIME);
-  ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_segment(&segment)));
-  for (int64_t n = 5; n < 15; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  flush(camera());
+  push_all(5, 15);
   const auto again = pull(10);
-  ASSERT_EQ(again.size(), 10u);
   EXPECT_EQ(again.front().trigger, 5);
-  ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_eos()));
+  ASSERT_TRUE(push_end());
   EXPECT_EQ(push(16), GST_FLOW_EOS);
   EXPECT_TRUE(ends());
 }
 
 TEST_F(StageSync, FrameIdsCount) {
-  use_performance();
   gst_util_set_object_arg(G_OBJECT(element_), "frame-id", "offset");
   g_object_set(element_, "tuning", "frame-id-bits=16", nullptr);
-  start();
+  start_performance();
   const BallOnStage ball(program_, kWidth, kHeight);
   for (int64_t n = -10; n < 300; ++n) {
     if (n % 50 == 49) continue;
@@ -273,14 +239,11 @@ TEST_F(StageSync, FrameIdsCount) {
 }
 
 TEST_F(StageSync, AnyFormatIsMeasuredAndSizesChange) {
-  use_performance();
-  start();
-  for (int64_t n = -10; n < 10; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  start_performance();
+  push_all(-10, 10);
   const BallOnStage small(program_, 17, 11);
   start(0, caps(17, 11));
-  for (int64_t n = 10; n < 30; ++n)
-    ASSERT_EQ(gst_harness_push(camera(), buffer_of(small.draw(n), static_cast<double>(n))),
-              GST_FLOW_OK);
+  push_all(small, 10, 30);
   const auto frames = pull(30);
   EXPECT_EQ(frames.back().trigger, 29);
   EXPECT_EQ(frames.back().bytes.size(), 17u * 11 * 4);
@@ -288,25 +251,21 @@ TEST_F(StageSync, AnyFormatIsMeasuredAndSizesChange) {
                              "GRAY8", "GRAY16_LE", "P010_10LE", "I420_10LE", "RGBA64_LE"}) {
     const std::string odd = VideoHarness::caps(format, 13, 9);
     start(0, odd);
-    const auto bytes = random_frame(odd, 1);
-    EXPECT_EQ(gst_harness_push(camera(), buffer_of(bytes, 40)), GST_FLOW_OK) << format;
+    EXPECT_EQ(push(random_frame(odd, 1), 40), GST_FLOW_OK) << format;
   }
-  EXPECT_TRUE(texts(GST_MESSAGE_ERROR).empty());
+  EXPECT_TRUE(errors().empty());
 }
 
 TEST_F(StageSync, ABufferThatIsTooSmallIsOneError) {
-  use_performance();
-  start();
-  EXPECT_EQ(gst_harness_push(camera(), buffer_of(std::vector<uint8_t>(100), 0)), GST_FLOW_ERROR);
-  const auto errors = texts(GST_MESSAGE_ERROR);
-  ASSERT_EQ(errors.size(), 1u);
-  EXPECT_NE(errors[0].find("100 bytes"), std::string::npos) << errors[0];
+  start_performance();
+  EXPECT_EQ(push(std::vector<uint8_t>(100), 0), GST_FLOW_ERROR);
+  expect_one(errors(), "100 bytes");
 }
 
 TEST_F(StageSync, OnlyAKnownRateOtherThanTheProgramsIsAWarning) {
   use_performance();
   start(0, caps(kWidth, kHeight, "0/1"));
-  EXPECT_TRUE(texts(GST_MESSAGE_WARNING).empty());
+  EXPECT_TRUE(warnings().empty());
   start(0, caps(kWidth, kHeight, "25/1"));
   EXPECT_TRUE(warned_of("25"));
 }
@@ -314,7 +273,7 @@ TEST_F(StageSync, OnlyAKnownRateOtherThanTheProgramsIsAWarning) {
 TEST_F(StageSync, ProgramsThatAreNoFilesHaveTheRateThatIsSet) {
   g_object_set(element_, "program", "performance:42", "rate", 25u, nullptr);
   start(0, caps(kWidth, kHeight, "25/1"));
-  EXPECT_TRUE(texts(GST_MESSAGE_WARNING).empty());
+  EXPECT_TRUE(warnings().empty());
   start(0, caps(kWidth, kHeight, "60/1"));
   EXPECT_TRUE(warned_of("property \"rate\""));
 }
@@ -323,24 +282,21 @@ TEST_F(StageSync, FilesHaveARateOfTheirOwn) {
   use_performance();
   g_object_set(element_, "rate", 25u, nullptr);
   start(0, caps(kWidth, kHeight, "60/1"));
-  EXPECT_TRUE(texts(GST_MESSAGE_WARNING).empty());
+  EXPECT_TRUE(warnings().empty());
   start(0, caps(kWidth, kHeight, "25/1"));
   EXPECT_TRUE(warned_of("\"rate\" in " + path_));
 }
 
 TEST_F(StageSync, LatencyIsReportedForSeveralCameras) {
-  use_performance();
   g_object_set(element_, "timeout", 0.3, nullptr);
-  start(0);
-  start(1);
+  start_performance(2);
   gst_harness_set_upstream_latency(camera(0), 20 * GST_MSECOND);
   gst_harness_set_upstream_latency(camera(1), 30 * GST_MSECOND);
   EXPECT_EQ(gst_harness_query_latency(camera(0)), 330 * GST_MSECOND);
 }
 
 TEST_F(StageSync, ThatACameraComesOrGoesChangesTheLatency) {
-  use_performance();
-  start(0);
+  start_performance();
   const auto posted = [&] {
     GstMessage* message = gst_bus_pop_filtered(bus_, GST_MESSAGE_LATENCY);
     if (message) gst_message_unref(message);
@@ -364,11 +320,8 @@ TEST_F(StageSync, LatencyHasTheTimeThatSingleLightsWaitToBeConfirmed) {
 }
 
 TEST_F(StageSync, PadsComeAndGo) {
-  use_performance();
-  start(0);
-  start(1);
-  for (int64_t n = -10; n < 10; ++n)
-    for (const unsigned number : {0u, 1u}) ASSERT_EQ(push(n, number), GST_FLOW_OK);
+  start_performance(2);
+  push_all(-10, 10, 2);
   pull(10, 0);
   GstPad* gone = gst_element_get_static_pad(element_, "sink_1");
   gst_harness_teardown(cameras_[1]);
@@ -379,7 +332,7 @@ TEST_F(StageSync, PadsComeAndGo) {
   }
   EXPECT_EQ(gst_element_get_static_pad(element_, "src_1"), nullptr);
   gst_element_set_state(element_, GST_STATE_PLAYING);
-  for (int64_t n = 10; n < 20; ++n) ASSERT_EQ(push(n, 0), GST_FLOW_OK);
+  push_all(10, 20);
   EXPECT_EQ(pull(10, 0).back().trigger, 19);
 }
 

@@ -25,18 +25,14 @@ struct Shots {
   std::vector<Frame> frames;
 };
 
-inline GstPadProbeReturn note(GstPad*, GstPadProbeInfo* info, gpointer data) {
-  GstBuffer* buffer = GST_PAD_PROBE_INFO_BUFFER(info);
+inline Frame frame_of(GstBuffer* buffer) {
   Frame frame{GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer), GST_BUFFER_OFFSET(buffer)};
   if (const GstLightStageMeta* meta = gst_buffer_get_light_stage_meta(buffer)) {
     frame.labeled = true;
     frame.meta = *meta;
-    gsize size = 0;
-    const auto* colors = static_cast<const float*>(g_bytes_get_data(meta->colors, &size));
-    frame.colors.assign(colors, colors + size / sizeof(float));
+    frame.colors = floats_of(meta->colors);
   }
-  static_cast<std::vector<Frame>*>(data)->push_back(frame);
-  return GST_PAD_PROBE_OK;
+  return frame;
 }
 
 /// `source` is what follows "lightstagetestsrc", `caps` what its frames are.
@@ -44,17 +40,14 @@ inline Shots shoot(const std::string& source,
                    const std::string& caps = "format=GRAY8,width=16,height=16",
                    const std::function<void(GstElement*)>& prepare = {}) {
   Shots shots;
-  shots.line =
-      run_line("lightstagetestsrc name=camera " + source + " ! video/x-raw," + caps +
-                   " ! appsink name=out sync=false",
-               120, [&](GstElement* pipeline) {
-                 GstElement* sink = gst_bin_get_by_name(GST_BIN(pipeline), "out");
-                 GstPad* pad = gst_element_get_static_pad(sink, "sink");
-                 gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, note, &shots.frames, nullptr);
-                 gst_object_unref(pad);
-                 gst_object_unref(sink);
-                 if (prepare) prepare(pipeline);
-               });
+  shots.line = run_line("lightstagetestsrc name=camera " + source + " ! video/x-raw," + caps +
+                            " ! appsink name=out sync=false",
+                        120, [&](GstElement* pipeline) {
+                          watch_buffers(
+                              find_element(pipeline, "out"), "sink",
+                              [&](GstBuffer* buffer) { shots.frames.push_back(frame_of(buffer)); });
+                          if (prepare) prepare(pipeline);
+                        });
   return shots;
 }
 

@@ -10,7 +10,7 @@
 #include "stage/controllers/light_driver.hpp"
 #include "stage/program/light_program.hpp"
 #include "test_source_shots.hpp"
-#include "tests/expect_error.hpp"
+#include "tests/pipeline.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
@@ -211,23 +211,20 @@ TEST(LightStageTestSrc, SizesAndFormats) {
 }
 
 TEST(LightStageTestSrc, CapsMayChange) {
-  GstElement* pipeline = gst_parse_launch(
+  Pipeline pipeline(
       "lightstagetestsrc is-live=false program=performance:3 ! capsfilter name=filter "
       "caps-change-mode=delayed "
-      "caps=video/x-raw,format=RGBA,width=32,height=24 ! appsink name=out sync=false max-buffers=2",
-      nullptr);
-  ASSERT_NE(pipeline, nullptr);
-  GstElement* filter = gst_bin_get_by_name(GST_BIN(pipeline), "filter");
-  GstElement* sink = gst_bin_get_by_name(GST_BIN(pipeline), "out");
-  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+      "caps=video/x-raw,format=RGBA,width=32,height=24 ! "
+      "appsink name=out sync=false max-buffers=2");
+  pipeline.set(GST_STATE_PLAYING);
   for (const auto& [width, height] : {std::pair{32, 24}, {40, 30}, {40, 20}, {16, 16}}) {
     GstCaps* caps = gst_caps_new_simple("video/x-raw", "format", G_TYPE_STRING, "RGBA", "width",
                                         G_TYPE_INT, width, "height", G_TYPE_INT, height, nullptr);
-    g_object_set(filter, "caps", caps, nullptr);
+    g_object_set(pipeline.find("filter"), "caps", caps, nullptr);
     gst_caps_unref(caps);
     bool came = false;
     for (int i = 0; i < 100 && !came; ++i) {
-      GstSample* sample = gst_app_sink_try_pull_sample(GST_APP_SINK(sink), 30 * GST_SECOND);
+      GstSample* sample = pipeline.sample("out");
       ASSERT_NE(sample, nullptr);
       gint now = 0;
       gst_structure_get_int(gst_caps_get_structure(gst_sample_get_caps(sample), 0), "height", &now);
@@ -236,10 +233,6 @@ TEST(LightStageTestSrc, CapsMayChange) {
     }
     EXPECT_TRUE(came) << height;
   }
-  gst_element_set_state(pipeline, GST_STATE_NULL);
-  gst_object_unref(filter);
-  gst_object_unref(sink);
-  gst_object_unref(pipeline);
 }
 
 TEST(LightStageTestSrc, IsAsSlowAsTime) {
@@ -255,36 +248,30 @@ TEST(LightStageTestSrc, IsAsSlowAsTime) {
   }
 }
 
+void expect_stops_soon(Pipeline& pipeline) {
+  const auto start = std::chrono::steady_clock::now();
+  pipeline.set(GST_STATE_NULL);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+}
+
 TEST(LightStageTestSrc, StopsWhileItWaits) {
-  GstElement* pipeline = gst_parse_launch(
+  Pipeline pipeline(
       "lightstagetestsrc program=performance:2 rate=1 ! "
-      "video/x-raw,width=16,height=16 ! fakesink",
-      nullptr);
+      "video/x-raw,width=16,height=16 ! fakesink");
   for (int i = 0; i < 3; ++i) {
-    gst_element_set_state(pipeline, GST_STATE_PLAYING);
-    gst_element_get_state(pipeline, nullptr, nullptr, GST_SECOND);
-    const auto start = std::chrono::steady_clock::now();
-    gst_element_set_state(pipeline, GST_STATE_NULL);
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    EXPECT_LT(took.count(), 20);
+    pipeline.set(GST_STATE_PLAYING);
+    gst_element_get_state(pipeline.get(), nullptr, nullptr, GST_SECOND);
+    expect_stops_soon(pipeline);
   }
-  gst_object_unref(pipeline);
 }
 
 TEST(LightStageTestSrc, StopsWhileItRenders) {
-  GstElement* pipeline = gst_parse_launch(
-      "lightstagetestsrc tuning=stack-limit=8192 ! video/x-raw,width=1024,height=768 ! fakesink",
-      nullptr);
-  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  Pipeline pipeline(
+      "lightstagetestsrc tuning=stack-limit=8192 ! video/x-raw,width=1024,height=768 ! fakesink");
+  pipeline.set(GST_STATE_PLAYING);
   g_usleep(1500000);  // all of it takes a minute and more
-  const auto start = std::chrono::steady_clock::now();
-  gst_element_set_state(pipeline, GST_STATE_NULL);
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  EXPECT_LT(took.count(), 20);
-  GstBus* bus = gst_element_get_bus(pipeline);
-  EXPECT_EQ(gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR), nullptr);
-  gst_object_unref(bus);
-  gst_object_unref(pipeline);
+  expect_stops_soon(pipeline);
+  EXPECT_EQ(pipeline.error(0), "");
 }
 
 TEST(LightStageTestSrc, FollowsPackets) {
@@ -294,27 +281,18 @@ TEST(LightStageTestSrc, FollowsPackets) {
   settings.backend = LightDriverSettings::Backend::sacn;
   settings.sacn.destination = "127.0.0.1:" + port;
   const auto driver = make_light_driver(settings);
-  GstElement* pipeline = gst_parse_launch(
-      ("lightstagetestsrc is-live=false tuning=label=true program=performance:5 gain=0.5 "
-       "listen=127.0.0.1:" +
-       port + " ! video/x-raw," + linear16(32, 24) + " ! appsink name=out sync=false max-buffers=1")
-          .c_str(),
-      nullptr);
-  GstElement* sink = gst_bin_get_by_name(GST_BIN(pipeline), "out");
-  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  Pipeline pipeline(
+      "lightstagetestsrc is-live=false tuning=label=true program=performance:5 gain=0.5 "
+      "listen=127.0.0.1:" +
+      port + " ! video/x-raw," + linear16(32, 24) + " ! appsink name=out sync=false max-buffers=1");
+  pipeline.set(GST_STATE_PLAYING);
   const auto next = [&](std::vector<float>& colors) {
     std::vector<uint8_t> bytes;
-    GstSample* sample = gst_app_sink_try_pull_sample(GST_APP_SINK(sink), 30 * GST_SECOND);
+    GstSample* sample = pipeline.sample("out");
     if (!sample) return bytes;
     GstBuffer* buffer = gst_sample_get_buffer(sample);
-    GstMapInfo map;
-    gst_buffer_map(buffer, &map, GST_MAP_READ);
-    bytes.assign(map.data, map.data + map.size);
-    gst_buffer_unmap(buffer, &map);
-    const auto* meta = gst_buffer_get_light_stage_meta(buffer);
-    gsize size = 0;
-    const auto* data = static_cast<const float*>(g_bytes_get_data(meta->colors, &size));
-    colors.assign(data, data + size / sizeof(float));
+    bytes = bytes_of(buffer);
+    colors = floats_of(gst_buffer_get_light_stage_meta(buffer)->colors);
     gst_sample_unref(sample);
     return bytes;
   };
@@ -343,11 +321,7 @@ TEST(LightStageTestSrc, FollowsPackets) {
   // The port is taken.
   const Shots second =
       shoot("is-live=false num-buffers=1 program=performance:5 listen=127.0.0.1:" + port);
-  EXPECT_NE(second.line.first_error().find("another program listens"), std::string::npos)
-      << second.line.first_error();
-  gst_element_set_state(pipeline, GST_STATE_NULL);
-  gst_object_unref(sink);
-  gst_object_unref(pipeline);
+  expect_contains(second.line.first_error(), "another program listens");
 }
 
 TEST(LightStageTestSrc, InvalidSettingsAreErrors) {
