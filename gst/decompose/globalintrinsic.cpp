@@ -2,7 +2,7 @@
 // globalintrinsic: reflectance, direct light and light that bounced off surfaces, of live video.
 #include "decomposer.hpp"
 #include "gst/base/color.hpp"
-#include "kernels/global/quality_levels.hpp"
+#include "kernels/global/global_levels.hpp"
 #include "solve_properties.hpp"
 
 namespace inverse {

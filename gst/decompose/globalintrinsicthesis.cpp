@@ -8,7 +8,7 @@
 #include "decomposer.hpp"
 #include "gst/base/color.hpp"
 #include "kernels/image/view/mosaic.hpp"
-#include "kernels/thesis/chapter5/quality_levels.hpp"
+#include "kernels/thesis/chapter5/global_thesis_levels.hpp"
 #include "region_messages.hpp"
 #include "region_requests.hpp"
 

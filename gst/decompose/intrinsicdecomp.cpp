@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicdecomp: reflectance and shading of live video, one log-shading unknown a pixel.
 #include "decomposer.hpp"
-#include "kernels/intrinsic/quality_levels.hpp"
+#include "kernels/intrinsic/intrinsic_levels.hpp"
 #include "solve_properties.hpp"
 
 namespace inverse {

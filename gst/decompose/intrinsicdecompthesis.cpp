@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicdecompthesis: chapter 3 of the thesis.
 #include "decomposer.hpp"
-#include "kernels/thesis/chapter3/quality_levels.hpp"
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
+#include "kernels/thesis/chapter3/thesis_levels.hpp"
 #include "solve_properties.hpp"
 
 namespace inverse {

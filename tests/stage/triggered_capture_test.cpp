@@ -216,11 +216,11 @@ TEST_F(Capture, WhatIsLostIsTakenAgainInTheSameLight) {
 }
 
 /// Information of a camera's frames: id, age, both, or none.
-struct Told {
+struct FrameInfo {
   uint32_t bits;
   bool age;
 };
-class Mislabeled : public Capture, public ::testing::WithParamInterface<Told> {};
+class Mislabeled : public Capture, public ::testing::WithParamInterface<FrameInfo> {};
 
 /// In all cases, no label is wrong.
 TEST_P(Mislabeled, Nothing) {
@@ -251,8 +251,9 @@ TEST_P(Mislabeled, Nothing) {
   EXPECT_GE(stats_.retried, 5U);
 }
 INSTANTIATE_TEST_SUITE_P(Capture, Mislabeled,
-                         ::testing::Values(Told{16, false}, Told{64, false}, Told{16, true},
-                                           Told{0, true}, Told{0, false}),
+                         ::testing::Values(FrameInfo{16, false}, FrameInfo{64, false},
+                                           FrameInfo{16, true}, FrameInfo{0, true},
+                                           FrameInfo{0, false}),
                          [](const auto& info) {
                            return "Bits" + std::to_string(info.param.bits) +
                                   (info.param.age ? "Age" : "");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // globalintrinsic in the benchmark.
 #include "adaptive_settings.hpp"
-#include "kernels/global/quality_levels.hpp"
+#include "kernels/global/global_levels.hpp"
 #include "quality_level_settings.hpp"
 #include "tests/bench/support/changed_tiles.hpp"
 

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "kernels/thesis/chapter5/correction/misclustering_correction.hpp"
-#include "kernels/thesis/chapter5/quality_levels.hpp"
+#include "kernels/thesis/chapter5/global_thesis_levels.hpp"
 #include "methods.hpp"
 #include "tests/lab.hpp"
 #include "truth_clicks.hpp"

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "adaptive_settings.hpp"
-#include "kernels/intrinsic/quality_levels.hpp"
+#include "kernels/intrinsic/intrinsic_levels.hpp"
 #include "quality_level_settings.hpp"
 #include "tests/bench/support/changed_tiles.hpp"
 

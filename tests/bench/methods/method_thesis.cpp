@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicdecompthesis in the benchmark: its two solvers are two methods.
-#include "kernels/thesis/chapter3/quality_levels.hpp"
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
+#include "kernels/thesis/chapter3/thesis_levels.hpp"
 #include "methods.hpp"
 
 namespace inverse::bench {

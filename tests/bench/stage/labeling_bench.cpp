@@ -82,7 +82,7 @@ int main(int argc, char** argv) try {
       "periods, drift %.3g ppm\n\n",
       seeds, frames, camera.lost * 100, camera.doubled * 100, camera.jitter, camera.drift);
   std::printf(
-      "| program | jitter | told by | good frames | mislabeled | not labeled (worst run) | "
+      "| program | jitter | labels from | good frames | mislabeled | not labeled (worst run) | "
       "lost: true / counted | doubled: true / counted | runs miscounted | held, frames at "
       "most | two cameras: false sets | runs without labels | "
       "late: mislabeled / all |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");

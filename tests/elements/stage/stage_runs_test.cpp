@@ -23,11 +23,11 @@ class StageRuns : public StageSync {
       ASSERT_EQ(push(ball.draw(n - behind, 0, 1), static_cast<double>(n) + off, 1), GST_FLOW_OK);
     }
   }
-  struct News {
+  struct Counts {
     int left = 0, back = 0, causes = 0;
   };
-  News messages() {
-    News found;
+  Counts messages() {
+    Counts found;
     while (GstMessage* message = gst_bus_pop(bus_)) {
       if (const GstStructure* what = gst_message_get_structure(message);
           what && gst_structure_has_name(what, "lightstagesync")) {
@@ -48,7 +48,7 @@ class StageRuns : public StageSync {
       play(n, n + 20, off, behind);
       g_usleep(250000);
     }
-    const News more = messages();
+    const Counts more = messages();
     EXPECT_EQ(more.left, 0);
     EXPECT_EQ(more.back, 0);
     EXPECT_EQ(more.causes, 0);

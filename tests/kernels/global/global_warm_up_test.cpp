@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // No kernel of globalintrinsic is built in mid-stream.
-#include "kernels/global/quality_levels.hpp"
+#include "kernels/global/global_levels.hpp"
 #include "tests/kernels/intrinsic/intrinsic_fixture.hpp"
 
 namespace inverse::testing {

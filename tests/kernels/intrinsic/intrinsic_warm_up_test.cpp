@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // No kernel of intrinsicdecomp is built in mid-stream.
 #include "intrinsic_fixture.hpp"
-#include "kernels/intrinsic/quality_levels.hpp"
+#include "kernels/intrinsic/intrinsic_levels.hpp"
 
 namespace inverse::testing {
 

@@ -103,7 +103,7 @@ TEST(NetworkSchedule, WithoutAnObjectOnlyDetectionRunsOncePerPicture) {
 
 TEST(NetworkSchedule, DrawnLayersAreOfTheCurrentPicture) {
   Video video;
-  EXPECT_FALSE(video.next().compares) << "nobody looks";
+  EXPECT_FALSE(video.next().compares) << "nothing is drawn";
   video.known.draws = true;
   EXPECT_EQ(video.estimated(8), 8U) << "nobody has kept the picture that they are of";
   EXPECT_TRUE(video.next().compares);

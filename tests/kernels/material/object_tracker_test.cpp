@@ -141,16 +141,16 @@ TEST(ObjectTracker, OtherObjectsAreForeign) {
 }
 
 TEST(ObjectTracker, AFailedRefinementIsTriedAgainLater) {
-  // How many looks are under way makes no difference.
+  // The number of results under way makes no difference.
   for (const size_t under_way : {1u, 3u}) {
     ObjectTracker tracker({640, 480});
-    std::deque<Square> looks;
+    std::deque<Square> results;
     std::vector<int> tries;
     for (int i = 0; i < 1000; ++i) {
-      looks.push_back(tracker.square());
-      if (looks.size() < under_way) continue;
-      const Square square = looks.front();
-      looks.pop_front();
+      results.push_back(tracker.square());
+      if (results.size() < under_way) continue;
+      const Square square = results.front();
+      results.pop_front();
       tracker.update(look(square, 64, 250, 200, square.size > 500 ? 150 : 0), 64, 1, square);
       ASSERT_TRUE(tracker.found()) << i;
       if (tracker.ambiguous() && (tries.empty() || i > tries.back() + 10)) tries.push_back(i);

@@ -96,7 +96,7 @@ TEST(Plan, AChangeOfMostTilesIsSolvedWhole) {
 }
 
 TEST(Plan, SkippedBinsAndAnchorAreEstimatedMoreOften) {
-  const auto looks = [](bool binds, float changed) {
+  const auto measured = [](bool binds, float changed) {
     Video video;
     video.frame.changed = changed;
     video.found.plan.measures_bins = video.found.plan.measures_gate = true;
@@ -111,9 +111,9 @@ TEST(Plan, SkippedBinsAndAnchorAreEstimatedMoreOften) {
     }
     return count;
   };
-  EXPECT_EQ(looks(true, 1), 5U);    // the 4th, the 16th, … the 64th
-  EXPECT_EQ(looks(false, 1), 16U);  // every 4th
-  EXPECT_EQ(looks(true, 0), 1U) << "over tiles alone there is nothing to be seen of the whole";
+  EXPECT_EQ(measured(true, 1), 5U);    // the 4th, the 16th, … the 64th
+  EXPECT_EQ(measured(false, 1), 16U);  // every 4th
+  EXPECT_EQ(measured(true, 0), 1U) << "over tiles alone nothing of the whole is measured";
   Video off;
   off.frame.changed = 1;
   off.found.plan.measures_bins = off.found.plan.measures_gate = true;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The thesis' global decomposition on the device against the double-precision reference.
 #include "global_thesis_fixture.hpp"
-#include "kernels/thesis/chapter5/quality_levels.hpp"
+#include "kernels/thesis/chapter5/global_thesis_levels.hpp"
 #include "tests/differences.hpp"
 
 namespace inverse::testing {

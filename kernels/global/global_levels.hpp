@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "global_intrinsic.hpp"
-#include "kernels/intrinsic/quality_levels.hpp"
+#include "kernels/intrinsic/intrinsic_levels.hpp"
 
 namespace inverse {
 
