@@ -46,7 +46,7 @@ const char* Planner::choose_mode(Plan& plan, const Params& params, const Frame& 
   // If so many tiles change that they make a cut, skipping the others is not worth it.
   if (frame.changed > std::min(kMaxChangedTiles, 0.9F * params.cut_fraction))
     return whole(frame.changed < 1 ? "too many of them changed"
-                                   : "which of them changed is unknown");
+                                   : "all of them changed, or it is unknown which");
   // Skipped tiles reuse what was decided for them.
   if (!frame.layers_reusable || since_restart_ == 0 || (params.chroma && bins_matter_) != bins_)
     static_frames_ = 0;
