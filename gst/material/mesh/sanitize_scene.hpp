@@ -6,7 +6,8 @@ struct aiScene;
 
 namespace inverse {
 
-/// Faces with an area, and faces that were dropped because corners are missing or not finite.
+/// Faces of three corners or more, and those of them that were dropped because corners are missing
+/// or not finite.
 struct FaceCount {
   size_t areas = 0, dropped = 0;
 };
