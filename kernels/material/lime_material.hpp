@@ -30,11 +30,11 @@ class LimeMaterial {
  public:
   struct Params {
     MaterialFusion::Params fusion;
-    uint32_t estimate_interval =
-        8;  ///< frames between searches of a resting object with a steady material
-    float converged_error =
-        0.02F;             ///< limit of MaterialFusion::converged below which a material is known
-    bool adaptive = true;  ///< false: skip nothing
+    /// Frames between searches of a resting object whose material is known.
+    uint32_t estimate_interval = 8;
+    /// Limit of MaterialFusion::converged below which a material is known.
+    float converged_error = 0.02F;
+    bool adaptive = true;       ///< false: skip nothing
     bool layers_asked = false;  ///< layers are output with the frame
     bool light_asked = false;   ///< the light is requested
     ObjectLight::Params light;
