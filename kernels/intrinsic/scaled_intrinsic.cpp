@@ -107,6 +107,7 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
     distance_->record(commands, input->buffer, intrinsic->buffer, other->buffer, recorded_);
     commands.stage("compare");
     past.stats.compared = true;
+    past.stats.plan.run.emplace_back("other resolution: it is compared in this frame");
   }
   full_frames_ = now == 0 && !crossed && shown == intrinsic ? std::min(full_frames_ + 1, 2U) : 0;
   was_ = now;

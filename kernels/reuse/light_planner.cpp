@@ -36,7 +36,7 @@ const char* LightPlanner::reason_to_measure(const Frame& frame) {
   if (share_of(tiles_) > kMaxChangedTiles) return measure(0, "too many tiles changed");
   if (++static_frames_ <= kStaticFrames) {
     if (static_frames_ == kStaticFrames) ever_changed_.assign(tiles_.size(), 0);
-    return "few tiles changed, but for too few frames";
+    return "few tiles changed, but for fewer than 12 frames";
   }
   for (size_t i = 0; i < tiles_.size(); ++i) ever_changed_[i] |= tiles_[i];
   if (static_frames_ > kStaticFrames + kReuseFrames)

@@ -42,17 +42,19 @@ const char* Planner::choose_mode(Plan& plan, const Params& params, const Frame& 
     return whole("repeated picture: all are solved until they converge");
   if (frame.warm_start) return whole("the resolution changed");
   if (!plan.compares_pixels || !compared_pixels_)
-    return whole("no temporal anchor in this or the last frame");
+    return whole("the temporal anchor of pixels was off in this or the last frame");
   // If so many tiles change that they make a cut, skipping the others is not worth it.
   if (frame.changed > std::min(kMaxChangedTiles, 0.9F * params.cut_fraction))
-    return whole(frame.changed < 1 ? "too many of them changed"
-                                   : "all of them changed, or it is unknown which");
+    return whole(
+        frame.changed < 1
+            ? "too many of them changed"
+            : "all of them changed, or it is unknown which (always so at half resolution)");
   // Skipped tiles reuse what was decided for them.
   if (!frame.layers_reusable || since_restart_ == 0 || (params.chroma && bins_matter_) != bins_)
     static_frames_ = 0;
   plan.mode = Plan::Mode::watched;
   if (static_frames_++ < gpu::kFramesInFlight || !found)
-    return "few of them changed, but for too few frames";
+    return "few of them changed, but for fewer than 3 frames, or chroma bins were switched";
   if (static_cast<float>(found->tiles_moving) > kMaxMoving * static_cast<float>(found->tiles))
     return "too many of them have not converged";
   const float tolerance = params.tolerances.edge;
@@ -114,23 +116,25 @@ Plan Planner::next(const Params& params, const Frame& frame, const std::optional
     skip("temporal anchor of pixels", "its gate is closed");
   else
     run("temporal anchor of pixels", plan.measures_gate ? "its gate is measured"
-                                     : params.adaptive  ? "its gate is open"
+                                     : params.adaptive  ? "its gate is not known to be closed"
                                                         : kOff);
   if (!plan.bins)
     skip("chroma bins",
          params.chroma ? "their effect is below its tolerance" : "their weight is 0");
   else
     run("chroma bins", plan.measures_bins ? "their effect is measured"
-                       : params.adaptive  ? "their effect is above its tolerance"
+                       : params.adaptive  ? "their effect is not known to be below its tolerance"
                                           : kOff);
-  if (plan.tiles())
+  if (plan.tiles() && !plan.all_tiles)
     skip("tiles", "their input is unchanged and they have converged");
   else
-    run("all tiles", mode_reason);
+    run("all tiles", plan.all_tiles ? "once in 32 frames that skip tiles" : mode_reason);
   if (plan.edges == Plan::Edges::all || plan.edges == Plan::Edges::all_save)
     run("edges of all tiles", params.adaptive ? "most of them changed" : kOff);
   if (!plan.stops())
-    run("all cycles", params.adaptive ? "the last one changed more than its tolerance" : kOff);
+    run("all cycles", !params.adaptive ? kOff
+                      : tolerance > 0  ? "they did not end early three frames ago"
+                                       : "cycle-tolerance is 0");
   return plan;
 }
 

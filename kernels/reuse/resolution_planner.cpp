@@ -46,9 +46,9 @@ ResolutionPlanner::Choice ResolutionPlanner::next(const Params& params,
   if (choice.halvings == 0)
     choice.full_because = !params.adaptive ? "adaptive is off or skip-error is 0"
                           : !chooses       ? "half-tolerance is 0"
-                          : compare_at_ <= kFirst && half_distance_ == 0
+                          : half_distance_ == 0
                               ? "not compared yet"
-                              : "the distance of half resolution is above its tolerance";
+                              : "half resolution was too far at the last comparison";
   was_ = choice.halvings;
   ++since_reset_;
   return choice;

@@ -7,7 +7,7 @@ namespace inverse {
 /// Independent errors of half resolution, tiles (up to twice their tolerance), chroma bins and
 /// cycles add up to .8 of it; those of edges and gate are changes of what an error depends on.
 struct Tolerances {
-  /// The error that all skipping may add by default, rms log shading.
+  /// The target for the error of all skipping by default, rms log shading.
   static constexpr float kSkipError = 0.1F;
 
   /// Distance between half and full resolution, rms log shading (LayerDistance), 0…1, below which
