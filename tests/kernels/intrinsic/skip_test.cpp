@@ -22,7 +22,7 @@ Pixels soft_scene(Extent extent, float phase) {
   return pixels;
 }
 
-bool tells(const std::vector<std::string>& skipped, const char* what) {
+bool has_reason(const std::vector<std::string>& skipped, const char* what) {
   return std::any_of(skipped.begin(), skipped.end(),
                      [&](const std::string& reason) { return reason.starts_with(what); });
 }
@@ -52,9 +52,9 @@ TEST_F(SkipTest, BinsWithoutWeightAreAlwaysSkipped) {
     const PlanePtr in = input(extent, pixels);
     const Pixels got = decompose(without, in, none), want = decompose(with, in, little);
     EXPECT_FALSE(without.stats(0).plan.bins);
-    EXPECT_TRUE(tells(without.stats(0).plan.skipped, "chroma bins: their weight is 0"));
+    EXPECT_TRUE(has_reason(without.stats(0).plan.skipped, "chroma bins: their weight is 0"));
     EXPECT_TRUE(with.stats(0).plan.bins);
-    EXPECT_FALSE(tells(with.stats(0).plan.skipped, "chroma bins"));
+    EXPECT_FALSE(has_reason(with.stats(0).plan.skipped, "chroma bins"));
     EXPECT_LT(shading_distance(got, want), 1e-4);
   }
 }
@@ -120,7 +120,7 @@ TEST_F(SkipTest, APictureWithoutColorsSkipsBins) {
     decompose(all, plain, off, false);
     const auto& stats = last_stats(method);
     skipped += !stats.plan.bins;
-    EXPECT_EQ(tells(stats.plan.skipped, "chroma bins: their effect is below its tolerance"),
+    EXPECT_EQ(has_reason(stats.plan.skipped, "chroma bins: their effect is below its tolerance"),
               !stats.plan.bins);
     EXPECT_TRUE(last_stats(whole).plan.bins);
     EXPECT_TRUE(last_stats(all).plan.bins);
@@ -146,7 +146,7 @@ TEST_F(SkipTest, PixelsAreNotComparedIfEverythingMoves) {
     EXPECT_LT(shading_distance(got, decompose(whole, in, always, false)), 0.01) << "frame " << i;
     const auto& stats = last_stats(method);
     skipped += stats.plan.history && !stats.plan.compares_pixels;
-    EXPECT_EQ(tells(stats.plan.skipped, "anchor of pixels"),
+    EXPECT_EQ(has_reason(stats.plan.skipped, "temporal anchor of pixels"),
               stats.plan.history && !stats.plan.compares_pixels);
     EXPECT_EQ(last_stats(whole).plan.compares_pixels, i > 0);
   }
