@@ -41,7 +41,7 @@ void expect_one(const std::vector<std::string>& texts, const Parts&... parts) {
 /// Expects that `call` throws an Error of this kind whose text contains `part`. Returns the text.
 template <std::invocable Call>
 std::string expect_error(ErrorKind kind, const std::string& part, Call call) {
-  const std::string text = error_of(call, kind);
+  std::string text = error_of(call, kind);
   EXPECT_NE(text, "") << "no error";
   expect_contains(text, part);
   return text;
