@@ -3,7 +3,7 @@
 #include "adaptive_settings.hpp"
 #include "kernels/global/global_levels.hpp"
 #include "quality_level_settings.hpp"
-#include "tests/bench/support/changed_tiles.hpp"
+#include "tests/changed_tiles.hpp"
 
 namespace inverse::bench {
 namespace {
@@ -20,7 +20,9 @@ class GlobalSolver final : public Solver {
         method_(session.device(), {uint32_t(size.width), uint32_t(size.height)}) {}
 
   Decomposition run(const Image& frame, bool continues, Cost& cost) override {
-    const auto changed = continues ? changed_tiles(before_, frame) : std::vector<std::uint8_t>();
+    const auto changed = continues ? changed_tiles(size_t(frame.width), size_t(frame.channels),
+                                                   before_.data, frame.data)
+                                   : std::vector<std::uint8_t>();
     before_ = frame;
     return session_.run(
         frame,

@@ -10,9 +10,9 @@
 
 #include "kernels/image/tiles/tile_list.hpp"
 #include "kernels/intrinsic/intrinsic_decomposition.hpp"
-#include "tests/bench/support/changed_tiles.hpp"
 #include "tests/bench/support/device_session.hpp"
 #include "tests/bench/support/scene.hpp"
+#include "tests/changed_tiles.hpp"
 
 namespace inverse::bench {
 namespace {
@@ -29,7 +29,9 @@ void record(DeviceSession& session, const Scene& scene) {
   bool layers = false;
   for (size_t k = 0; k < kFrames; ++k) {
     const Image& frame = frames[to_and_fro(k, frames.size())];
-    const auto changed = before ? changed_tiles(*before, frame) : std::vector<uint8_t>();
+    const auto changed = before ? changed_tiles(size_t(frame.width), size_t(frame.channels),
+                                                before->data, frame.data)
+                                : std::vector<uint8_t>();
     const auto affected = dilate_tiles(changed, TileList::along(extent.width));
     const auto count = std::accumulate(affected.begin(), affected.end(), 0U);
     const bool repeated = before && count == 0;

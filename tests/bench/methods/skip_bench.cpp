@@ -15,10 +15,10 @@
 
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
 #include "tests/bench/metrics/metrics.hpp"
-#include "tests/bench/support/changed_tiles.hpp"
 #include "tests/bench/support/device_session.hpp"
 #include "tests/bench/support/scene.hpp"
 #include "tests/bench/support/timing.hpp"
+#include "tests/changed_tiles.hpp"
 
 namespace inverse::bench {
 namespace {
@@ -177,7 +177,10 @@ void error(DeviceSession& session, const Scene& scene, size_t frames) {
   for (size_t k = 0; k < frames; ++k) {
     TruthFrame frame = frame_at(scene, k);
     frame.input = through_8_bits(frame.input);
-    const auto changed = k > 0 ? changed_tiles(before.input, frame.input) : std::vector<uint8_t>();
+    const auto changed =
+        k > 0 ? changed_tiles(size_t(frame.input.width), size_t(frame.input.channels),
+                              before.input.data, frame.input.data)
+              : std::vector<uint8_t>();
     all.step(session, frame, k == 0);
     for (size_t i = 0; i < some.size(); ++i) {
       some[i]->step(session, frame, k == 0, changed);

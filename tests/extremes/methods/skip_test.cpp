@@ -92,7 +92,7 @@ std::optional<std::string> wrong_tiles(const Lab& lab, const Case& small, Counts
     const Pixels frame = video.frame(k);
     const bool bad = video.bad(k);
     const auto changed =
-        before.empty() ? std::vector<uint8_t>() : changed_tiles(extent, before, frame);
+        before.empty() ? std::vector<uint8_t>() : changed_tiles(extent.width, 4, before, frame);
     const Output got = some.decompose_unscaled(frame, changed);
     before = frame;
     if (auto wrong = wrong_layers(one, k, frame, got)) return wrong;

@@ -118,14 +118,15 @@ TEST_F(GlobalTest, ReusedLightListsEveryChangedTileForTheSolve) {
   unsigned listed = 0;
   for (unsigned k = 0; k < 60; ++k) {
     const Pixels frame = passed(still, extent, 20 + 3 * k);
-    const auto changed = k > 0 ? changed_tiles(extent, before, frame) : std::vector<uint8_t>();
+    const auto changed =
+        k > 0 ? changed_tiles(extent.width, 4, before, frame) : std::vector<uint8_t>();
     const Result got = decompose(method, frame, extent, params, {false, false, changed});
     const auto& stats = last_stats(method);
     Pixels plain = frame;
     for (size_t i = 0; i < plain.size(); ++i)
       if (i % 4 != 3) plain[i] /= got.light[i];
-    const auto truth =
-        stats.light.reused() ? changed_tiles(extent, plain_before, plain) : std::vector<uint8_t>();
+    const auto truth = stats.light.reused() ? changed_tiles(extent.width, 4, plain_before, plain)
+                                            : std::vector<uint8_t>();
     Layers want;
     run([&](gpu::Commands& commands) {
       want = alone.record(commands, input(extent, plain), params, {false, truth});
@@ -153,7 +154,7 @@ TEST_F(GlobalTest, LightIsReusedIfLittleChanges) {
   uint32_t colors = 0;
   for (int k = 0; k < 100; ++k) {
     const Pixels frame = passed(still, extent, 20 + uint32_t(k < 90 ? 2 * k : 180));
-    const auto changed = changed_tiles(extent, before, frame);
+    const auto changed = changed_tiles(extent.width, 4, before, frame);
     before = frame;
     const bool shares = k % 2 == 0;
     const Result got = decompose(some, frame, extent, {}, {false, shares, changed}),

@@ -25,7 +25,7 @@ class Video {
   /// The tiles of `next` that differ from the frame before; none if there is none.
   std::vector<uint8_t> changed(const Pixels& next) {
     const Pixels last = std::exchange(last_, next);
-    return last.empty() ? std::vector<uint8_t>() : changed_tiles(extent_, last, next);
+    return last.empty() ? std::vector<uint8_t>() : changed_tiles(extent_.width, 4, last, next);
   }
 
  private:
