@@ -23,12 +23,15 @@ bool LightPlanner::gray(const Frame& frame) {
   return gray_frames_ == kGrayFrames;
 }
 
+// A number in the reasons.
+static_assert(LightPlanner::kStaticFrames == 12);
+
 const char* LightPlanner::reason_to_measure(const Frame& frame) {
   const auto measure = [&](uint32_t static_frames, const char* reason) {
     static_frames_ = static_frames;
     return reason;
   };
-  if (!frame.adaptive) return measure(0, "adaptive is off or skip-error is 0");
+  if (!frame.adaptive) return measure(0, kNotAdaptive);
   if (frame.first) return measure(0, "no previous frame");
   if (!frame.same_params) return measure(0, "parameters changed");
   if (frame.changed.empty()) return measure(0, "which tiles changed is unknown");

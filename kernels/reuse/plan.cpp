@@ -7,11 +7,8 @@
 
 namespace inverse {
 
-namespace {
-
-constexpr const char* kOff = "adaptive is off or skip-error is 0";
-
-}  // namespace
+// Numbers in the reasons.
+static_assert(gpu::kFramesInFlight == 3 && Planner::kAllEvery == 32);
 
 bool Planner::old_enough() const { return since_restart_ >= gpu::kFramesInFlight; }
 
@@ -36,7 +33,7 @@ const char* Planner::choose_mode(Plan& plan, const Params& params, const Frame& 
     static_frames_ = 0;
     return reason;
   };
-  if (!params.adaptive) return whole(kOff);
+  if (!params.adaptive) return whole(kNotAdaptive);
   if (!(params.tolerances.tile > 0)) return whole("tile-tolerance is 0");
   if (!(plan.tile_tolerance > 0))
     return whole("repeated picture: all are solved until they converge");
@@ -117,22 +114,22 @@ Plan Planner::next(const Params& params, const Frame& frame, const std::optional
   else
     run("temporal anchor of pixels", plan.measures_gate ? "its gate is measured"
                                      : params.adaptive  ? "its gate is not known to be closed"
-                                                        : kOff);
+                                                        : kNotAdaptive);
   if (!plan.bins)
     skip("chroma bins",
          params.chroma ? "their effect is below its tolerance" : "their weight is 0");
   else
     run("chroma bins", plan.measures_bins ? "their effect is measured"
                        : params.adaptive  ? "their effect is not known to be below its tolerance"
-                                          : kOff);
+                                          : kNotAdaptive);
   if (plan.tiles() && !plan.all_tiles)
     skip("tiles", "their input is unchanged and they have converged");
   else
     run("all tiles", plan.all_tiles ? "once in 32 frames that skip tiles" : mode_reason);
   if (plan.edges == Plan::Edges::all || plan.edges == Plan::Edges::all_save)
-    run("edges of all tiles", params.adaptive ? "most of them changed" : kOff);
+    run("edges of all tiles", params.adaptive ? "most of them changed" : kNotAdaptive);
   if (!plan.stops())
-    run("all cycles", !params.adaptive ? kOff
+    run("all cycles", !params.adaptive ? kNotAdaptive
                       : tolerance > 0  ? "they did not end early three frames ago"
                                        : "cycle-tolerance is 0");
   return plan;

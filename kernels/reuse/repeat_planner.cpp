@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "kernels/gpu/frame_ring.hpp"
+#include "tolerances.hpp"
 
 namespace inverse {
 
@@ -19,7 +20,7 @@ RepeatPlanner::Decision RepeatPlanner::next(const Frame& frame) {
     shown_before_ = std::exchange(shown_, 0);
   }
   ++shown_;
-  if (!frame.adaptive) return {false, "adaptive is off or skip-error is 0"};
+  if (!frame.adaptive) return {false, kNotAdaptive};
   if (!frame.compared) return {false, "no previous frame"};
   if (!frame.repeated) return {false, "the picture changed"};
   if (frame.params_changed) return {false, "parameters changed"};

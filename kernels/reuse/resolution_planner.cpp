@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "kernels/gpu/frame_ring.hpp"
+#include "tolerances.hpp"
 
 namespace inverse {
 
@@ -44,7 +45,7 @@ ResolutionPlanner::Choice ResolutionPlanner::next(const Params& params,
     compare_at_ = since_reset_ + kMaxNext;  // until its outcome is known
   }
   if (choice.halvings == 0)
-    choice.full_because = !params.adaptive ? "adaptive is off or skip-error is 0"
+    choice.full_because = !params.adaptive ? kNotAdaptive
                           : !chooses       ? "half-tolerance is 0"
                           : half_distance_ == 0
                               ? "not compared yet"
