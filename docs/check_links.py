@@ -33,7 +33,7 @@ def broken(page, link):
 def main():
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent)
     # Build folders and what the tools write are left out; git, which knows them, need not be installed.
-    pages = [p for p in sorted(root.rglob("*.md")) if not any(part.startswith((".", "build", "out")) for part in p.relative_to(root).parts)]
+    pages = [p for p in sorted(root.rglob("*.md")) if not p.relative_to(root).parts[0].startswith((".", "build", "out"))]
     wrong = 0
     for page in pages:
         if not page.exists() or page.parent.name == "intro":  # whose links are of the page that is made of it
