@@ -16,6 +16,21 @@ namespace {
 constexpr int kWidth = 160, kHeight = 120, kFrames = 44;
 const std::string kCaps = VideoHarness::caps("RGBA64_LE", kWidth, kHeight);
 
+/// An opaque frame whose channels are `value(x, y, channel)`, 0…1.
+template <typename Value>
+std::vector<uint8_t> draw16(Value value) {
+  std::vector<uint8_t> bytes;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      for (int c = 0; c < 4; ++c) {
+        const double level = c == 3 ? 1.0 : std::clamp<double>(value(x, y, c), 0, 1);
+        const auto code = static_cast<unsigned>(65535 * level);
+        bytes.push_back(static_cast<uint8_t>(code & 255U));
+        bytes.push_back(static_cast<uint8_t>(code >> 8U));
+      }
+  return bytes;
+}
+
 /// Colored tiles in uneven light. Up to frame 15 the camera pans, with noise; up to 23 light fades;
 /// after a cut to gray tiles a small thing moves, up to 36, and that picture is repeated.
 std::vector<uint8_t> frame_at(int t) {
@@ -23,36 +38,23 @@ std::vector<uint8_t> frame_at(int t) {
   std::mt19937 random(static_cast<unsigned>(t));
   std::uniform_real_distribution<double> noise(-0.01, 0.01);
   const bool second = t >= 24;
-  std::vector<uint8_t> bytes;
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x) {
-      const int tile =
-          second ? (x / 5) * 31 + (y / 9) * 17 : ((x + std::min(t, 15)) / 8) * 7 + (y / 8) * 13;
-      const double light = second ? 0.4 + 0.4 * y / kHeight
-                                  : (0.3 + 0.6 * x / kWidth) * (1 - 0.05 * std::max(t - 15, 0));
-      const bool thing = second && std::abs(x + 16 - t) < 4 && y / 8 == 3;
-      for (int c = 0; c < 4; ++c) {
-        const double paint = thing ? 0.2 + 0.3 * c : 0.15 + 0.1 * ((tile * (c + 3)) % 8);
-        const double value = c == 3 ? 1 : paint * light + (second ? 0 : noise(random));
-        const auto code = static_cast<unsigned>(65535 * std::clamp(value, 0.0, 1.0));
-        bytes.push_back(static_cast<uint8_t>(code & 255U));
-        bytes.push_back(static_cast<uint8_t>(code >> 8U));
-      }
-    }
-  return bytes;
+  return draw16([&](int x, int y, int c) {
+    const int tile =
+        second ? (x / 5) * 31 + (y / 9) * 17 : ((x + std::min(t, 15)) / 8) * 7 + (y / 8) * 13;
+    const double light = second ? 0.4 + 0.4 * y / kHeight
+                                : (0.3 + 0.6 * x / kWidth) * (1 - 0.05 * std::max(t - 15, 0));
+    const bool thing = second && std::abs(x + 16 - t) < 4 && y / 8 == 3;
+    const double paint = thing ? 0.2 + 0.3 * c : 0.15 + 0.1 * ((tile * (c + 3)) % 8);
+    return paint * light + (second ? 0 : noise(random));
+  });
 }
-
-using Frames = std::vector<std::vector<uint8_t>>;
 
 /// A gray ramp.
 std::vector<uint8_t> ramp_at(int /*t*/) {
-  std::vector<uint8_t> bytes;
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x)
-      for (int c = 0; c < 4; ++c)
-        bytes.insert(bytes.end(), 2, static_cast<uint8_t>(c == 3 ? 255 : 25 + x + y / 4));
-  return bytes;
+  return draw16([](int x, int y, int) { return (25 + x + y / 4) / 255.0; });
 }
+
+using Frames = std::vector<std::vector<uint8_t>>;
 
 Frames frames_of(const std::string& line, std::vector<uint8_t> (*picture)(int) = frame_at) {
   VideoHarness harness(line, kCaps, kCaps);
