@@ -236,8 +236,8 @@ class PropertyStore {
   virtual std::string tuning_entries_text() const { return {}; }
 };
 
-/// Installs an element class's parameters, and lists the entries of `tuning` in its metadata, if
-/// gst-inspect-1.0 shows them.
+/// Installs an element class's parameters, and lists the entries of `tuning` in its metadata, which
+/// gst-inspect-1.0 shows.
 void install_parameters(gpointer element_class, const PropertyStore& parameters, guint first_id);
 /// GObject::set_property of one of them: a `tuning` that cannot be read becomes a warning.
 void set_parameter(const Log& log, PropertyStore& parameters, size_t index, const GValue* value,
