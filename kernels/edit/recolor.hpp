@@ -43,7 +43,7 @@ struct RecolorParams {
   /// How much of the region's own variation in value stays: R' = target · (mean R / mean
   /// K)^texture.
   float texture = 1.0f;
-  /// 0: nothing changes; 1: fully recolored if selected.
+  /// 0: nothing changes; 1: the selection is fully recolored.
   float strength = 1.0f;
   /// Multiply the selection by the mask layer if there is one.
   bool use_mask = true;
