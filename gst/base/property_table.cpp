@@ -56,6 +56,27 @@ std::string values_of(GParamSpec* spec) {
   return "text";
 }
 
+std::optional<float> number_or_auto(const char* text, float low, float high) {
+  if (text && g_ascii_strcasecmp(text, "auto") == 0) return {};
+  gchar* end = nullptr;
+  const double number = text ? g_ascii_strtod(text, &end) : 0;
+  if (text && end != text && *end == '\0' && number >= static_cast<double>(low) &&
+      number <= static_cast<double>(high))
+    return static_cast<float>(number);
+  std::ostringstream message;
+  message << " takes auto or a number from " << low << " to " << high << ", not \""
+          << (text ? text : "") << "\"";
+  throw Error(ErrorKind::unsupported, message.str());
+}
+
+std::string text_of(const std::optional<float>& value) {
+  if (!value) return "auto";
+  std::ostringstream text;
+  text.precision(7);
+  text << *value;
+  return text.str();
+}
+
 std::vector<std::pair<std::string, std::string>> tuning_entries(const std::string& text) {
   std::vector<std::pair<std::string, std::string>> entries;
   for (size_t from = 0; from <= text.size();) {
@@ -100,8 +121,7 @@ void install_parameters(gpointer element_class, const PropertyStore& parameters,
 void set_parameter(const Log& log, PropertyStore& parameters, size_t index, const GValue* value,
                    const GParamSpec* spec) {
   parameters.set(index, value);
-  if (g_strcmp0(spec->name, "tuning") != 0) return;
-  const std::string text = parameters.misconfigured();
+  const std::string text = parameters.misconfigured(spec->name);
   if (!text.empty())
     post_warning(log, GST_LIBRARY_ERROR, GST_LIBRARY_ERROR_SETTINGS, "%s", text.c_str());
 }

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -33,6 +35,8 @@ struct Property {
   std::function<void(P& to, const P& from)> copy;
   /// An entry of the property `tuning` in place of a property of its own.
   bool in_tuning = false;
+  /// What is wrong with a value, in words; empty if nothing is. Not set: the spec says it all.
+  std::function<std::string(const GValue*)> wrong;
 };
 
 /// Makes an entry of the property `tuning` out of a property that is rarely set. Its value's text
@@ -74,9 +78,10 @@ using FieldOf = std::remove_reference_t<std::invoke_result_t<Access, P&>>;
 
 template <typename P, typename Access>
 Property<P> named(const char* name, Access access) {
-  return {name, {}, {}, {}, [access](P& to, const P& from) {
-            field(to, access) = field(from, access);
-          }};
+  Property<P> property;
+  property.name = name;
+  property.copy = [access](P& to, const P& from) { field(to, access) = field(from, access); };
+  return property;
 }
 
 }  // namespace property_detail
@@ -164,6 +169,40 @@ Property<P> text(const char* name, Access access, const char* blurb,
   return property;
 }
 
+/// The number that a text is, in [low, high]; empty for "auto". Throws Error(unsupported).
+std::optional<float> number_or_auto(const char* text, float low, float high);
+/// The text of a number, or "auto".
+std::string text_of(const std::optional<float>& value);
+
+/// A number in [low, high] or the text "auto"; the field is std::optional<float>, empty for auto.
+template <typename P, typename Access>
+Property<P> number_or_auto(const char* name, Access access, float low, float high,
+                           const char* blurb) {
+  using property_detail::field;
+  Property<P> property = property_detail::named<P>(name, access);
+  property.make_spec = [=](const P& defaults) {
+    return g_param_spec_string(name, property_detail::nick(name), blurb,
+                               text_of(field(defaults, access)).c_str(),
+                               static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
+                                                        GST_PARAM_MUTABLE_PLAYING));
+  };
+  property.read = [access](const P& from, GValue* to) {
+    g_value_set_string(to, text_of(field(from, access)).c_str());
+  };
+  property.write = [=](P& to, const GValue* from) {
+    field(to, access) = number_or_auto(g_value_get_string(from), low, high);
+  };
+  property.wrong = [=](const GValue* value) -> std::string {
+    try {
+      number_or_auto(g_value_get_string(value), low, high);
+      return {};
+    } catch (const Error& error) {
+      return std::string(name) + error.what();
+    }
+  };
+  return property;
+}
+
 /// One value of an enumerated property.
 struct Choice {
   int value;
@@ -228,9 +267,9 @@ class PropertyStore {
   virtual void install(GObjectClass* object_class, guint first_id) const = 0;
   virtual void get(size_t index, GValue* value) const = 0;
   virtual void set(size_t index, const GValue* value) = 0;
-  /// What is wrong with the text that `tuning` was set to last, and which names it takes; the text
-  /// before stays in force. Empty if nothing is.
-  virtual std::string misconfigured() const { return {}; }
+  /// What is wrong with what the property `name` was set to last (of `tuning`: and which names it
+  /// takes), in words; the value before stays in force. Empty if nothing is. Null: of any property.
+  virtual std::string misconfigured(const char* /*name*/ = nullptr) const { return {}; }
   /// The entries of `tuning`, one a line, "name: values (default): meaning"; empty if it has
   /// none.
   virtual std::string tuning_entries_text() const { return {}; }
@@ -239,10 +278,10 @@ class PropertyStore {
 /// Installs an element class's parameters, and lists the entries of `tuning` in its metadata, which
 /// gst-inspect-1.0 shows.
 void install_parameters(gpointer element_class, const PropertyStore& parameters, guint first_id);
-/// GObject::set_property of one of them: a `tuning` that cannot be read becomes a warning.
+/// GObject::set_property of one of them: a text that cannot be read becomes a warning.
 void set_parameter(const Log& log, PropertyStore& parameters, size_t index, const GValue* value,
                    const GParamSpec* spec);
-/// Posts an error and returns false if `tuning` cannot be read: the element does not start.
+/// Posts an error and returns false if a text cannot be read: the element does not start.
 bool check_parameters(const Log& log, const PropertyStore& parameters);
 
 /// The parameters of one element. `preset` turns the values that were set so far into a full set of
@@ -292,12 +331,20 @@ class Parameters final : public PropertyStore {
       const char* text = g_value_get_string(value);
       return set_tuning(text ? text : "");
     }
-    table_[index].write(values_, value);
+    const Property<P>& property = table_[index];
+    misconfigured_.erase(property.name);
+    if (property.wrong)
+      if (const std::string wrong = property.wrong(value); !wrong.empty()) {
+        misconfigured_[property.name] = wrong;
+        return;
+      }
+    property.write(values_, value);
     explicitly_[index] = true;
   }
-  std::string misconfigured() const override {
+  std::string misconfigured(const char* name) const override {
     std::lock_guard lock(mutex_);
-    return misconfigured_;
+    const auto found = name ? misconfigured_.find(name) : misconfigured_.begin();
+    return found == misconfigured_.end() ? std::string() : found->second;
   }
   std::string tuning_entries_text() const override {
     const P defaults = effective();
@@ -335,15 +382,16 @@ class Parameters final : public PropertyStore {
       for (const auto& [name, value] : tuning_entries(text))
         write_entry(name, value, values, explicitly);
     } catch (const Error& error) {
-      misconfigured_ = "tuning=\"" + text + "\": " + error.what() + "; its names are";
+      std::string& wrong = misconfigured_["tuning"];
+      wrong = "tuning=\"" + text + "\": " + error.what() + "; its names are";
       for (const Property<P>& property : table_)
-        if (property.in_tuning) misconfigured_ += " " + property.name;
+        if (property.in_tuning) wrong += " " + property.name;
       return;
     }
     values_ = values;
     explicitly_ = explicitly;
     tuning_ = text;
-    misconfigured_.clear();
+    misconfigured_.erase("tuning");
   }
   void write_entry(const std::string& name, const std::string& value, P& values,
                    std::vector<bool>& explicitly) const {
@@ -369,7 +417,8 @@ class Parameters final : public PropertyStore {
   mutable std::mutex mutex_;
   P values_{};
   std::vector<bool> explicitly_;
-  std::string tuning_, misconfigured_;
+  std::string tuning_;
+  std::map<std::string, std::string> misconfigured_;  // by property
 };
 
 }  // namespace inverse

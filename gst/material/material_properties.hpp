@@ -64,7 +64,7 @@ class MaterialProperties final : public PropertyStore {
     }
   }
   void set(size_t index, const GValue* value) override { own_.set(index, value); }
-  std::string misconfigured() const override { return own_.misconfigured(); }
+  std::string misconfigured(const char* name) const override { return own_.misconfigured(name); }
   std::string tuning_entries_text() const override { return own_.tuning_entries_text(); }
 
  private:
