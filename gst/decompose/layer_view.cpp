@@ -64,11 +64,12 @@ void LayerView::draw(FrameContext& frame, Show show, int layer, const DrawCluste
         break;
       }
       const PlanePtr drawn_clusters = planes_->acquire();
+      const Picture shading = light_.shading(frame.commands, frame.layers);
       clusters(frame, *drawn_clusters);
       mosaic_->record(frame.commands,
                       {{{input.get()},
                         {intrinsic.get()},
-                        {intrinsic.get(), Source::shading},
+                        {shading.plane.get(), shading.scalar ? Source::shading : Source::color},
                         {drawn_clusters.get()}}},
                       *frame.picture.plane);
       break;

@@ -14,6 +14,11 @@ Picture LightPictures::draw(gpu::Commands& commands, const Layers& layers, Light
                 std::string("these layers do not separate direct light from indirect, as ") +
                     element +
                     " is to show it; put globalintrinsic in the place of the decomposer before it");
+  return drawn(commands, layers, what, base);
+}
+
+Picture LightPictures::drawn(gpu::Commands& commands, const Layers& layers, LightPicture::What what,
+                             uint32_t base) {
   if (device_ != commands.device() || planes_->extent() != layers.extent) {
     device_ = commands.device();
     planes_.emplace(device_, layers.extent);
@@ -25,7 +30,8 @@ Picture LightPictures::draw(gpu::Commands& commands, const Layers& layers, Light
 }
 
 Picture LightPictures::shading(gpu::Commands& commands, const Layers& layers) {
-  if (layers.global()) return draw(commands, layers, LightPicture::What::all, "", 0);
+  if (layers.global() || layers[Role::slope])
+    return drawn(commands, layers, LightPicture::What::all, 0);
   return {layers[Role::intrinsic], true};
 }
 

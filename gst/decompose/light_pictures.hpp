@@ -18,6 +18,9 @@ class LightPictures {
   Picture shading(gpu::Commands& commands, const Layers& layers);
 
  private:
+  Picture drawn(gpu::Commands& commands, const Layers& layers, LightPicture::What what,
+                uint32_t base);
+
   std::shared_ptr<gpu::Device> device_;  // those below belong to it
   std::optional<PlanePool> planes_;
   std::optional<LightPicture> light_;

@@ -56,6 +56,11 @@ PropertyTable<P> solve_properties() {
           number<P>("cycles", &P::cycles, 1u, 32u, "Multigrid cycles of a frame without history")),
       tuning(number<P>("warm-cycles", &P::warm_cycles, 1u, 32u,
                        "Multigrid cycles of a frame that starts from the one before")),
+      number_or_auto<P>(
+          "light-color-slope", [](P& p) -> std::optional<float>& { return p.light.slope; },
+          -LightColor::kMaxSlope, LightColor::kMaxSlope,
+          "Step of ln red/blue of light with a step of its ln brightness, -2 to 2; auto = found in "
+          "the frames, 0 = gray light"),
       number<P>(
           "reflectance-weight", [](P& p) -> float& { return p.prior.reflectance_weight; }, 1e-3f,
           1e3f, "Weight of smooth reflectance; raise it to move texture into shading"),

@@ -8,11 +8,11 @@
 namespace inverse {
 namespace {
 
-/// Scalar layers first offer gray, unless shading has color.
-GstCaps* format_caps(SplitLayer layer, bool colored) {
-  const bool scalar = layer == SplitLayer::shading || layer == SplitLayer::mask ||
-                      layer == SplitLayer::direct || layer == SplitLayer::mirror;
-  return pixel_caps(scalar && !colored ? Prefer::gray : Prefer::color);
+/// Scalar layers first offer gray.
+GstCaps* format_caps(SplitLayer layer) {
+  const bool scalar =
+      layer == SplitLayer::mask || layer == SplitLayer::direct || layer == SplitLayer::mirror;
+  return pixel_caps(scalar ? Prefer::gray : Prefer::color);
 }
 
 /// Says in the caps which transfer curve the samples have, unless what follows insists on its own.
@@ -73,9 +73,7 @@ std::string SplitBranch::name() const {
 }
 
 GstCaps* SplitBranch::caps_for(SplitLayer layer, const GstCaps* layers) {
-  const bool colored = layer == SplitLayer::shading && !gst_caps_is_any(layers) &&
-                       !gst_caps_is_empty(layers) && carries_kind(layers, kGlobalLayers);
-  GstCaps* formats = format_caps(layer, colored);
+  GstCaps* formats = format_caps(layer);
   if (gst_caps_is_any(layers)) return formats;
   GstCaps* shapes = gst_caps_new_empty();
   for (guint i = 0; i < gst_caps_get_size(layers); ++i) {

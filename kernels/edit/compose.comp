@@ -3,11 +3,13 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "edit.glsl"
+#include "image/light_color.glsl"
 
 // Recombines a frame from its layers: old = R S L of the decomposer, new = R' S' L' after edits. L, the color of light,
-// is 1 if the frame has no light layers.
+// is a layer (LIGHT), follows from S (SLOPE), or is 1.
 layout(constant_id = 1) const uint MODE = 0u;
 layout(constant_id = 2) const bool LIGHT = false;
+layout(constant_id = 3) const bool SLOPE = false;
 const uint kAdd = 0u;         // input + new − old: keeps the residual of the model
 const uint kRatio = 1u;       // input · (new + ε) / (old + ε): scales it with the edit
 const uint kNone = 2u;        // new: drops it
@@ -19,7 +21,8 @@ PLANE_IN(1, model);
 PLANE_IN(2, intrinsic);  // kMask: the mask layer
 PLANE_IN(3, model_light);
 PLANE_IN(4, light);
-PLANE_OUT(5, picture);
+PLANE_IN(5, slope);
+PLANE_OUT(6, picture);
 layout(push_constant) uniform Push {
   uvec2 size;
   float strength;  // 0: the input, 1: the edit
@@ -36,8 +39,8 @@ void main() {
     vec4 seen = finite(FETCH(frame, n));
     vec4 before = finite(FETCH(model, n));
     vec4 now = finite(FETCH(intrinsic, n));
-    vec3 from = before.rgb * before.w;
-    vec3 to = now.rgb * now.w;
+    vec3 from = before.rgb * (SLOPE ? colored_light(FETCH(slope, 0), before.w) : before.www);
+    vec3 to = now.rgb * (SLOPE ? colored_light(FETCH(slope, 0), now.w) : now.www);
     if (LIGHT) {
       from *= finite(FETCH(model_light, n)).rgb;
       to *= finite(FETCH(light, n)).rgb;

@@ -54,16 +54,19 @@ PlanePtr Compose::run(gpu::Commands& commands, uint32_t mode, const Layers& laye
                       float strength) {
   PlanePtr picture = planes_.acquire();
   const bool light = layers.global() && mode != Mode::kMask;
+  const PlanePtr& slope = layers[Role::slope];
   const Role before = light ? Role::model_light : Role::model;
-  commands.dispatch(gpu::Program<Mode>(device_, {.mode = mode, .light = light}),
-                    {.frame = layers[Role::input]->buffer,
-                     .model = layers[Role::model]->buffer,
-                     .intrinsic = layers[now]->buffer,
-                     .model_light = layers[before]->buffer,
-                     .light = layers[light ? Role::light : Role::model]->buffer,
-                     .picture = picture->buffer},
-                    {.size = layers.extent, .strength = strength},
-                    {layers.extent.width, (layers.extent.height - 1) / kRows + 1});
+  commands.dispatch(
+      gpu::Program<Mode>(device_, {.mode = mode, .light = light, .slope = slope != nullptr}),
+      {.frame = layers[Role::input]->buffer,
+       .model = layers[Role::model]->buffer,
+       .intrinsic = layers[now]->buffer,
+       .model_light = layers[before]->buffer,
+       .light = layers[light ? Role::light : Role::model]->buffer,
+       .slope = (slope ? slope : layers[Role::model])->buffer,
+       .picture = picture->buffer},
+      {.size = layers.extent, .strength = strength},
+      {layers.extent.width, (layers.extent.height - 1) / kRows + 1});
   return picture;
 }
 

@@ -31,6 +31,8 @@ enum class Role : uint8_t {
   gradient_a,  ///< of pairs from a light stage: linear RGB under gradient A, 1 = full scale; w =
                ///< alpha
   gradient_b,  ///< the same under gradient B: A + B is the subject under all lights
+  slope,  ///< 1 × 1, of frames without layers of light: the color of their light by its shading
+          ///< (light_color.glsl); absent if it is white
   count
 };
 
@@ -87,9 +89,12 @@ inline Layers gradient_layers(const PlanePtr& a, const PlanePtr& b) {
   return layers;
 }
 
-/// The layers of a decomposed frame before any edit: `model` serves as `intrinsic`, too.
-inline Layers intrinsic_layers(const PlanePtr& input, const PlanePtr& intrinsic) {
+/// The layers of a decomposed frame before any edit: `model` serves as `intrinsic`, too. `slope`
+/// may be null.
+inline Layers intrinsic_layers(const PlanePtr& input, const PlanePtr& intrinsic,
+                               const PlanePtr& slope) {
   Layers layers{input->extent, {}};
+  layers[Role::slope] = slope;
   layers[Role::input] = input;
   layers[Role::model] = intrinsic;
   layers[Role::intrinsic] = intrinsic;

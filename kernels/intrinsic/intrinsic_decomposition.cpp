@@ -48,6 +48,8 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       anchored_assemble_(device_, {.anchored = true}, 4, 16),
       layers_(device_, {}, 0, 0),
       anchored_layers_(device_, {.anchored = true}, 4, 4),
+      colored_layers_(device_, {.colored = true}, 0, 0),
+      anchored_colored_layers_(device_, {.anchored = true, .colored = true}, 4, 4),
       warm_start_(device_),
       total_(device_) {
   const auto buffer = [&](uint64_t count) {
@@ -165,13 +167,15 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   if (info.reset) reset();
   make_plan(params, info);
   list_tiles(commands, params);
-  guide_.record(commands, input->buffer, list());
+  guide_.record(commands, input->buffer, info.light ? info.light->state() : nullptr, list());
   commands.stage("guide");
   if (start_layers_) start_from_layers(commands, input);
   evaluate_edges(commands, params);
   assemble(commands, params.anchor);
   solve(commands, params);
-  const PlanePtr intrinsic = write_layers(commands, input, params);
+  find_scale(commands, params);
+  const PlanePtr slope = info.light ? info.light->record_slope(commands, scale_.value()) : nullptr;
+  const PlanePtr intrinsic = write_layers(commands, input, params, slope);
   record_report(commands, params);
   commands.stage("layers");
   active_.advance(plan_.tiles());
@@ -180,7 +184,8 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   start_layers_.reset();
   commands.keep(input);
   commands.keep(intrinsic);
-  return intrinsic_layers(input, intrinsic);
+  if (slope) commands.keep(slope);
+  return intrinsic_layers(input, intrinsic, slope);
 }
 
 void IntrinsicDecomposition::list_tiles(gpu::Commands& commands, const Params& params) {
@@ -211,16 +216,21 @@ void IntrinsicDecomposition::evaluate_edges(gpu::Commands& commands, const Param
   commands.stage("prior");
 }
 
-PlanePtr IntrinsicDecomposition::write_layers(gpu::Commands& commands, const PlanePtr& input,
-                                              const Params& params) {
+void IntrinsicDecomposition::find_scale(gpu::Commands& commands, const Params& params) {
   using History = OutputScale::History;
   scale_.record(commands, guide_, multigrid_.field(), anchor_.cut_decision(),
                 plan_.history                   ? History::decided
                 : has_history_ || start_layers_ ? History::taken
                                                 : History::none,
                 params.scale, plan_.tiles());
+}
+
+PlanePtr IntrinsicDecomposition::write_layers(gpu::Commands& commands, const PlanePtr& input,
+                                              const Params& params, const PlanePtr& slope) {
   PlanePtr intrinsic = layers_plane(commands);
-  (plan_.compares_pixels ? anchored_layers_ : layers_)
+  const auto& gray = plan_.compares_pixels ? anchored_layers_ : layers_;
+  const auto& colored = plan_.compares_pixels ? anchored_colored_layers_ : colored_layers_;
+  (slope ? colored : gray)
       .dispatch(commands, list(),
                 {.frame = input->buffer,
                  .cells = guide_.cells(),
@@ -233,7 +243,8 @@ PlanePtr IntrinsicDecomposition::write_layers(gpu::Commands& commands, const Pla
                  .memory = gpu::aliased(anchor_.now()),
                  .new_shading = gpu::aliased(multigrid_.field()),
                  .cell_history = anchor_.kept(),
-                 .intrinsic = intrinsic->buffer},
+                 .intrinsic = intrinsic->buffer,
+                 .slope = slope ? slope->buffer : scale_.value()},
                 {.size = extent_, .texture = 1 / params.anchor.hold_texture},
                 line_of(guide_.cell_extent().pixels()));
   if (!plan_.whole())

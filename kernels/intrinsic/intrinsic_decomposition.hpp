@@ -9,6 +9,7 @@
 #include "kernels/image/layers.hpp"
 #include "kernels/intrinsic/chroma/chroma_bins.hpp"
 #include "kernels/intrinsic/guide/guide.hpp"
+#include "kernels/intrinsic/light_color/light_color.hpp"
 #include "kernels/intrinsic/multigrid/multigrid.hpp"
 #include "kernels/intrinsic/output/output_scale.hpp"
 #include "kernels/intrinsic/prior/edge_prior.hpp"
@@ -29,6 +30,7 @@ namespace inverse {
 class IntrinsicDecomposition {
  public:
   struct Params {
+    LightColor::Params light;
     EdgePrior::Params prior;
     TemporalAnchor::Params anchor;
     /// Multigrid cycles of a frame without history, 1…32.
@@ -48,7 +50,8 @@ class IntrinsicDecomposition {
     /// Of every tile of 16 x 16 pixels, row by row, 0 if its input is, bit by bit, that of the
     /// frame before. Empty: not known.
     std::span<const uint8_t> changed = {};
-    bool repeated = false;  ///< the picture is that of the frame before, bit by bit
+    bool repeated = false;        ///< the picture is that of the frame before, bit by bit
+    LightColor* light = nullptr;  ///< what it measured of this frame; null: light is gray
   };
   struct Stats {
     Plan plan;
@@ -61,9 +64,9 @@ class IntrinsicDecomposition {
   IntrinsicDecomposition(std::shared_ptr<gpu::Device> device, Extent extent);
 
   /// Records the decomposition of `input` (linear RGB, 1 = full scale; w = alpha) and returns its
-  /// layers: input, intrinsic (R.rgb, S) and, the same plane, model. Copy a plane before editing it
-  /// in place if others hold it. The frame kFramesInFlight before this one must have been waited
-  /// for.
+  /// layers: input, intrinsic (R.rgb, S), the same plane as model, and in colored light slope. Copy
+  /// a plane before editing it in place if others hold it. The frame kFramesInFlight before this
+  /// one must have been waited for.
   Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                 const FrameInfo& info);
   /// The only tiles where a drawing of the last frame's layers, or of its input, may differ from
@@ -110,7 +113,9 @@ class IntrinsicDecomposition {
   void evaluate_edges(gpu::Commands& commands, const Params& params);
   void assemble(gpu::Commands& commands, const TemporalAnchor::Params& params);
   void solve(gpu::Commands& commands, const Params& params);
-  PlanePtr write_layers(gpu::Commands& commands, const PlanePtr& input, const Params& params);
+  PlanePtr write_layers(gpu::Commands& commands, const PlanePtr& input, const Params& params,
+                        const PlanePtr& slope);
+  void find_scale(gpu::Commands& commands, const Params& params);
   /// The plane for the layers: if only tiles are worked on, one that has the others.
   PlanePtr layers_plane(gpu::Commands& commands);
   void record_report(gpu::Commands& commands, const Params& params);
@@ -128,7 +133,8 @@ class IntrinsicDecomposition {
   TileProgram<shaders::intrinsic_energy_cell_terms> terms_kernel_, anchored_terms_kernel_,
       measuring_terms_kernel_;
   TileProgram<shaders::intrinsic_energy_assemble> assemble_, anchored_assemble_;
-  TileProgram<shaders::intrinsic_output_layers> layers_, anchored_layers_;
+  TileProgram<shaders::intrinsic_output_layers> layers_, anchored_layers_, colored_layers_,
+      anchored_colored_layers_;
   gpu::Program<shaders::intrinsic_energy_warm_start> warm_start_;
   gpu::Program<shaders::solve_total> total_;
   gpu::BufferPtr flux_, value_, terms_, start_, gate_sums_, gate_total_;

@@ -12,6 +12,7 @@ ScaledIntrinsic::ScaledIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   IntrinsicDecomposition(device_, kTiny);
   Step(device_, kTiny);
   LayerDistance(device_, kTiny);
+  LightColor(device_, kTiny);
 }
 
 void ScaledIntrinsic::set_up(size_t halvings) {
@@ -37,8 +38,9 @@ void ScaledIntrinsic::release_half() {
   if (!methods_[2]) steps_[0].reset();
 }
 
-PlanePtr ScaledIntrinsic::solve(gpu::Commands& commands, size_t halvings, const PlanePtr& input,
-                                const Params& params, const FrameInfo& info) {
+ScaledIntrinsic::Solved ScaledIntrinsic::solve(gpu::Commands& commands, size_t halvings,
+                                               const PlanePtr& input, const Params& params,
+                                               const FrameInfo& info) {
   set_up(halvings);
   std::array<PlanePtr, kResolutions> inputs{input};
   for (size_t k = 0; k < halvings; ++k) {
@@ -48,18 +50,19 @@ PlanePtr ScaledIntrinsic::solve(gpu::Commands& commands, size_t halvings, const 
   }
   if (halvings > 0) commands.stage("halve");
   // Tiles are those of the full resolution.
-  const FrameInfo here =
-      halvings > 0 ? FrameInfo{.reset = info.reset, .repeated = info.repeated} : info;
-  PlanePtr intrinsic =
-      method(halvings).record(commands, inputs[halvings], params, here)[Role::intrinsic];
+  FrameInfo here = info;
+  if (halvings > 0) here.changed = {};
+  const Layers layers = method(halvings).record(commands, inputs[halvings], params, here);
+  Solved solved{layers[Role::intrinsic], layers[Role::slope]};
   for (size_t k = halvings; k-- > 0;) {
     const PlanePtr finer = steps_[k]->layers.acquire();
-    steps_[k]->upsample.record(commands, inputs[k]->buffer, intrinsic->buffer, finer->buffer);
+    steps_[k]->upsample.record(commands, inputs[k]->buffer, solved.intrinsic->buffer, solved.slope,
+                               finer->buffer);
     commands.keep(finer);
-    intrinsic = finer;
+    solved.intrinsic = finer;
   }
   if (halvings > 0) commands.stage("upsample");
-  return intrinsic;
+  return solved;
 }
 
 void ScaledIntrinsic::warm_start(gpu::Commands& commands, size_t from, size_t to,
@@ -75,8 +78,16 @@ void ScaledIntrinsic::warm_start(gpu::Commands& commands, size_t from, size_t to
 }
 
 Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
-                               const FrameInfo& info) {
-  if (info.reset) restart();
+                               const FrameInfo& frame) {
+  if (frame.reset) restart();
+  FrameInfo info = frame;
+  if (!info.light && params.light.colored()) {
+    if (!light_) light_.emplace(device_, extent_);
+    light_->record(commands, input->buffer, params.light, first_);
+    commands.stage("light-color");
+    info.light = &*light_;
+  }
+  first_ = false;
   const auto choice =
       planner_.next({params.adaptive, params.halvings(), params.tolerances.half}, found_before());
   if (choice.cut) fade_.stop();
@@ -85,15 +96,15 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   const bool crossed = choice.crosses && !info.reset;
   PlanePtr shown;
   if (crossed) {
-    const PlanePtr old = solve(commands, was_, input, params, info);
-    shown = fade_.record(commands, input, old);
-    warm_start(commands, was_, now, old);
+    const Solved old = solve(commands, was_, input, params, info);
+    shown = fade_.record(commands, input, old.intrinsic, old.slope);
+    warm_start(commands, was_, now, old.intrinsic);
   }
-  const PlanePtr intrinsic = solve(commands, now, input, params, info);
+  const auto [intrinsic, slope] = solve(commands, now, input, params, info);
   if (crossed)
     fade_.start(commands, input, shown, intrinsic);
   else
-    shown = fade_.record(commands, input, intrinsic);
+    shown = fade_.record(commands, input, intrinsic, slope);
   Past& past = past_[recorded_];
   past = {{method(now).stats(method(now).recorded() - 1), now, crossed, false},
           method(now).recorded() - 1,
@@ -102,7 +113,8 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
     past.stats.plan.run.push_back(std::string("full resolution: ") + choice.full_because);
   if (choice.compares) {
     // Without history: the result that it would have by itself.
-    const PlanePtr other = solve(commands, 1 - now, input, params, {.reset = true});
+    const PlanePtr other =
+        solve(commands, 1 - now, input, params, {.reset = true, .light = info.light}).intrinsic;
     if (!distance_) distance_.emplace(device_, extent_);
     distance_->record(commands, input->buffer, intrinsic->buffer, other->buffer, recorded_);
     commands.stage("compare");
@@ -114,7 +126,7 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   ++recorded_;
   commands.keep(input);
   commands.keep(shown);
-  return intrinsic_layers(input, shown);
+  return intrinsic_layers(input, shown, slope);
 }
 
 void ScaledIntrinsic::reset() {
@@ -126,6 +138,7 @@ void ScaledIntrinsic::reset() {
 void ScaledIntrinsic::restart() {
   planner_.reset();
   fade_.stop();
+  first_ = true;
 }
 
 ScaledIntrinsic::Findings ScaledIntrinsic::findings(uint64_t frame) const {

@@ -95,9 +95,12 @@ class ScaledIntrinsic {
   /// Half resolution is set up again when it is next used.
   void release_half();
   void restart();
-  /// The frame's intrinsic plane, solved after `halvings`.
-  PlanePtr solve(gpu::Commands& commands, size_t halvings, const PlanePtr& input,
-                 const Params& params, const FrameInfo& info);
+  /// The frame's intrinsic plane and slope, solved after `halvings`.
+  struct Solved {
+    PlanePtr intrinsic, slope;
+  };
+  Solved solve(gpu::Commands& commands, size_t halvings, const PlanePtr& input,
+               const Params& params, const FrameInfo& info);
   void warm_start(gpu::Commands& commands, size_t from, size_t to, PlanePtr intrinsic);
 
   std::shared_ptr<gpu::Device> device_;
@@ -105,11 +108,13 @@ class ScaledIntrinsic {
   std::array<std::optional<IntrinsicDecomposition>, kResolutions> methods_;
   std::array<std::optional<Step>, kResolutions - 1> steps_;  // [k] from k halvings to k + 1
   std::array<bool, kResolutions> stays_{};                   // set up for good
+  std::optional<LightColor> light_;
   std::optional<LayerDistance> distance_;
   LayerFade fade_;
   ResolutionPlanner planner_;
   gpu::FrameRing<Past> past_;
   uint64_t recorded_ = 0;
+  bool first_ = true;         // no frame is before the next one
   size_t was_ = 0;            // halvings of the frame before
   unsigned full_frames_ = 0;  // in a row, up to 2, solved and shown at full resolution
 };

@@ -7,7 +7,8 @@
 // The state from frame to frame, three vec4:
 #define SCALE_NOW 0     // ln c, 1 once it is known, offset, offset that the frame alone would get
 #define SCALE_MOTION 1  // the points' common motion: of the frame's center (cells a frame), zoom and turn (1 a frame)
-#define SCALE_STATE 2   // sum of the shifts of the references, mean share of bright points, 1 if the points go on, -
+#define SCALE_STATE 2   // sum of the shifts of the references, mean share of bright points, 1 if the points go on, ln S of white light
+                        // in the output plus ln(white level)
 #define SCALE_SIZE 3
 
 // Of a point, a vec4: place (cells), frames since it began (-1: lost), -.

@@ -9,7 +9,7 @@
 // alone. One workgroup.
 PLANE_IN(0, samples);
 PLANE_IN(1, points);
-PLANE_IN(2, target);    // .x: offset that the frame alone would get, .y: 0 if all of it is dark
+PLANE_IN(2, target);    // .x: offset that the frame alone would get, .y: 0 if all of it is dark, .z: its brightest light, ln
 PLANE_IN(3, decision);  // .y = 0 at a cut
 PLANE_INOUT(4, scale);
 layout(push_constant) uniform Push {
@@ -32,7 +32,8 @@ const float kMeanRate = 1.0 / 64.0;  // share of the newest frame in the mean br
 void main() {
   uint lane = gl_LocalInvocationID.x, lanes = gl_WorkGroupSize.x;
   vec4 now = LOAD(scale, SCALE_NOW), motion = LOAD(scale, SCALE_MOTION), state = LOAD(scale, SCALE_STATE);
-  vec2 goal = FETCH(target, 0).xy, center = 0.5 * vec2(push.size) - 0.5;
+  vec3 goal = FETCH(target, 0).xyz;
+  vec2 center = 0.5 * vec2(push.size) - 0.5;
 
   vec4 shares = vec4(0.0);  // of points: bright, found again; of their texture: found again, all
   for (uint i = lane; i < push.count; i += lanes) {
@@ -81,13 +82,14 @@ void main() {
   if (goal.y == 0.0) {
     STORE(scale, SCALE_NOW, known ? vec4(push.log_white + now.z, now.yz, now.z) : vec4(0.0));
     STORE(scale, SCALE_MOTION, vec4(0.0));
-    STORE(scale, SCALE_STATE, vec4(0.0, before, 0.0, 0.0));
+    STORE(scale, SCALE_STATE, vec4(0.0, before, 0.0, known ? state.w : 0.0));
     return;
   }
   bool tracked = known && found > kMinFound;
-  float shift = 0.0;
+  float shift = 0.0, white = state.w;
   if (!known) {
     offset = goal.x;
+    white = goal.z - offset;
   } else if (push.frozen == 1u || push.count == 0u) {
     offset = now.z;
   } else if (!tracked) {
@@ -96,10 +98,11 @@ void main() {
     float growth = max((bright - before) / bright - kMoreLight, 0.0) / (1.0 - kMoreLight);
     shift = kFollow * growth * (goal.x - offset);
     offset += shift;
+    white = mix(white, goal.z - offset, kFollow * growth);
   }
   bool has_mean = known && before > 0.0;
   STORE(scale, SCALE_NOW, vec4(push.log_white + offset, 1.0, offset, goal.x));
   STORE(scale, SCALE_MOTION, tracked ? motion : vec4(0.0));
   STORE(scale, SCALE_STATE, vec4(tracked ? state.x + shift : 0.0, has_mean ? mix(before, bright, kMeanRate) : bright,
-                                 tracked ? 1.0 : 0.0, 0.0));
+                                 tracked ? 1.0 : 0.0, white));
 }

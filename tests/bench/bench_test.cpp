@@ -36,8 +36,8 @@ TEST(DeviceSession, SplitsShadingByItsLight) {
   const Decomposition d = session.run(
       frame,
       [&](gpu::Commands&, const PlanePtr& input) {
-        Layers layers =
-            intrinsic_layers(input, upload(session.device(), extent, {0.2F, 0.3F, 0.4F, 2}));
+        Layers layers = intrinsic_layers(
+            input, upload(session.device(), extent, {0.2F, 0.3F, 0.4F, 2}), nullptr);
         layers[Role::light] = layers[Role::model_light] =
             upload(session.device(), extent, {1.2F, 0.9F, 0.9F, 0.75F});
         return layers;
@@ -51,7 +51,8 @@ TEST(DeviceSession, SplitsShadingByItsLight) {
   const Decomposition plain = session.run(
       frame,
       [&](gpu::Commands&, const PlanePtr& input) {
-        return intrinsic_layers(input, upload(session.device(), extent, {0.2F, 0.3F, 0.4F, 2}));
+        return intrinsic_layers(input, upload(session.device(), extent, {0.2F, 0.3F, 0.4F, 2}),
+                                nullptr);
       },
       cost);
   EXPECT_TRUE(plain.direct.empty());

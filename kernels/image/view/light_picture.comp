@@ -3,18 +3,21 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "image/finite.glsl"
+#include "image/light_color.glsl"
 
 // Draws the light of a frame with indirect light: S times its color, the direct part, the indirect part, or the part
-// that bounced off one base color.
+// that bounced off one base color. With kSlope, of a frame whose color of light follows from S: all of it.
 layout(constant_id = 1) const uint kWhat = 0u;  // LightPicture::What
 layout(constant_id = 2) const bool kLamp = false;  // direct light has a color
+layout(constant_id = 3) const bool kSlope = false;
 const uint kAll = 0u, kDirect = 1u, kIndirect = 2u, kLayer = 3u;
 PLANE_IN(0, intrinsic);
 PLANE_IN(1, light);
 PLANE_IN(2, share);  // kLayer: the plane of indirect shares
 PLANE_IN(3, bases);
 PLANE_IN(4, lamp);  // one pixel; kLamp
-PLANE_OUT(5, picture);
+PLANE_IN(5, slope);  // one pixel; kSlope
+PLANE_OUT(6, picture);
 layout(push_constant) uniform Push {
   uvec2 size;
   uint base;  // kLayer: which base color
@@ -34,11 +37,16 @@ void main() {
   uint last = min(at.y + kRows, push.size.y);
   for (uint y = at.y; y < last; ++y) {
     int n = int(y * push.size.x + at.x);
+    float shading = finite(FETCH(intrinsic, n)).w;
+    if (kSlope) {
+      STORE(picture, n, vec4(min(colored_light(FETCH(slope, 0), shading), vec3(kLargest)), 1.0));
+      continue;
+    }
     vec4 l = finite(FETCH(light, n));
     vec3 color = kWhat == kDirect     ? l.w * white
                  : kWhat == kIndirect ? max(l.rgb - l.w * white, vec3(0.0))
                  : kWhat == kLayer    ? base.rgb * dot(slot, finite(FETCH(share, n)))
                                       : l.rgb;
-    STORE(picture, n, vec4(min(finite(FETCH(intrinsic, n)).w * color, vec3(kLargest)), 1.0));
+    STORE(picture, n, vec4(min(shading * color, vec3(kLargest)), 1.0));
   }
 }

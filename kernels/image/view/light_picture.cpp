@@ -9,25 +9,30 @@ LightPicture::LightPicture(const std::shared_ptr<gpu::Device>& device) : device_
 
 void LightPicture::record(gpu::Commands& commands, const Layers& layers, What what,
                           const Plane& target, uint32_t base) const {
-  if (!layers.global() || base >= kMaxBases)
+  const PlanePtr& slope = layers[Role::slope];
+  const bool follows = !layers.global() && slope && what == What::all;
+  if (!(layers.global() || follows) || base >= kMaxBases)
     throw Error(ErrorKind::internal, "no such light to draw");
   const PlanePtr& shares = layers[indirect_role(base / 4)];
   if (what == What::layer && (!shares || !layers[Role::bases])) {
     commands.fill(target.buffer);
     return;
   }
-  const PlanePtr& light = layers[Role::light];
+  const PlanePtr& light = layers[follows ? Role::intrinsic : Role::light];
   const Extent size = layers.extent;
   using Shader = shaders::image_view_light_picture;
   const bool layer = what == What::layer;
   const PlanePtr& lamp = layers[Role::lamp];
   commands.dispatch(
-      gpu::Program<Shader>(device_, {.what = static_cast<uint32_t>(what), .lamp = lamp != nullptr}),
+      gpu::Program<Shader>(
+          device_,
+          {.what = static_cast<uint32_t>(what), .lamp = lamp != nullptr, .slope = follows}),
       {.intrinsic = layers[Role::intrinsic]->buffer,
        .light = light->buffer,
        .share = layer ? shares->buffer : light->buffer,
        .bases = layer ? layers[Role::bases]->buffer : light->buffer,
        .lamp = lamp ? lamp->buffer : light->buffer,
+       .slope = (follows ? slope : light)->buffer,
        .picture = target.buffer},
       {.size = size, .base = base}, {size.width, (size.height - 1) / Shader::kRows + 1});
 }

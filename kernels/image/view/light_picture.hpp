@@ -7,7 +7,8 @@
 
 namespace inverse {
 
-/// Draws the light of frames with indirect light (Layers::global), linear RGB, w = 1.
+/// Draws the light of frames with layers of light (Layers::global) or, of Role::slope, all of it;
+/// linear RGB, w = 1.
 class LightPicture {
  public:
   enum class What : uint8_t {
@@ -18,7 +19,8 @@ class LightPicture {
   };
   explicit LightPicture(const std::shared_ptr<gpu::Device>& device);
 
-  /// `layers` must be global and have the target's extent; `base` is 0…kMaxBases − 1.
+  /// `layers` must have the target's extent and be global, or What::all and a slope; `base` is
+  /// 0…kMaxBases − 1.
   void record(gpu::Commands& commands, const Layers& layers, What what, const Plane& target,
               uint32_t base = 0) const;
 

@@ -4,24 +4,30 @@
 #include "gpu/common.glsl"
 #include "guide.glsl"
 #include "image/pack4.glsl"
+#include "intrinsic/light_color/light.glsl"
 
-// The guide's levels 0 and 1 from the frame: one level-1 cell, 2 x 2 pixels, an invocation.
+// The guide's levels 0 and 1 from the frame, with kColored of the frame as it were in white light: one level-1 cell, 2 x 2 pixels, an
+// invocation.
+layout(constant_id = 1) const bool kColored = false;
 PLANE_IN(0, frame);
-PLANE_OUT(1, fine);
-PLANE_OUT(2, coarse);
-#define TILE_CONSTANT 1
-#define TILE_BINDING 3
+PLANE_IN(1, light);  // light.glsl
+PLANE_OUT(2, fine);
+PLANE_OUT(3, coarse);
+#define TILE_CONSTANT 2
+#define TILE_BINDING 4
 #include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push { uvec2 size; } push;
 
 void main() {
   uvec2 cells = (push.size + 1u) / 2u, cell = tile_position(cells.x);
   if (cell.y >= cells.y) return;
-  vec4 sum = vec4(0.0);
+  vec4 sum = vec4(0.0), now = kColored ? FETCH(light, LIGHT_NOW) : vec4(0.0);
   for (uint k = 0u; k < 4u; ++k) {
     uvec2 at = min(2u * cell + uvec2(k & 1u, k >> 1u), push.size - 1u);
     uint pixel = at.y * push.size.x + at.x;
-    vec4 guide = guide_of(sanitize(FETCH(frame, int(pixel)).rgb));
+    vec3 rgb = sanitize(FETCH(frame, int(pixel)).rgb);
+    if (kColored) rgb /= light_color(now.x, mean_log(rgb) - now.y);
+    vec4 guide = guide_of(rgb);
     STORE(fine, pixel, guide);
     sum += guide;
   }

@@ -21,6 +21,7 @@ Guide::Guide(const std::shared_ptr<gpu::Device>& device, Extent extent)
       extent2_(half_of(extent1_)),
       extent4_(half_of(half_of(extent2_))),
       guide_(device, {}, 8, 8),
+      colored_guide_(device, {.colored = true}, 8, 8),
       cells_kernel_(device, {}, 4, 4),
       guide_coarse_kernel_(device, {}, 1, 1),
       sum_(device, {.rows = kRows}),
@@ -38,12 +39,16 @@ Guide::Guide(const std::shared_ptr<gpu::Device>& device, Extent extent)
                           gpu::partial_count(*sum_.kernel(), sum_items(extent1_)));
 }
 
-void Guide::record(gpu::Commands& commands, const gpu::BufferPtr& frame, const TileList* listed) {
+void Guide::record(gpu::Commands& commands, const gpu::BufferPtr& frame,
+                   const gpu::BufferPtr& light, const TileList* listed) {
   if (!cleared_)
     for (const auto& sums : sums_) commands.fill(sums);
   cleared_ = true;
-  guide_.dispatch(commands, listed, {.frame = frame, .fine = level0_, .coarse = level1_},
-                  {.size = extent_}, line_of(extent1_.pixels()));
+  (light ? colored_guide_ : guide_)
+      .dispatch(
+          commands, listed,
+          {.frame = frame, .light = light ? light : frame, .fine = level0_, .coarse = level1_},
+          {.size = extent_}, line_of(extent1_.pixels()));
   cells_kernel_.dispatch(commands, listed, {.fine = level0_, .cells = cells_}, {.size = extent_},
                          line_of(extent2_.pixels()));
   guide_coarse_kernel_.dispatch(commands, listed, {.cells = cells_, .guide_coarse = guide_coarse_},

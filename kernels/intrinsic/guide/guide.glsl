@@ -19,9 +19,14 @@ vec3 sanitize(vec3 rgb) {
   return mix(vec3(0.0), mix(min(rgb, kMaxLight), vec3(1.0), isinf(rgb)), greaterThan(rgb, vec3(0.0)));
 }
 
+float mean_log(vec3 rgb) {
+  vec3 light = rgb + kIntensityFloor;
+  return log(light.r * light.g * light.b) / 3.0;
+}
+
 vec4 guide_of(vec3 rgb) {
   vec3 light = rgb + kIntensityFloor, color = rgb + kChromaFloor;
-  float m = log(light.r * light.g * light.b) / 3.0;
+  float m = mean_log(rgb);
   return vec4(m, 0.8660254 * log(color.r / color.g), log(sqrt(color.r * color.g) / color.b),
               log(max(max(light.r, light.g), light.b)) - m);
 }

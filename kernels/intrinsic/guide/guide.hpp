@@ -18,9 +18,10 @@ class Guide {
  public:
   /// Throws Error(limit) if the planes do not fit the device.
   Guide(const std::shared_ptr<gpu::Device>& device, Extent extent);
-  /// Records the guide of a frame. If `listed` is not null, only of its tiles; statistics of the
-  /// frame are then of these and of the old others.
-  void record(gpu::Commands& commands, const gpu::BufferPtr& frame,
+  /// Records the guide of a frame in light of the color `light` (LightColor::state); null: gray
+  /// light. If `listed` is not null, only of its tiles; statistics of the frame are then of these
+  /// and of the old others.
+  void record(gpu::Commands& commands, const gpu::BufferPtr& frame, const gpu::BufferPtr& light,
               const TileList* listed = nullptr);
 
   Extent extent() const { return extent_; }
@@ -41,7 +42,7 @@ class Guide {
 
  private:
   Extent extent_, extent1_, extent2_, extent4_;
-  TileProgram<shaders::intrinsic_guide_guide> guide_;
+  TileProgram<shaders::intrinsic_guide_guide> guide_, colored_guide_;
   TileProgram<shaders::intrinsic_guide_cells> cells_kernel_;
   TileProgram<shaders::intrinsic_guide_guide_coarse> guide_coarse_kernel_;
   gpu::Program<shaders::intrinsic_guide_statistics> sum_;

@@ -6,7 +6,7 @@
 #include "intrinsic/guide/guide.glsl"
 #include "intrinsic/output/brightness.glsl"
 
-// Counts ln max_c R over the cells of a frame, and writes each cell for ScaleNormalization (scale.glsl). One cell of 4 x 4
+// Counts ln max_c R and ln S over the cells of a frame (brightness.glsl), and writes each cell for ScaleNormalization (scale.glsl). One cell of 4 x 4
 // pixels an invocation.
 PLANE_IN(0, cells);
 PLANE_IN(1, shading);
@@ -31,5 +31,7 @@ void main() {
   // The mean channel is what is visible; a tint that a caller divides the frame by moves m farther.
   STORE(scale_cells, at, vec4(guide.xyz, guide.x + mean_channel(guide.yz) - mean));
   float brightest = guide.x + guide.w;
-  if (brightest > kDarkest) atomicAdd(counts_data[brightness_bin(brightest - mean)], 1u);
+  if (brightest <= kDarkest) return;
+  atomicAdd(counts_data[brightness_bin(brightest - mean)], 1u);
+  atomicAdd(counts_data[kBrightnessBins + brightness_bin(mean)], 1u);
 }

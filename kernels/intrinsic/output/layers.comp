@@ -4,13 +4,15 @@
 #include "gpu/common.glsl"
 #include "intrinsic/energy/energy.glsl"
 #include "intrinsic/guide/guide.glsl"
+#include "image/light_color.glsl"
 #include "intrinsic/temporal/temporal.glsl"
 
 // Writes the solution as layers in the output's scale c, S = e^s / c and R = I / S, and the history for the next frame. With
-// kAnchored, reflectance moves only part of the way from the frame before, so that sensor noise is averaged over frames and stays
+// kColored, R is divided by the color of light, too. With kAnchored, reflectance moves only part of the way from the frame before, so that sensor noise is averaged over frames and stays
 // in shading: by the share of the cells, interpolated between them, and less if a pixel changed otherwise than its cell. One cell,
 // 4 x 4 pixels, an invocation.
 layout(constant_id = 1) const bool kAnchored = false;
+layout(constant_id = 2) const bool kColored = false;
 PLANE_IN(0, frame);
 PLANE_IN(1, cells);
 PLANE_IN(2, guide_coarse);
@@ -23,8 +25,9 @@ PLANE_OUT(8, memory);   // the same buffer as `now`: the brightness of reflectan
 PLANE_OUT(9, new_shading);  // the same buffer as `shading`
 PLANE_INOUT(10, cell_history);
 PLANE_OUT(11, intrinsic);
-#define TILE_CONSTANT 2
-#define TILE_BINDING 12
+PLANE_IN(12, slope);
+#define TILE_CONSTANT 3
+#define TILE_BINDING 13
 #include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;
@@ -45,6 +48,7 @@ void main() {
   if (first >= push.size.y) return;
   uvec2 count = min(push.size - 4u * cell, uvec2(4u));
   float log_scale = FETCH(scale, 0).x;
+  vec4 of_light = kColored ? FETCH(slope, 0) : vec4(0.0);
   uint at = cell.y * packs + cell.x;
   vec4 guide = FETCH(cells, int(CELL_STRIDE * at));
   float change = 0.0;
@@ -79,6 +83,7 @@ void main() {
       uint pixel = (first + y) * push.size.x + 4u * cell.x + x;
       vec3 rgb = sanitize(FETCH(frame, int(pixel)).rgb);
       float light = exp(s.x - log_scale);
+      if (kColored) rgb /= light_color(of_light[SLOPE_K], s.x - log_scale - of_light[SLOPE_WHITE]);
       STORE(intrinsic, pixel, vec4(rgb * (1.0 / light), light));
       s = s.yzwx;
     }

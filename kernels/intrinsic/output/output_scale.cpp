@@ -13,7 +13,7 @@ OutputScale::OutputScale(const std::shared_ptr<gpu::Device>& device, Extent cell
       count_(device),
       target_kernel_(device, {}, kLanes),
       counts_(gpu::Buffer::create(device, gpu::Element::word,
-                                  shaders::intrinsic_output_target_scale::kBrightnessBins)),
+                                  2 * shaders::intrinsic_output_target_scale::kBrightnessBins)),
       target_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {}
 
 void OutputScale::take(gpu::Commands& commands, const OutputScale& other) {

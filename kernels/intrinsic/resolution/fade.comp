@@ -2,6 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
+#include "image/light_color.glsl"
 #include "intrinsic/guide/guide.glsl"
 
 // Fades from one solution's layers to another's over several frames. With kStart saves the difference d of log shading between
@@ -9,11 +10,13 @@
 //   share d / (1 + ((m - m_saved) / kStays)^2),
 // which vanishes at pixels that changed. One pixel an invocation.
 layout(constant_id = 1) const bool kStart = false;
+layout(constant_id = 2) const bool kColored = false;
 PLANE_IN(0, frame);
 PLANE_IN(1, intrinsic);   // R.rgb, S
 PLANE_IN(2, shown);       // with kStart: the same of the layers shown so far
 PLANE_INOUT(3, between);  // d, m, -, -
 PLANE_OUT(4, faded);      // R.rgb, S
+PLANE_IN(5, slope);       // with kColored
 layout(push_constant) uniform Push {
   uvec2 size;
   float share;
@@ -26,13 +29,14 @@ void main() {
   uint at = gl_GlobalInvocationID.x;
   if (at >= push.size.x * push.size.y) return;
   vec3 rgb = sanitize(FETCH(frame, int(at)).rgb);
-  float m = guide_of(rgb).x, s = log(max(FETCH(intrinsic, int(at)).w, kMinShading));
+  float m = mean_log(rgb), s = log(max(FETCH(intrinsic, int(at)).w, kMinShading));
   if (kStart) {
     STORE(between, at, vec4(log(max(FETCH(shown, int(at)).w, kMinShading)) - s, m, 0.0, 0.0));
   } else {
     vec4 kept = LOAD(between, at);
     float off = (m - kept.y) / kStays;
     s += push.share * kept.x / (1.0 + off * off);
+    if (kColored) rgb /= light_color(FETCH(slope, 0)[SLOPE_K], s - FETCH(slope, 0)[SLOPE_WHITE]);
     STORE(faded, at, vec4(rgb * exp(-s), exp(s)));
   }
 }

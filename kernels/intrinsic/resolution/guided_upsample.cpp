@@ -11,18 +11,23 @@ GuidedUpsample::GuidedUpsample(const std::shared_ptr<gpu::Device>& device, Exten
       sample_(device),
       fit_(device),
       layers_(device),
+      colored_layers_(device, {.colored = true}),
       samples_(gpu::Buffer::create(device, gpu::Element::vec4, half_of(extent).pixels())),
       lines_(gpu::Buffer::create(device, gpu::Element::vec4, half_of(extent).pixels())) {}
 
 void GuidedUpsample::record(gpu::Commands& commands, const gpu::BufferPtr& frame,
-                            const gpu::BufferPtr& half_intrinsic,
+                            const gpu::BufferPtr& half_intrinsic, const PlanePtr& slope,
                             const gpu::BufferPtr& intrinsic) const {
   const Extent half = half_of(extent_);
   const gpu::Items items = line_of(half.pixels());
   commands.dispatch(sample_, {.frame = frame, .intrinsic = half_intrinsic, .samples = samples_},
                     {.size = extent_}, items);
   commands.dispatch(fit_, {.samples = samples_, .lines = lines_}, {.size = half}, items);
-  commands.dispatch(layers_, {.frame = frame, .lines = lines_, .intrinsic = intrinsic},
+  commands.dispatch(slope ? colored_layers_ : layers_,
+                    {.frame = frame,
+                     .lines = lines_,
+                     .intrinsic = intrinsic,
+                     .slope = slope ? slope->buffer : lines_},
                     {.size = extent_}, items);
 }
 

@@ -15,16 +15,17 @@ class GuidedUpsample {
  public:
   /// `extent` of the frame. Throws Error(limit).
   GuidedUpsample(const std::shared_ptr<gpu::Device>& device, Extent extent);
-  /// `frame` is linear RGB, `half_intrinsic` (R.rgb, S) of half_of(extent). Writes (R.rgb, S) with
-  /// R S = frame, in the same scale.
+  /// `frame` is linear RGB, `half_intrinsic` (R.rgb, S) of half_of(extent), `slope` Role::slope or
+  /// null. Writes (R.rgb, S) in the same scale, whose picture is the frame.
   void record(gpu::Commands& commands, const gpu::BufferPtr& frame,
-              const gpu::BufferPtr& half_intrinsic, const gpu::BufferPtr& intrinsic) const;
+              const gpu::BufferPtr& half_intrinsic, const PlanePtr& slope,
+              const gpu::BufferPtr& intrinsic) const;
 
  private:
   Extent extent_;
   gpu::Program<shaders::intrinsic_resolution_upsample_sample> sample_;
   gpu::Program<shaders::intrinsic_resolution_upsample_fit> fit_;
-  gpu::Program<shaders::intrinsic_resolution_upsample_layers> layers_;
+  gpu::Program<shaders::intrinsic_resolution_upsample_layers> layers_, colored_layers_;
   gpu::BufferPtr samples_, lines_;
 };
 

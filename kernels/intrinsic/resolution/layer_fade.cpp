@@ -6,16 +6,21 @@
 namespace inverse {
 
 LayerFade::LayerFade(const std::shared_ptr<gpu::Device>& device, Extent extent)
-    : start_(device, {.start = true}), fade_(device), planes_(device, extent) {}
+    : start_(device, {.start = true}),
+      fade_(device),
+      colored_fade_(device, {.colored = true}),
+      planes_(device, extent) {}
 
 void LayerFade::dispatch(gpu::Commands& commands, const Fade& fade, const PlanePtr& frame,
-                         const PlanePtr& now, const PlanePtr& shown, const PlanePtr& faded) const {
+                         const PlanePtr& now, const PlanePtr& shown, const PlanePtr& faded,
+                         const PlanePtr& slope) const {
   commands.dispatch(fade,
                     {.frame = frame->buffer,
                      .intrinsic = now->buffer,
                      .shown = shown->buffer,
                      .between = gpu::aliased(between_->buffer),
-                     .faded = faded->buffer},
+                     .faded = faded->buffer,
+                     .slope = (slope ? slope : now)->buffer},
                     {.size = frame->extent, .share = share_}, line_of(frame->extent.pixels()));
   commands.keep(between_);
 }
@@ -25,14 +30,15 @@ void LayerFade::start(gpu::Commands& commands, const PlanePtr& frame, const Plan
   between_ = planes_.acquire();
   frames_ = 0;
   share_ = 1;
-  dispatch(commands, start_, frame, now, shown, between_);
+  dispatch(commands, start_, frame, now, shown, between_, nullptr);
 }
 
-PlanePtr LayerFade::record(gpu::Commands& commands, const PlanePtr& frame, const PlanePtr& now) {
+PlanePtr LayerFade::record(gpu::Commands& commands, const PlanePtr& frame, const PlanePtr& now,
+                           const PlanePtr& slope) {
   if (!between_) return now;
   share_ *= kShare;
   PlanePtr faded = planes_.acquire();
-  dispatch(commands, fade_, frame, now, now, faded);
+  dispatch(commands, slope ? colored_fade_ : fade_, frame, now, now, faded, slope);
   commands.keep(faded);
   if (++frames_ == kFrames) stop();
   return faded;

@@ -17,8 +17,10 @@ class LayerFade {
   /// frames continue.
   void start(gpu::Commands& commands, const PlanePtr& frame, const PlanePtr& shown,
              const PlanePtr& now);
-  /// The output for a later frame with solution `now`; `now` itself after the fade.
-  PlanePtr record(gpu::Commands& commands, const PlanePtr& frame, const PlanePtr& now);
+  /// The output for a later frame with solution `now` and Role::slope `slope`, or null; `now`
+  /// itself after the fade.
+  PlanePtr record(gpu::Commands& commands, const PlanePtr& frame, const PlanePtr& now,
+                  const PlanePtr& slope);
   void stop() { between_.reset(); }
   bool on() const { return between_ != nullptr; }
 
@@ -29,9 +31,10 @@ class LayerFade {
  private:
   using Fade = gpu::Program<shaders::intrinsic_resolution_fade>;
   void dispatch(gpu::Commands& commands, const Fade& fade, const PlanePtr& frame,
-                const PlanePtr& now, const PlanePtr& shown, const PlanePtr& faded) const;
+                const PlanePtr& now, const PlanePtr& shown, const PlanePtr& faded,
+                const PlanePtr& slope) const;
 
-  Fade start_, fade_;
+  Fade start_, fade_, colored_fade_;
   PlanePool planes_;
   PlanePtr between_;
   unsigned frames_ = 0;

@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "intrinsic/guide/guide.glsl"
+#include "image/light_color.glsl"
 #include "image/pack4.glsl"
 #include "upsample.glsl"
 
@@ -11,6 +12,8 @@
 PLANE_IN(0, frame);
 PLANE_IN(1, lines);
 PLANE_OUT(2, intrinsic);
+PLANE_IN(3, slope);  // with kColored
+layout(constant_id = 1) const bool kColored = false;
 layout(push_constant) uniform Push { uvec2 size; } push;  // of the frame
 
 // A left or upper pixel is a quarter of a half-size pixel before the center: of the means of three around it, 1/4 of the one
@@ -40,7 +43,8 @@ void main() {
     uint pixel = to.y * push.size.x + to.x;
     vec3 rgb = sanitize(FETCH(frame, int(pixel)).rgb);
     vec2 line = part[k >> 1u][k & 1u];
-    float s = line.x * guide_of(rgb).x + line.y;
+    float s = line.x * mean_log(rgb) + line.y;
+    if (kColored) rgb /= light_color(FETCH(slope, 0)[SLOPE_K], s - FETCH(slope, 0)[SLOPE_WHITE]);
     STORE(intrinsic, pixel, vec4(rgb * exp(-s), exp(s)));
   }
 }

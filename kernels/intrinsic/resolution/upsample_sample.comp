@@ -18,7 +18,7 @@ void main() {
   float sum = 0.0;
   for (uint k = 0u; k < 4u; ++k) {
     uvec2 from = min(2u * at + uvec2(k & 1u, k >> 1u), push.size - 1u);
-    sum += guide_of(sanitize(FETCH(frame, int(from.y * push.size.x + from.x)).rgb)).x;
+    sum += mean_log(sanitize(FETCH(frame, int(from.y * push.size.x + from.x)).rgb));
   }
   uint pixel = at.y * half_size.x + at.x;
   STORE(samples, pixel, vec4(0.25 * sum, max(log(FETCH(intrinsic, int(pixel)).w), kDarkest), 0.0, 0.0));

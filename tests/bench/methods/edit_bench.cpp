@@ -114,7 +114,7 @@ class Editor {
     });
   }
   /// The image itself as reflectance, under white light.
-  Layers no_layers() { return intrinsic_layers(input_, input_); }
+  Layers no_layers() { return intrinsic_layers(input_, input_, nullptr); }
 
   Image reflectance(const Layers& layers) { return download(layers[Role::model]); }
   PlanePtr upload(const Image& image) {

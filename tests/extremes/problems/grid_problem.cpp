@@ -99,7 +99,7 @@ std::vector<std::vector<double>> cycles_on_device(const Lab& lab, const GridSyst
                                 multigrid.cell_system(),
                                 multigrid.cell_source_term()};
   lab.run([&](gpu::Commands& commands) {
-    guide.record(commands, frame);
+    guide.record(commands, frame, nullptr);
     commands.fill(multigrid.field());
     commands.copy(system_buffer, multigrid.system(), system_buffer->bytes());
     commands.copy(source_buffer, multigrid.cell_source_term(), source_buffer->bytes());

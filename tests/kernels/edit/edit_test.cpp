@@ -9,6 +9,7 @@
 #include "kernels/edit/recolor.hpp"
 #include "tests/differences.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
+#include "tests/reference/image/light_color.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -332,7 +333,10 @@ TEST_F(EditTest, ExtremeParametersGiveFinitePictures) {
 
 TEST_F(EditTest, ComposeAgreesWithReference) {
   for (const Extent extent : kOddSizes)
-    for (const bool hostile : {false, true}) {
+    for (const auto& [hostile, color] : {std::pair{false, reference::LightColor{}},
+                                         {true, {}},
+                                         {false, {0.6, 0, -0.3}},
+                                         {false, {-1.2, 0, 0.2}}}) {
       const Pixels input = any_pixels(extent, 1, hostile), model = any_pixels(extent, 2, hostile),
                    intrinsic = any_pixels(extent, 3, hostile);
       Layers frame;
@@ -340,6 +344,13 @@ TEST_F(EditTest, ComposeAgreesWithReference) {
       frame[Role::input] = shared_plane(extent, input);
       frame[Role::model] = shared_plane(extent, model);
       frame[Role::intrinsic] = shared_plane(extent, intrinsic);
+      if (color.slope != 0)
+        frame[Role::slope] = shared_plane({1, 1}, {float(color.slope), float(color.white), 1, 0});
+      const reference::LightColor light = color;
+      const auto seen = [&](const Pixels& pixels, size_t n) {
+        return light.slope != 0 ? reference::in_gray_light(pixel_of(pixels, n), light)
+                                : pixel_of(pixels, n);
+      };
       Compose compose(device, extent);
       // Sums of numbers up to 65504² lose the small ones.
       const double tolerance = hostile ? 1e-2 : 1e-5;
@@ -351,8 +362,8 @@ TEST_F(EditTest, ComposeAgreesWithReference) {
           ASSERT_NO_FATAL_FAILURE(expect_pixels(
               got,
               [&](size_t n) {
-                const auto in = pixel_of(input, n), before = pixel_of(model, n),
-                           now = pixel_of(intrinsic, n);
+                const auto in = pixel_of(input, n), before = seen(model, n),
+                           now = seen(intrinsic, n);
                 reference::Rgba wanted = reference::compose(
                     in, before, now, static_cast<reference::Residual>(residual), strength);
                 // Where two huge products cancel, single precision keeps nothing to compare.
@@ -368,8 +379,7 @@ TEST_F(EditTest, ComposeAgreesWithReference) {
           result_of(
               [&](gpu::Commands& commands) { return compose.record_difference(commands, frame); }),
           [&](size_t n) {
-            return reference::difference(pixel_of(input, n), pixel_of(model, n),
-                                         pixel_of(intrinsic, n));
+            return reference::difference(pixel_of(input, n), seen(model, n), seen(intrinsic, n));
           },
           tolerance, "difference"));
     }

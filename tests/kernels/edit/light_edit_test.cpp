@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Light with layers: edits, pictures and composing against their specification.
 #include "tests/reference/edit/light_edit.hpp"
+#include "tests/reference/image/light_color.hpp"
 
 #include <functional>
 #include <limits>
@@ -387,6 +388,30 @@ TEST_F(LightEditTest, PicturesShowTheLayers) {
           }
         }
     }
+}
+
+TEST_F(LightEditTest, ShadingHasTheColorOfItsLight) {
+  const Extent extent{37, 22};
+  Pixels layers = random_pixels(extent, 4, 0, 3);
+  const float values[] = {0, kNan, kInf, -1, 1e-20F, 70000};
+  for (size_t n = 0; n < std::size(values); ++n) layers[4 * n + 3] = values[n];
+  const reference::LightColor light{-0.8, 0, 0.2};
+  Layers frame{extent, {}};
+  frame[Role::intrinsic] = shared_plane(extent, layers);
+  frame[Role::slope] = shared_plane({1, 1}, {float(light.slope), float(light.white), 1, 0});
+  const Plane target = plane(extent);
+  run([&](gpu::Commands& commands) {
+    LightPicture(device).record(commands, frame, LightPicture::What::all, target);
+  });
+  const Pixels got = download(target);
+  for (size_t n = 0; n < extent.pixels(); ++n) {
+    const double s = reference::finite(double(layers[4 * n + 3]));
+    const Rgba gray = reference::in_gray_light({1, 1, 1, s}, light);
+    for (size_t c = 0; c < 3; ++c) {
+      const double wanted = std::min(s * gray[c], 65504.0);
+      ASSERT_NEAR(got[4 * n + c], wanted, 2e-5 * (1 + wanted)) << n;
+    }
+  }
 }
 
 }  // namespace inverse::testing

@@ -50,8 +50,9 @@ inline std::vector<double> rgb_of(const Pixels& pixels) {
   return rgb;
 }
 
-inline reference::Guide guide_of(Extent extent, const Pixels& pixels) {
-  return reference::make_guide(rgb_of(pixels).data(), int(extent.width), int(extent.height));
+inline reference::Guide guide_of(Extent extent, const Pixels& pixels,
+                                 const reference::LightColor& light = {}) {
+  return reference::make_guide(rgb_of(pixels).data(), int(extent.width), int(extent.height), light);
 }
 
 /// The place of a pixel's k-th number in a buffer that has `stride` of each, in packs of four.

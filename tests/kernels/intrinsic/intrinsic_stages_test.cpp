@@ -6,9 +6,11 @@
 namespace inverse::testing {
 
 TEST_F(IntrinsicTest, GuideAndPriorAgreeWithReference) {
-  for (const Extent extent : kOddSizes) {
+  const reference::LightColor lights[] = {{}, {0.8, -0.5}, {-1.3, -1}, {}};
+  for (size_t i = 0; const Extent extent : kOddSizes) {
+    const reference::LightColor& color = lights[i++ % std::size(lights)];
     const Pixels pixels = scene(extent, 2);
-    const auto guide = guide_of(extent, pixels);
+    const auto guide = guide_of(extent, pixels, color);
     const auto expected = reference::edge_prior(guide, {});
     Guide made(device, extent);
     EdgePrior prior(device, extent);
@@ -17,9 +19,10 @@ TEST_F(IntrinsicTest, GuideAndPriorAgreeWithReference) {
                                    buffer(pack4_count(extent) * EdgePrior::kFluxStride),
                                    buffer(pack4_count(cells) * EdgePrior::kValueStride)};
     const auto frame = plane(extent, pixels);
+    const auto light = upload({float(color.slope), float(color.reference), 1, 1});
     run([&](gpu::Commands& commands) {
       commands.fill(target.system);
-      made.record(commands, frame.buffer);
+      made.record(commands, frame.buffer, color.slope != 0 ? light : nullptr);
       prior.record(commands, made, target, {});
     });
     const Pixels level0 = download(made.level0());
@@ -122,7 +125,7 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
                terms_buffer = upload(terms), source_buffer = upload(source);
     Multigrid::Params params;
     run([&](gpu::Commands& commands) {
-      guide.record(commands, frame.buffer);
+      guide.record(commands, frame.buffer, nullptr);
       commands.copy(system_buffer, multigrid.system(), system_buffer->bytes());
       commands.copy(field_buffer, multigrid.field(), field_buffer->bytes());
       commands.copy(source_buffer, multigrid.cell_source_term(), source_buffer->bytes());
@@ -201,7 +204,7 @@ TEST_F(IntrinsicTest, BinsAgreeWithReference) {
   const auto once = [&] {
     run([&](gpu::Commands& commands) {
       commands.fill(system);
-      guide.record(commands, frame.buffer);
+      guide.record(commands, frame.buffer, nullptr);
       bins.record_weights(commands, guide, state.terms, largest);
       bins.record(commands, guide, state);
     });
@@ -253,7 +256,7 @@ TEST_F(IntrinsicTest, OutputScaleAgreesWithReference) {
       const auto input = plane(extent, pixels);
       const auto field = upload(packs), judged = upload({0, frame.same, 0, 0});
       run([&](gpu::Commands& commands) {
-        guide.record(commands, input.buffer);
+        guide.record(commands, input.buffer, nullptr);
         scale.record(commands, guide, field, judged, frame.history, params);
       });
       const bool carries =

@@ -51,6 +51,43 @@ TEST_F(IntrinsicTest, WholeSolveAgreesWithReference) {
   }
 }
 
+TEST_F(IntrinsicTest, ColoredLightAgreesWithReference) {
+  for (const Extent extent : kOddSizes)
+    for (const float slope : {0.6F, -1.2F, 2.0F}) {
+      const Pixels pixels = scene(extent, 1);
+      IntrinsicDecomposition method(device, extent);
+      LightColor light(device, extent);
+      const PlanePtr frame = input(extent, pixels);
+      Layers layers;
+      run([&](gpu::Commands& commands) {
+        light.record(commands, frame->buffer, {slope}, true);
+        layers = method.record(commands, frame, {}, {.reset = true, .light = &light});
+      });
+      const Pixels carried = download(layers[Role::slope]), got = download(layers[Role::intrinsic]);
+      EXPECT_EQ(carried[0], slope);
+      const double scale = double(method.findings().scale);
+      reference::IntrinsicParams params;
+      params.light = {double(slope), double(download(light.state())[1]),
+                      double(carried[1]) + scale};
+      const auto expected = expected_of(extent, pixels, params);
+      double worst = 0, squares = 0;
+      for (size_t i = 0; i < extent.pixels(); ++i) {
+        const double shading = std::log(double(got[4 * i + 3]));
+        const auto color = reference::light_color(params.light, shading - double(carried[1]));
+        const double off = shading + scale - expected.log_shading[i];
+        worst = std::max(worst, std::abs(off));
+        squares += off * off;
+        for (size_t c = 0; c < 3; ++c)
+          ASSERT_NEAR(double(got[4 * i + c] * got[4 * i + 3]) * color[c], pixels[4 * i + c], 1e-5)
+              << "reflectance in colored light must be the frame";
+      }
+      EXPECT_LT(worst, 0.03) << name_of(extent) << ", slope " << slope;
+      // Bins are in fixed point, and a large slope spreads chroma over more of them.
+      EXPECT_LT(std::sqrt(squares / double(extent.pixels())), 8e-3)
+          << name_of(extent) << ", slope " << slope;
+    }
+}
+
 TEST_F(IntrinsicTest, FollowsAVideoAsTheReferenceDoes) {
   const Extent extent{160, 120};
   IntrinsicDecomposition method(device, extent);

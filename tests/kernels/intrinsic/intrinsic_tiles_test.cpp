@@ -95,8 +95,8 @@ TEST_F(IntrinsicTilesTest, KernelsOverAllTilesDoWhatTheyDoOverTheFrame) {
     };
     Guide whole(device, extent), listed(device, extent);
     run([&](gpu::Commands& commands) {
-      whole.record(commands, frame.buffer);
-      listed.record(commands, frame.buffer, &all);
+      whole.record(commands, frame.buffer, nullptr);
+      listed.record(commands, frame.buffer, nullptr, &all);
     });
     same(whole.level0(), listed.level0(), "guide, level 0");
     same(whole.level1(), listed.level1(), "guide, level 1");

@@ -35,9 +35,14 @@ class LayersTest : public GpuTest {};
 
 TEST_F(LayersTest, OutputScaleAgreesWithReference) {
   using Shader = shaders::intrinsic_output_layers;
-  const TileProgram<Shader> layers(device, {}, 0, 0);
+  const TileProgram<Shader> gray(device, {}, 0, 0), colored(device, {.colored = true}, 0, 0);
   for (const Extent size : kSizes)
-    for (const float log_scale : {0.0F, 0.7F, -30.0F, 30.0F}) {
+    for (const auto& [log_scale, light] : {std::pair{0.0F, reference::LightColor{}},
+                                           {0.7F, {}},
+                                           {-30.0F, {}},
+                                           {30.0F, {}},
+                                           {0.7F, {0.6, 0, -1}},
+                                           {-3.0F, {-1.2, 0, 0.5}}}) {
       const Pixels frame = extreme_pixels(size, 3);
       const uint64_t packs = pack4_count(size);
       Pixels shading = random_pixels({uint32_t(packs), 1}, 4, -30, 30);
@@ -46,27 +51,30 @@ TEST_F(LayersTest, OutputScaleAgreesWithReference) {
       const auto memory = zeros(packs * Shader::MEMORY_STRIDE);
       const auto intrinsic = zeros(size.pixels());
       run([&](gpu::Commands& commands) {
-        layers.dispatch(commands, nullptr,
-                        {.frame = plane(size, frame).buffer,
-                         .cells = zeros(size.pixels() * Shader::CELL_STRIDE),
-                         .guide_coarse = zeros(size.pixels()),
-                         .scale = upload({log_scale, 1, 0, 0}),
-                         .start = zeros(packs * Shader::START_STRIDE),
-                         .before = zeros(packs * Shader::MEMORY_STRIDE),
-                         .now = memory,
-                         .shading = field,
-                         .memory = gpu::aliased(memory),
-                         .new_shading = gpu::aliased(field),
-                         .cell_history = zeros(size.pixels()),
-                         .intrinsic = intrinsic},
-                        {.size = size, .texture = 1}, line_of(packs));
+        (light.slope != 0 ? colored : gray)
+            .dispatch(commands, nullptr,
+                      {.frame = plane(size, frame).buffer,
+                       .cells = zeros(size.pixels() * Shader::CELL_STRIDE),
+                       .guide_coarse = zeros(size.pixels()),
+                       .scale = upload({log_scale, 1, 0, 0}),
+                       .start = zeros(packs * Shader::START_STRIDE),
+                       .before = zeros(packs * Shader::MEMORY_STRIDE),
+                       .now = memory,
+                       .shading = field,
+                       .memory = gpu::aliased(memory),
+                       .new_shading = gpu::aliased(field),
+                       .cell_history = zeros(size.pixels()),
+                       .intrinsic = intrinsic,
+                       .slope = upload({float(light.slope), float(light.white), 1, 0})},
+                      {.size = size, .texture = 1}, line_of(packs));
       });
       reference::Plane expected = to_reference(size, frame);
       for (int y = 0; y < expected.height; ++y)
         for (int x = 0; x < expected.width; ++x) {
           const size_t pack = size_t(y) * pack4_count(size.width) + size_t(x) / 4;
           expected.at(x, y) = reference::layers_of(
-              expected.at(x, y), double(shading[4 * pack + size_t(x) % 4]) - double(log_scale));
+              expected.at(x, y), double(shading[4 * pack + size_t(x) % 4]) - double(log_scale),
+              light);
         }
       expect_near(download(intrinsic), expected, kTolerance,
                   std::to_string(size.width) + " wide, scale " + std::to_string(log_scale));
@@ -75,7 +83,13 @@ TEST_F(LayersTest, OutputScaleAgreesWithReference) {
 
 TEST_F(LayersTest, FadeAgreesWithReference) {
   for (const Extent size : kSizes)
-    for (const float range : {1.0F, 25.0F}) {
+    for (const auto& [range, light] : {std::pair{1.0F, reference::LightColor{}},
+                                       {25.0F, {}},
+                                       {1.0F, {0.6, 0, -1}},
+                                       {6.0F, {-1.2, 0, 0.5}}}) {
+      const PlanePtr slope =
+          light.slope != 0 ? shared_plane({1, 1}, {float(light.slope), float(light.white), 1, 0})
+                           : nullptr;
       const Pixels frame = extreme_pixels(size, 5), shown = random_layers(size, 6, range),
                    now = random_layers(size, 7, range);
       // Some pixels stay, some change a little or much, and the solution goes on.
@@ -93,7 +107,8 @@ TEST_F(LayersTest, FadeAgreesWithReference) {
         share *= double(LayerFade::kShare);
         PlanePtr got;
         run([&](gpu::Commands& commands) {
-          got = fade.record(commands, shared_plane(size, later), shared_plane(size, solution));
+          got =
+              fade.record(commands, shared_plane(size, later), shared_plane(size, solution), slope);
         });
         const reference::Plane first = to_reference(size, frame), old = to_reference(size, shown),
                                base = to_reference(size, now), rgb = to_reference(size, later),
@@ -102,7 +117,7 @@ TEST_F(LayersTest, FadeAgreesWithReference) {
         for (size_t i = 0; i < expected.size(); ++i)
           expected.data[i] =
               reference::faded(reference::fade_from(first.data[i], old.data[i], base.data[i]),
-                               share, rgb.data[i], next.data[i]);
+                               share, rgb.data[i], next.data[i], light);
         expect_near(download(got), expected, kTolerance,
                     std::to_string(size.width) + " wide, frame " + std::to_string(k));
       }

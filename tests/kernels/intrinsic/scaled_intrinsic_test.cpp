@@ -25,7 +25,7 @@ class ScaledIntrinsicTest : public IntrinsicTest {
     const Plane from = plane(extent, frame), layers = plane(half_of(extent), half),
                 to = plane(extent);
     run([&](gpu::Commands& commands) {
-      upsample.record(commands, from.buffer, layers.buffer, to.buffer);
+      upsample.record(commands, from.buffer, layers.buffer, nullptr, to.buffer);
     });
     return download(to);
   }
@@ -76,6 +76,30 @@ TEST_F(ScaledIntrinsicTest, HalfResolutionIsNearTheFullOne) {
   RecordProperty("rms", std::to_string(rms));
   std::printf("log shading: half from full resolution %.3f rms\n", rms);
   EXPECT_LT(rms, 0.15);
+}
+
+TEST_F(ScaledIntrinsicTest, ReflectanceInColoredLightIsTheFrame) {
+  const Extent extent{349, 287};
+  const Pixels pixels = scene(extent, 5);
+  const PlanePtr frame = input(extent, pixels);
+  ScaledIntrinsic method(device, extent);
+  ScaledIntrinsic::Params params;
+  params.light.slope = -0.9F;
+  // At each resolution, after a change of it, and where layers fade.
+  for (const size_t halvings : {0, 1, 1, 2, 0, 0}) {
+    params.set_halvings(halvings);
+    Layers found;
+    run([&](gpu::Commands& commands) { found = method.record(commands, frame, params, {}); });
+    const Pixels layers = download(found[Role::intrinsic]), slope = download(found[Role::slope]);
+    const reference::LightColor light{double(slope[0]), 0, double(slope[1])};
+    EXPECT_EQ(slope[0], -0.9F);
+    for (size_t i = 0; i < pixels.size(); i += 4) {
+      const auto gray =
+          reference::in_gray_light({layers[i], layers[i + 1], layers[i + 2], layers[i + 3]}, light);
+      for (size_t c = 0; c < 3; ++c)
+        ASSERT_NEAR(gray[c] * gray[3], pixels[i + c], 1e-5) << halvings << " halvings";
+    }
+  }
 }
 
 TEST_F(ScaledIntrinsicTest, TheScaleOfTheOutputSurvivesAChangeOfResolution) {

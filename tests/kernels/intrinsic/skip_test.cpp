@@ -82,7 +82,7 @@ TEST_F(SkipTest, TheEffectOfBinsIsBoundedBeforehand) {
                                      buffer(pack4_count(extent) * 2),
                                      buffer(pack4_count(cells) * 3)};
       run([&](gpu::Commands& commands) {
-        guide.record(commands, in->buffer);
+        guide.record(commands, in->buffer, nullptr);
         prior.record(commands, guide, target, with.prior);
       });
       const Pixels value = download(target.value);

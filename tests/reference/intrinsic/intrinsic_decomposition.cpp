@@ -233,7 +233,7 @@ double slice_bins(const ChromaBins& bins, double c0, double c1) {
 
 IntrinsicResult decompose(const double* rgb, int width, int height, const IntrinsicParams& params,
                           IntrinsicState* state) {
-  const Guide guide = make_guide(rgb, width, height);
+  const Guide guide = make_guide(rgb, width, height, params.light);
   const EdgePrior prior = edge_prior(guide, params);
   const GuideLevel &l = guide.level[0], &cells = guide.level[kCellLevel];
   const std::size_t n = l.m.size(), w = std::size_t(width), cell_count = cells.m.size();
@@ -343,9 +343,11 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
   // Layers and state.
   result.log_shading = s;
   result.reflectance.resize(3 * n);
-  for (std::size_t i = 0; i < n; ++i)
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::array<double, 3> color = light_color(params.light, s[i] - params.light.white);
     for (std::size_t c = 0; c < 3; ++c)
-      result.reflectance[3 * i + c] = sanitize_linear(rgb[3 * i + c]) * std::exp(-s[i]);
+      result.reflectance[3 * i + c] = sanitize_linear(rgb[3 * i + c]) * std::exp(-s[i]) / color[c];
+  }
   if (state) {
     const int frames = result.stats.anchored ? state->frames + 1 : 0;
     *state = {width,

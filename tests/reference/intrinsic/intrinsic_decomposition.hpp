@@ -34,6 +34,7 @@ struct IntrinsicParams {
   double hold_light = 0.02;    ///< Change of a cell's log intensity that halves that.
   double hold_texture = 0.2;   ///< A pixel's change beyond its cell's that halves that.
   double cut_fraction = 0.3;   ///< Mean mismatch in [0, 1] above which the frame is a cut.
+  LightColor light;            ///< In force for the frame.
   int cycles = 4;              ///< Multigrid cycles.
   double slowest = 0.5;        ///< Error factor up to which cycles are extrapolated; 0: not.
   int cell_cycles = 2;  ///< Cycles from the cell level down within each; bins renewed before each.
@@ -74,7 +75,8 @@ struct IntrinsicStats {
 
 struct IntrinsicResult {
   std::vector<double> log_shading;  ///< s, width x height.
-  std::vector<double> reflectance;  ///< 3 interleaved channels: sanitized I * exp(-s).
+  /// 3 interleaved channels: sanitized I * exp(-s), divided by the color of light at s.
+  std::vector<double> reflectance;
   IntrinsicStats stats;
 };
 

@@ -89,7 +89,7 @@ std::size_t GuideLevel::index(int x, int y) const {
          std::size_t(std::clamp(x, 0, width - 1));
 }
 
-Guide make_guide(const double* rgb, int width, int height) {
+Guide make_guide(const double* rgb, int width, int height, const LightColor& light) {
   Guide g;
   GuideLevel& l = g.level[0];
   l.width = width, l.height = height;
@@ -97,10 +97,15 @@ Guide make_guide(const double* rgb, int width, int height) {
   for (auto* plane : {&l.m, &l.c0, &l.c1, &l.u, &l.gm, &l.gc}) plane->resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     std::array<double, 3> v{}, f{}, k{};
+    double m = 0;
     for (std::size_t c = 0; c < 3; ++c) {
       v[c] = sanitize_linear(rgb[3 * i + c]);
-      f[c] = std::log(v[c] + kIntensityFloor);
-      k[c] = std::log(v[c] + kChromaFloor);
+      m += std::log(v[c] + kIntensityFloor) / 3;
+    }
+    const std::array<double, 3> color = light_color(light, m - light.reference);
+    for (std::size_t c = 0; c < 3; ++c) {
+      f[c] = std::log(v[c] / color[c] + kIntensityFloor);
+      k[c] = std::log(v[c] / color[c] + kChromaFloor);
     }
     l.m[i] = (f[0] + f[1] + f[2]) / 3;
     l.u[i] = std::max({f[0], f[1], f[2]}) - l.m[i];

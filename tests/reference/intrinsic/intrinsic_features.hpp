@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "tests/reference/image/light_color.hpp"
+
 namespace inverse::reference {
 
 /// One level of the guide: box means of the finest level's log intensity m, log chroma (c0, c1) and
@@ -39,8 +41,9 @@ double sanitize_linear(double v);
 inline constexpr double kIntensityFloor = 2e-3;  ///< Added to light before its logarithm is taken.
 
 /// Builds the guide of an interleaved linear RGB image (3 x width x height values, any finite or
-/// non-finite value; see sanitize_linear).
-Guide make_guide(const double* rgb, int width, int height);
+/// non-finite value; see sanitize_linear): of I_c divided by the color that light of brightness m
+/// has, m = mean_c ln(I_c + kIntensityFloor).
+Guide make_guide(const double* rgb, int width, int height, const LightColor& light = {});
 
 /// Cues of the edge between pixel (x, y) and its right (down = false) or lower neighbor.
 void edge_features(const Guide& guide, int x, int y, bool down, double* out);

@@ -19,19 +19,22 @@ double log_shading(const Vec4& layers) { return std::log(std::max(layers[3], 1e-
 
 }  // namespace
 
-Vec4 layers_of(const Vec4& rgb, double log_shading) {
+Vec4 layers_of(const Vec4& rgb, double log_shading, const LightColor& light) {
   const double shading = std::exp(log_shading);
-  return {sanitized(rgb[0]) / shading, sanitized(rgb[1]) / shading, sanitized(rgb[2]) / shading,
-          shading};
+  const auto color = light_color(light, log_shading - light.white);
+  Vec4 layers{0, 0, 0, shading};
+  for (std::size_t c = 0; c < 3; ++c) layers[c] = sanitized(rgb[c]) / color[c] / shading;
+  return layers;
 }
 
 Fade fade_from(const Vec4& rgb, const Vec4& shown, const Vec4& now) {
   return {log_shading(shown) - log_shading(now), mean_log(rgb)};
 }
 
-Vec4 faded(const Fade& fade, double share, const Vec4& rgb, const Vec4& now) {
+Vec4 faded(const Fade& fade, double share, const Vec4& rgb, const Vec4& now,
+           const LightColor& light) {
   const double change = (mean_log(rgb) - fade.mean) / 0.2;
-  return layers_of(rgb, log_shading(now) + share * fade.difference / (1 + change * change));
+  return layers_of(rgb, log_shading(now) + share * fade.difference / (1 + change * change), light);
 }
 
 }  // namespace inverse::reference

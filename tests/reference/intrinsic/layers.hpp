@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 // Output layers (R, S) of intrinsicdecomp, one pixel at a time.
+#include "tests/reference/image/light_color.hpp"
 #include "tests/reference/plane.hpp"
 
 namespace inverse::reference {
 
-/// Layers of a pixel: S = e^log_shading, R = I / S. Input that is NaN or negative counts as 0, +Inf
-/// as 1, and more than 1e4 as that.
-Vec4 layers_of(const Vec4& rgb, double log_shading);
+/// Layers of a pixel: S = e^log_shading, R = I / S, divided by the color of light. Input that is
+/// NaN or negative counts as 0, +Inf as 1, and more than 1e4 as that.
+Vec4 layers_of(const Vec4& rgb, double log_shading, const LightColor& light = {});
 
 /// What fades from one solution to another, saved at a pixel of the frame that changes.
 struct Fade {
@@ -18,6 +19,7 @@ struct Fade {
 Fade fade_from(const Vec4& rgb, const Vec4& shown, const Vec4& now);
 /// Layers of a later frame: `share` of the difference is added to the log shading of `now`; half of
 /// that where the mean has changed by 0.2.
-Vec4 faded(const Fade& fade, double share, const Vec4& rgb, const Vec4& now);
+Vec4 faded(const Fade& fade, double share, const Vec4& rgb, const Vec4& now,
+           const LightColor& light = {});
 
 }  // namespace inverse::reference

@@ -22,6 +22,21 @@ std::vector<double> halved(const std::vector<double>& plane, const GuideLevel& f
   return means;
 }
 
+/// The mean over ranks around the quantile, half of what lies above it wide on either side.
+double bright_end(std::vector<double> values, double quantile) {
+  std::sort(values.begin(), values.end());
+  const auto total = static_cast<double>(values.size());
+  const double center = quantile * total, reach = std::max((total - center) / 2, 0.5);
+  const double low = std::clamp(center - reach, 0.0, total - 0.5);
+  const double high = std::min(center + reach, total);
+  double sum = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto rank = static_cast<double>(i);
+    sum += std::max(std::min(rank + 1, high) - std::max(rank, low), 0.0) * values[i];
+  }
+  return sum / (high - low);
+}
+
 }  // namespace
 
 double OutputScale::update(const Guide& guide, const std::vector<double>& log_shading,
@@ -30,10 +45,12 @@ double OutputScale::update(const Guide& guide, const std::vector<double>& log_sh
   std::vector<double> mean = log_shading;
   for (int level = 0; level < kCellLevel; ++level)
     mean = halved(mean, guide.level[std::size_t(level)], guide.level[std::size_t(level) + 1]);
-  std::vector<double> brightest;  // ln max_c R
+  std::vector<double> brightest, shading;  // ln max_c R, ln S
   for (std::size_t i = 0; i < cells.m.size(); ++i)
-    if (const double light = cells.m[i] + cells.u[i]; light > kDarkest)
+    if (const double light = cells.m[i] + cells.u[i]; light > kDarkest) {
       brightest.push_back(std::clamp(light - mean[i], -kBrightnessReach, kBrightnessReach));
+      shading.push_back(std::clamp(mean[i], -kBrightnessReach, kBrightnessReach));
+    }
   std::vector<ScaleCell> states;
   for (std::size_t i = 0; i < cells.m.size(); ++i) {
     // The mean channel, of logs of the channels less their mean.
@@ -45,20 +62,9 @@ double OutputScale::update(const Guide& guide, const std::vector<double>& log_sh
   }
   if (!normalization_) normalization_.emplace(cells.width, cells.height);
   target_ = {0, brightest.empty()};
-  if (!target_.dark) {
-    // The mean over ranks around the quantile, half of what lies above it wide on either side.
-    std::sort(brightest.begin(), brightest.end());
-    const auto total = static_cast<double>(brightest.size());
-    const double center = params_.quantile * total, reach = std::max((total - center) / 2, 0.5);
-    const double low = std::clamp(center - reach, 0.0, total - 0.5);
-    const double high = std::min(center + reach, total);
-    double sum = 0;
-    for (std::size_t i = 0; i < brightest.size(); ++i) {
-      const auto rank = static_cast<double>(i);
-      sum += std::max(std::min(rank + 1, high) - std::max(rank, low), 0.0) * brightest[i];
-    }
-    target_.offset = -sum / (high - low);
-  }
+  if (!target_.dark)
+    target_ = {-bright_end(brightest, params_.quantile), false,
+               bright_end(shading, params_.quantile)};
   return normalization_->update(states, target_, carries, params_.white_level);
 }
 

@@ -196,7 +196,7 @@ void ScaleNormalization::fit(Motion& motion, const std::vector<Sample>& samples,
 
 double ScaleNormalization::update(const std::vector<ScaleCell>& input, const ScaleTarget& target,
                                   bool carries, double white_level, bool frozen) {
-  const double log_white = std::log(white_level);
+  const double log_white = log_white_ = std::log(white_level);
   const std::vector<ScaleCell> cells = smoothed(input);
   std::vector<Sample> samples;
   if (!before_.empty()) {
@@ -234,7 +234,7 @@ double ScaleNormalization::update(const std::vector<ScaleCell>& input, const Sca
   }
   before_ = cells;
   if (target.dark) {
-    if (!known) offset_ = 0;
+    if (!known) offset_ = white_ = 0;
     known_ = known;
     target_ = offset_;
     motion_ = {};
@@ -244,6 +244,7 @@ double ScaleNormalization::update(const std::vector<ScaleCell>& input, const Sca
   const bool tracked = known && found_ > kMinFound;
   if (!known) {
     offset = target.offset;
+    white_ = target.brightest - offset;
   } else if (frozen || samples.empty()) {
     offset = offset_;
   } else if (!tracked) {
@@ -253,6 +254,7 @@ double ScaleNormalization::update(const std::vector<ScaleCell>& input, const Sca
         std::max((bright - bright_) / bright - kMoreLight, 0.0) / (1 - kMoreLight);
     const double shift = kFollow * growth * (target.offset - offset);
     offset += shift;
+    white_ = mix(white_, target.brightest - offset, kFollow * growth);
     for (Point& point : points_)
       for (double& value : point.history) value += shift;
   }

@@ -18,14 +18,19 @@ class ScaleNormalization {
   /// Cells a row and rows.
   ScaleNormalization(int width, int height);
 
-  /// Target of a single frame: ln c minus ln(white level); `dark` if no cell of it counts.
+  /// Of a single frame: ln c minus ln(white level); `dark` if no cell of it counts; log shading of
+  /// its brightest light.
   struct ScaleTarget {
     double offset = 0;
     bool dark = false;
+    double brightest = 0;
   };
   /// ln c of a frame. `carries`: it continues the one before. `frozen`: the scale stays.
   double update(const std::vector<ScaleCell>& cells, const ScaleTarget& target, bool carries,
                 double white_level, bool frozen = false);
+  /// Log shading, in the output, of the brightest light of the scene's first frame; it rises if the
+  /// scene lights up.
+  double white() const { return white_ - log_white_; }
   /// Share of the points that were found again.
   double found() const { return found_; }
 
@@ -62,6 +67,7 @@ class ScaleNormalization {
   Motion motion_;
   uint32_t frames_ = 0;  // that points were followed through
   double offset_ = 0, target_ = 0, bright_ = 0, found_ = 0;
+  double white_ = 0, log_white_ = 0;
 };
 
 }  // namespace inverse::reference

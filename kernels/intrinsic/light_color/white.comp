@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "light.glsl"
+#include "solve/scale.glsl"
+
+// What a frame's layers have to carry of the color of light: Role::slope. One invocation.
+PLANE_IN(0, light);
+PLANE_IN(1, scale);
+PLANE_OUT(2, slope);
+
+void main() {
+  if (gl_GlobalInvocationID.x > 0u) return;
+  vec4 now = FETCH(light, LIGHT_NOW), carried = vec4(0.0);
+  carried[SLOPE_K] = now.x;
+  carried[SLOPE_WHITE] = FETCH(scale, SCALE_STATE).w - (FETCH(scale, SCALE_NOW).x - FETCH(scale, SCALE_NOW).z);
+  carried[SLOPE_CONFIDENCE] = now.z;
+  STORE(slope, 0, carried);
+}
