@@ -73,6 +73,7 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
     : device_(std::move(device)),
       extent_(extent),
       factor_(static_cast<int32_t>(factor_for(extent))),
+      light_color_(device_, extent),
       solve_(device_, extent),
       planes_(device_, extent),
       bases_(device_, {kMaxBases, 1}),
@@ -129,6 +130,7 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   slots_ = buffer(Element::word, Model::kBinCount);
   sums_ = buffer(Element::vec4, gpu::partial_count(*kernels_.tint.kernel(), line_of(points)));
   scene_ = buffer(Element::vec4, Model::SCENE_SIZE);
+  gray_light_ = buffer(Element::vec4, Model::LIGHT_SIZE);
 }
 
 void GlobalIntrinsic::reset() {
@@ -158,6 +160,14 @@ uint32_t GlobalIntrinsic::planes_needed(const Params& params) const {
   // has the number. Until then, light of a new color counts to the others.
   if (frames_ >= reports_.size()) slots = report(recorded_ - reports_.size()).slots();
   return std::clamp((slots + 3) / 4, 1U, kIndirectPlanes);
+}
+
+void GlobalIntrinsic::measure_light_color(gpu::Commands& commands, const Plane& input,
+                                          const Params& params) {
+  colored_ = params.light.colored();
+  if (!colored_) return;
+  light_color_.record(commands, input.buffer, params.light, frames_ == 0);
+  commands.stage("light-color");
 }
 
 PlanePtr GlobalIntrinsic::white_light(gpu::Commands& commands) {
@@ -191,6 +201,7 @@ void GlobalIntrinsic::share_out(gpu::Commands& commands, Layers& layers, uint32_
                      .bases = layers[Role::bases]->buffer,
                      .light = layers[Role::light]->buffer,
                      .scene = scene_,
+                     .light_state = light_state(),
                      .share0 = share(0),
                      .share1 = share(1),
                      .share2 = share(2),
@@ -206,6 +217,7 @@ void GlobalIntrinsic::draw_labels(gpu::Commands& commands, const Plane& input,
                      .tints = tints_,
                      .slots = slots_,
                      .scene = scene_,
+                     .light_state = light_state(),
                      .picture = target.buffer},
                     sizes(), pixels_of(extent_));
 }
@@ -216,9 +228,11 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   if (info.reset) reset();
   const bool first = frames_ == 0, was_gray = plan_.gray;
   if (first)  // some of it is read before it is written, though not used
-    for (const auto& cleared : {memory_, before_, labels_, sums_, scene_, histogram_})
+    for (const auto& cleared :
+         {memory_, before_, labels_, sums_, scene_, histogram_, gray_light_})
       commands.fill(cleared);
   if (reach_ != params.reach) make_taps(params);
+  measure_light_color(commands, *input, params);
   plan_ = plan_light(params, info);
   if (plan_.light == LightPlanner::Light::measure) kept_ = {};
   PlanePtr lamp = kept_.lamp;
@@ -253,7 +267,9 @@ Layers GlobalIntrinsic::record_gray(gpu::Commands& commands, const PlanePtr& inp
   // The frame before may have been divided by a tint.
   Layers layers = solve_.record(
       commands, input, params,
-      {.changed = was_gray ? info.changed : std::span<const uint8_t>(), .repeated = info.repeated});
+      {.changed = was_gray ? info.changed : std::span<const uint8_t>(),
+       .repeated = info.repeated,
+       .light = colored_light()});
   layers[Role::light] = layers[Role::model_light] = white_light(commands);
   drawn_ = was_gray ? solve_.drawn() : nullptr;
   return layers;
@@ -271,6 +287,7 @@ void GlobalIntrinsic::record_tint(gpu::Commands& commands, const PlanePtr& input
                                  .smooth_part = fits_[0],
                                  .coefficients = fits_[2],
                                  .scene = scene_,
+                                 .light_state = light_state(),
                                  .plain = neutral_input->buffer,
                                  .light = tau->buffer},
                                 {.size = extent_,
@@ -351,7 +368,7 @@ Layers GlobalIntrinsic::record_light(gpu::Commands& commands, const PlanePtr& in
   }
 
   // The input of the solve changes in tiles beside changed ones, too.
-  ScaledIntrinsic::FrameInfo solve{.repeated = info.repeated};
+  ScaledIntrinsic::FrameInfo solve{.repeated = info.repeated, .light = colored_light()};
   if (plan_.reused()) solve.changed = planner_.tiles();
   Layers layers = solve_.record(commands, neutral_input, params, solve);
   const PlanePtr light = record_direct(commands, neutral_input, tau, layers);

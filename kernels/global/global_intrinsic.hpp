@@ -141,6 +141,12 @@ class GlobalIntrinsic {
   shaders::global_gather_emit::Push sizes() const {
     return {.size = extent_, .grid = grid_, .coarse = coarse_, .factor = factor_};
   }
+  void measure_light_color(gpu::Commands& commands, const Plane& input, const Params& params);
+  /// The color of the frame's light; null if it is gray.
+  LightColor* colored_light() { return colored_ ? &light_color_ : nullptr; }
+  const gpu::BufferPtr& light_state() const {
+    return colored_ ? light_color_.state() : gray_light_;
+  }
   LightPlanner::Plan plan_light(const Params& params, const FrameInfo& info);
   /// Measures the points of the grid, scene cuts and the lamps' color. Returns the layer of the
   /// lamps' color if that is removed.
@@ -173,6 +179,8 @@ class GlobalIntrinsic {
   std::shared_ptr<gpu::Device> device_;
   Extent extent_, grid_, coarse_;
   int32_t factor_ = 1;
+  LightColor light_color_;
+  bool colored_ = false;  // the frame's light
   ScaledIntrinsic solve_;
   PlanePool planes_, bases_, lamps_;
   /// Named as their shaders.
@@ -202,7 +210,7 @@ class GlobalIntrinsic {
   gpu::BufferPtr colors_, points_, before_, labels_, tints_, raw_, fits_[3];     // the grid
   gpu::BufferPtr emitted_, blurred_, received_, known_, means_, taps_, fields_;  // the coarse grid
   gpu::BufferPtr candidates_, counts_, histogram_, heights_, work_, slots_;      // chroma
-  gpu::BufferPtr sums_, scene_;
+  gpu::BufferPtr sums_, scene_, gray_light_;
   float reach_ = 0;  // that taps_ are of
   gpu::FrameRing<Report> reports_;
   uint64_t recorded_ = 0;

@@ -126,6 +126,7 @@ PlanePtr GlobalIntrinsic::measure_grid(gpu::Commands& commands, const PlanePtr& 
                       {.frame = frame->buffer,
                        .memory = memory_,
                        .scene = scene_,
+                       .light_state = light_state(),
                        .colors = colors_,
                        .points = points_},
                       {.size = extent_,

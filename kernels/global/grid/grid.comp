@@ -11,8 +11,9 @@ layout(constant_id = 2) const bool kPlain = false;  // colors alone, of lamps th
 PLANE_IN(0, frame);
 SCALAR_IN(1, memory);  // mean ln R
 PLANE_IN(2, scene);
-PLANE_OUT(3, colors);  // rgb; weight
-PLANE_OUT(4, points);  // chroma; shading as before, and as guessed
+PLANE_IN(3, light_state);  // light.glsl
+PLANE_OUT(4, colors);  // rgb; weight
+PLANE_OUT(5, points);  // chroma; shading as before, and as guessed
 layout(push_constant) uniform Push {
   SIZES
   float white_level;
@@ -25,12 +26,12 @@ void main() {
   if (i >= push.grid.x * push.grid.y) return;
   ivec2 first = push.factor * ivec2(i % push.grid.x, i / push.grid.x), last = min(first + push.factor, push.size);
   vec3 white = kRaw || kPlain ? vec3(1.0) : color_of(FETCH(scene, SCENE_WHITE).xy);
-  vec4 sum = vec4(0.0);
+  vec4 sum = vec4(0.0), now = FETCH(light_state, LIGHT_NOW);
   float guessed = 0.0;
   for (int y = first.y; y < last.y; ++y)
     for (int x = first.x; x < last.x; ++x) {
       int n = y * push.size.x + x;
-      vec3 rgb = sanitize(FETCH(frame, n).rgb) / white;
+      vec3 rgb = in_white_light(sanitize(FETCH(frame, n).rgb) / white, now);
       sum.rgb += rgb;
       if (kPlain) continue;
       sum.w += shading_before(rgb, FETCH1(memory, n));

@@ -17,10 +17,11 @@ PLANE_IN(4, received);
 PLANE_IN(5, smooth_part);   // fit.comp, first pass
 PLANE_IN(6, coefficients);  // last pass
 PLANE_IN(7, scene);
-PLANE_OUT(8, plain);
-PLANE_OUT(9, light);
+PLANE_IN(8, light_state);  // light.glsl
+PLANE_OUT(9, plain);
+PLANE_OUT(10, light);
 #define TILE_CONSTANT 2
-#define TILE_BINDING 10
+#define TILE_BINDING 11
 #include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   SIZES
@@ -38,7 +39,7 @@ void main() {
   if (first.y >= push.size.y) return;
   vec4 known = FETCH(scene, SCENE_AMOUNT), statistics = FETCH(scene, SCENE_TINT);
   bool cut = FETCH(scene, SCENE_TIME)[TIME_CUT] > 0.0;
-  vec4 lamps = FETCH(scene, SCENE_WHITE);
+  vec4 lamps = FETCH(scene, SCENE_WHITE), now = FETCH(light_state, LIGHT_NOW);
   vec3 white = color_of(lamps.xy);
   vec2 v = between(first.y, float(push.factor), push.grid.y);
   vec4 tint_at[4], smooth_at[4], fit_at[4];
@@ -57,8 +58,9 @@ void main() {
         AROUND(smooth_at, smooth_part)
         AROUND(fit_at, coefficients)
       }
-      float shading = cut ? shading_guessed(rgb, push.white_level) : shading_before(rgb, FETCH1(memory, n));
-      vec2 z = chroma_of(rgb);
+      vec3 own = in_white_light(rgb, now);
+      float shading = cut ? shading_guessed(own, push.white_level) : shading_before(own, FETCH1(memory, n));
+      vec2 z = chroma_of(own);
       int label = int(FETCH1(slots, bin_of(z - BLEND(tint_at).xy)));
       RECEIVED(indirect, label, x, first.y, 2.0 * float(push.factor))
       indirect = known[AMOUNT_KAPPA] * colored_by(lamps.z, indirect);

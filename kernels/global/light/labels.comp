@@ -9,7 +9,8 @@ PLANE_IN(0, frame);
 PLANE_IN(1, tints);
 WORD_IN(2, slots);
 PLANE_IN(3, scene);
-PLANE_OUT(4, picture);
+PLANE_IN(4, light_state);  // light.glsl
+PLANE_OUT(5, picture);
 layout(push_constant) uniform Push { SIZES } push;
 
 void main() {
@@ -19,7 +20,7 @@ void main() {
   vec2 tint;
   TINT_AT(tint, tints, at)
   vec3 white = color_of(FETCH(scene, SCENE_WHITE).xy);
-  int label = int(FETCH1(slots, bin_of(chroma_of(sanitize(FETCH(frame, n).rgb) / white) - tint)));
+  int label = int(FETCH1(slots, bin_of(chroma_of(in_white_light(sanitize(FETCH(frame, n).rgb) / white, FETCH(light_state, LIGHT_NOW))) - tint)));
   vec4 base = FETCH(scene, SCENE_COLORS + min(label, kSlots - 1));
   vec3 color = color_of(base.xy);
   bool known = FETCH(scene, SCENE_AMOUNT)[AMOUNT_COLORS] > 0.0 && base[COLOR_USED] > 0.0;

@@ -15,10 +15,11 @@ PLANE_IN(3, fields);
 PLANE_IN(4, bases);  // as the lamps color them; so is light
 PLANE_IN(5, light);
 PLANE_IN(6, scene);
-PLANE_OUT(7, share0);
-PLANE_OUT(8, share1);
-PLANE_OUT(9, share2);
-PLANE_OUT(10, share3);
+PLANE_IN(7, light_state);  // light.glsl
+PLANE_OUT(8, share0);
+PLANE_OUT(9, share1);
+PLANE_OUT(10, share2);
+PLANE_OUT(11, share3);
 layout(push_constant) uniform Push { SIZES } push;
 
 const int kSteps = 3;
@@ -31,7 +32,7 @@ void main() {
   vec2 tint;
   TINT_AT(tint, tints, at)
   vec3 white = color_of(FETCH(scene, SCENE_WHITE).xy);
-  int label = int(FETCH1(slots, bin_of(chroma_of(sanitize(FETCH(frame, n).rgb) / white) - tint)));
+  int label = int(FETCH1(slots, bin_of(chroma_of(in_white_light(sanitize(FETCH(frame, n).rgb) / white, FETCH(light_state, LIGHT_NOW))) - tint)));
 
   float fine = 2.0 * float(push.factor);
   vec2 u = between(at.x, fine, push.coarse.x), v = between(at.y, fine, push.coarse.y);

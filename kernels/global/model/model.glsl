@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // globalintrinsic's model (docs/reference/methods/globalintrinsic.md): I = R S tau, where S tau = T0 1 + E is white direct light and
-// colored indirect light. Colors are compared as log chroma, coordinates of ln RGB along (1, -1, 0) / √2 and
+// colored indirect light; in colored light (light.glsl), of a frame that is divided by the color of light of its brightness. Colors are compared as log chroma, coordinates of ln RGB along (1, -1, 0) / √2 and
 // (1, 1, -2) / √6; the tint t of light is the log chroma of T0 1 + E, and tau = exp(Aᵀ t) has geometric mean 1.
 //
 // The color of light is estimated on a grid of points, each the mean of factor x factor pixels; light from the surfaces in view on
 // a grid of half as many.
 #include "intrinsic/guide/guide.glsl"
+#include "intrinsic/light_color/light.glsl"
 
 const float kLogFloor = 3e-3;  // black becomes neutral
 const int kSlots = 16;         // base colors
@@ -43,6 +44,9 @@ vec2 chroma_of(vec3 color) {
   vec3 l = log(color + kLogFloor);
   return vec2(0.70710678 * (l.r - l.g), 0.40824829 * (l.r + l.g - 2.0 * l.b));
 }
+
+// A color of the frame as it were in white light. `now`: LIGHT_NOW.
+vec3 in_white_light(vec3 rgb, vec4 now) { return now.x == 0.0 ? rgb : rgb / light_color(now.x, mean_log(rgb) - now.y); }
 
 vec3 color_of(vec2 chroma) {
   float u = 0.70710678 * chroma.x, v = 0.40824829 * chroma.y;

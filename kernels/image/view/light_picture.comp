@@ -6,10 +6,11 @@
 #include "image/light_color.glsl"
 
 // Draws the light of a frame with indirect light: S times its color, the direct part, the indirect part, or the part
-// that bounced off one base color. With kSlope, of a frame whose color of light follows from S: all of it.
+// that bounced off one base color. With kSlope, S has a color of its own; kPlain: it is all that there is.
 layout(constant_id = 1) const uint kWhat = 0u;  // LightPicture::What
 layout(constant_id = 2) const bool kLamp = false;  // direct light has a color
 layout(constant_id = 3) const bool kSlope = false;
+layout(constant_id = 4) const bool kPlain = false;
 const uint kAll = 0u, kDirect = 1u, kIndirect = 2u, kLayer = 3u;
 PLANE_IN(0, intrinsic);
 PLANE_IN(1, light);
@@ -37,12 +38,9 @@ void main() {
   uint last = min(at.y + kRows, push.size.y);
   for (uint y = at.y; y < last; ++y) {
     int n = int(y * push.size.x + at.x);
-    float shading = finite(FETCH(intrinsic, n)).w;
-    if (kSlope) {
-      STORE(picture, n, vec4(min(colored_light(FETCH(slope, 0), shading), vec3(kLargest)), 1.0));
-      continue;
-    }
-    vec4 l = finite(FETCH(light, n));
+    vec3 shading = finite(FETCH(intrinsic, n)).www;
+    if (kSlope) shading = colored_light(FETCH(slope, 0), shading.x);
+    vec4 l = kPlain ? vec4(1.0) : finite(FETCH(light, n));
     vec3 color = kWhat == kDirect     ? l.w * white
                  : kWhat == kIndirect ? max(l.rgb - l.w * white, vec3(0.0))
                  : kWhat == kLayer    ? base.rgb * dot(slot, finite(FETCH(share, n)))

@@ -17,6 +17,35 @@ TEST_F(GlobalTest, AgreesWithReference) {
   }
 }
 
+TEST_F(GlobalTest, AgreesWithReferenceInColoredLight) {
+  const Extent extent{160, 120};
+  const Pixels frame = room(extent, 1).frame;
+  GlobalIntrinsic::Params params = to_the_letter();
+  params.light.slope = -0.7F;
+  GlobalIntrinsic method(device, extent);
+  const Result got = decompose(method, frame, extent, params, {.reset = true});
+  const Pixels slope = download(got.layers[Role::slope]);
+  reference::LightColor light{double(slope[0]), 0, double(slope[1])};
+  EXPECT_EQ(slope[0], -0.7F);
+  for (size_t i = 0; i < frame.size(); i += 4) {
+    const float* layers = &got.intrinsic[i];
+    const auto gray =
+        reference::in_gray_light({layers[0], layers[1], layers[2], layers[3]}, light);
+    for (size_t c = 0; c < 3; ++c)
+      ASSERT_NEAR(gray[c] * gray[3] * got.light[i + c], frame[i + c], 1e-5) << i;
+  }
+  // By the specification, from the same reference and white.
+  LightColor measured(device, extent);
+  run([&](gpu::Commands& commands) {
+    measured.record(commands, input(extent, frame)->buffer, params.light, true);
+  });
+  reference::GlobalParams expected;
+  light.reference = double(download(measured.state())[1]);
+  light.white += double(got.found.solve.scale);
+  expected.solve.light = light;
+  expect_agreement(got, expected_of(frame, extent, expected), "colored light");
+}
+
 TEST_F(GlobalTest, AgreesWithReferenceOverTime) {
   const Extent extent{160, 120};
   GlobalIntrinsic method(device, extent);

@@ -204,6 +204,15 @@ GlobalResult decompose_global(const double* input, int width, int height,
     for (std::size_t i = 0; i < 3 * n; ++i) rgb[i] /= color[i % 3];
   }
   result.white = scene.white;
+  // As it were in white light, for all but the solve.
+  const std::vector<double> lamps = rgb;
+  const LightColor& color_of_light = params.solve.light;
+  for (std::size_t i = 0; i < n; ++i) {
+    double m = 0;
+    for (std::size_t c = 0; c < 3; ++c) m += std::log(lamps[3 * i + c] + kIntensityFloor) / 3;
+    const auto color = light_color(color_of_light, m - color_of_light.reference);
+    for (std::size_t c = 0; c < 3; ++c) rgb[3 * i + c] /= color[c];
+  }
   const std::vector<double> shading =
       guess_shading(rgb, params, warm && !result.cut ? state : nullptr);
   const Grid grid = make_grid(rgb, shading, width, height, factor);
@@ -222,7 +231,7 @@ GlobalResult decompose_global(const double* input, int width, int height,
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3 color = color_of(light.tint[i]);
     for (std::size_t c = 0; c < 3; ++c) {
-      const double in = rgb[3 * i + c];
+      const double in = lamps[3 * i + c];
       tau[i][c] = std::max({color[c], kMinTau, in / kMaxLight});
       plain[3 * i + c] = in / tau[i][c];
     }
@@ -233,8 +242,8 @@ GlobalResult decompose_global(const double* input, int width, int height,
       decompose(plain.data(), width, height, solve, state ? &state->solve : nullptr);
   result.stats = bright.stats;
   OutputScale& scale = state ? state->scale : still.scale;
-  const double log_scale = scale.update(make_guide(plain.data(), width, height), bright.log_shading,
-                                        bright.stats.anchored);
+  const double log_scale = scale.update(make_guide(plain.data(), width, height, color_of_light),
+                                        bright.log_shading, bright.stats.anchored);
   if (state) state->log_scale = log_scale;
 
   result.reflectance.resize(3 * n), result.indirect.resize(3 * n), result.direct.resize(n);
@@ -242,10 +251,12 @@ GlobalResult decompose_global(const double* input, int width, int height,
     const PixelLight layers =
         compose(std::exp(bright.log_shading[i] - log_scale), tau[i], light.indirect[i]);
     result.direct[i] = layers.direct;
+    const auto color =
+        light_color(color_of_light, bright.log_shading[i] - color_of_light.white);
     for (std::size_t c = 0; c < 3; ++c) {
       result.indirect[3 * i + c] = layers.indirect[c];
       result.reflectance[3 * i + c] =
-          rgb[3 * i + c] / std::max(layers.direct + layers.indirect[c], 1e-9);
+          lamps[3 * i + c] / std::max(layers.direct + layers.indirect[c], 1e-9) / color[c];
     }
   }
   result.label = light.label;

@@ -50,7 +50,9 @@ struct GlobalState {
 
 struct GlobalResult {
   std::vector<double> reflectance, indirect;  ///< 3 interleaved channels.
-  std::vector<double> direct;  ///< White. I = R (direct + indirect) times the illuminant's color.
+  /// White. I = R (direct + indirect) times the illuminant's color and that of light at its shading
+  /// (light_color.hpp).
+  std::vector<double> direct;
   std::vector<int> label;      ///< Base color of every pixel (slot).
   global::BaseColors colors;   ///< Of the frame and those before.
   global::Gather gather;       ///< What every base color sends where.
