@@ -18,6 +18,11 @@ G_BEGIN_DECLS
 #define GST_INVERSE_LAYERS_META_API_NAME "GstInverseLayersMetaAPI"
 #define GST_CAPS_FEATURE_META_INVERSE_LAYERS "meta:InverseLayers"
 
+/** Version of this header. 2: light may have a color, GST_INVERSE_ROLE_SLOPE. Programs built with an
+ * older one still edit reflectance and shading; one that multiplies them itself gets the frame in
+ * gray light unless the decomposer has `light-color-slope=0`. */
+#define GST_INVERSE_LAYERS_META_VERSION 2
+
 /**
  * GstInverseRole:
  * @GST_INVERSE_ROLE_INPUT: the frame, linear RGB, 1 = full scale; w = alpha
@@ -43,6 +48,9 @@ G_BEGIN_DECLS
  * @GST_INVERSE_ROLE_GRADIENT_A: of `gradients` frames: the subject under gradient A of a light
  * stage, linear RGB, 1 = full scale; w = alpha
  * @GST_INVERSE_ROLE_GRADIENT_B: the same under gradient B; A + B is the subject under all lights
+ * @GST_INVERSE_ROLE_SLOPE: the color of light by its shading S, one pixel (k, w, confidence of k 0...1,
+ * -): the frame is reflectance times S e^(k (ln S - w) d), d = (1/2, 0, -1/2) for R, G, B, times the
+ * color of GST_INVERSE_ROLE_LIGHT where there is one. Absent where that color is white. Since version 2
  */
 typedef enum {
   GST_INVERSE_ROLE_INPUT,
@@ -62,6 +70,7 @@ typedef enum {
   GST_INVERSE_ROLE_SPECULAR,
   GST_INVERSE_ROLE_GRADIENT_A,
   GST_INVERSE_ROLE_GRADIENT_B,
+  GST_INVERSE_ROLE_SLOPE,
 } GstInverseRole;
 
 typedef struct GstInverseLayersMeta GstInverseLayersMeta;
@@ -72,6 +81,8 @@ typedef struct GstInverseLayersMeta GstInverseLayersMeta;
  * @height: pixels
  * @download: a layer in host memory; %NULL where the frame has no such layer or the device failed.
  * Free with g_bytes_unref().
+ * @version: GST_INVERSE_LAYERS_META_VERSION of the elements that made it; see
+ * gst_inverse_layers_meta_version()
  * @upload: replaces a layer of a writable buffer; %FALSE where @data has the wrong size or the
  * device failed
  */
@@ -84,7 +95,14 @@ struct GstInverseLayersMeta {
   /*< private >*/
   gpointer layers;
   GstBuffer* buffer;
+  /*< public >*/
+  guint version;
 };
+
+/** The version of the elements that made the meta. */
+static inline guint gst_inverse_layers_meta_version(const GstInverseLayersMeta* meta) {
+  return meta->meta.info->size >= sizeof(GstInverseLayersMeta) ? meta->version : 1;
+}
 
 /** The layers of a buffer, or %NULL. */
 static inline GstInverseLayersMeta* gst_buffer_get_inverse_layers_meta(GstBuffer* buffer) {

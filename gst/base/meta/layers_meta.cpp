@@ -37,7 +37,7 @@ GBytes* download(GstInverseLayersMeta* meta, GstInverseRole role) {
 /// Size of a layer of a frame.
 Extent extent_of(Role role, Extent frame) {
   if (role == Role::bases || role == Role::model_bases) return {kMaxBases, 1};
-  return role == Role::lamp ? Extent{1, 1} : frame;
+  return role == Role::lamp || role == Role::slope ? Extent{1, 1} : frame;
 }
 
 gboolean upload(GstInverseLayersMeta* meta, GstInverseRole role, GBytes* data) {
@@ -73,6 +73,7 @@ gboolean init(GstMeta* meta, gpointer, GstBuffer* buffer) {
   self->width = self->height = 0;
   self->download = download;
   self->upload = upload;
+  self->version = GST_INVERSE_LAYERS_META_VERSION;
   self->layers = new Layers;
   self->buffer = buffer;
   return TRUE;

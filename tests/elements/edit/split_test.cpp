@@ -108,10 +108,10 @@ TEST_F(Split, EightBitPadsFollowTheSrgbCurve) {
   decompose(20, 12);
   gst_harness_set_sink_caps_str(pad("reflectance"), "video/x-raw, format=RGBA");
   gst_harness_set_sink_caps_str(pad("input"), "video/x-raw, format=RGBA");
-  gst_harness_set_sink_caps_str(pad("shading"), "video/x-raw");  // gray by choice
+  gst_harness_set_sink_caps_str(pad("shading"), "video/x-raw");  // color by choice
   const auto frame = random_frame(caps_, 3);
   ASSERT_EQ(push(frame), GST_FLOW_OK);
-  expect_contains(caps_of("shading"), "GRAY8");
+  expect_contains(caps_of("shading"), "format=(string)RGBA");
   expect_contains(caps_of("reflectance"), "colorimetry=(string)sRGB");
   EXPECT_LE(largest_difference(pull("input"), frame), 1);
   const auto reflectance = pull("reflectance"), shading = pull("shading");
@@ -119,7 +119,7 @@ TEST_F(Split, EightBitPadsFollowTheSrgbCurve) {
   for (size_t n = 0; n < 20 * 12; ++n) {
     for (size_t c = 0; c < 3; ++c)
       ASSERT_NEAR(reflectance[4 * n + c], srgb_code(std::min(layer[4 * n + c], 1.0f)) * 255, 0.51);
-    ASSERT_NEAR(shading[n], srgb_code(std::min(layer[4 * n + 3] * 0.5f, 1.0f)) * 255, 0.51);
+    ASSERT_NEAR(shading[4 * n], srgb_code(std::min(layer[4 * n + 3] * 0.5f, 1.0f)) * 255, 0.51);
   }
 }
 
@@ -186,7 +186,7 @@ TEST_F(Split, ALatePadReceivesStreamStartCapsAndSegment) {
   }
   EXPECT_EQ(types, (std::vector{GST_EVENT_STREAM_START, GST_EVENT_CAPS, GST_EVENT_SEGMENT}));
   const auto first = pull("shading"), second = pull("shading");
-  EXPECT_EQ(first.size(), 16U * 8);
+  EXPECT_EQ(first.size(), 4U * 16 * 8);
   EXPECT_EQ(second.size(), first.size());
   EXPECT_NE(first, second);
 }
@@ -246,7 +246,7 @@ TEST_F(Split, UnlinkedPadsDoNotStopTheOthers) {
   EXPECT_EQ(push(random_frame(caps_, 1)), GST_FLOW_NOT_LINKED) << "nobody listens at all";
   pad("shading");
   EXPECT_EQ(push(random_frame(caps_, 2)), GST_FLOW_OK);
-  EXPECT_EQ(pull("shading").size(), 16U * 8);
+  EXPECT_EQ(pull("shading").size(), 4U * 16 * 8);
   give_back(loose);
 }
 
@@ -261,7 +261,7 @@ TEST_F(Split, EosFlushesAndCapsChangesReachEveryPad) {
     expect_contains(caps_of("shading"), "width=(int)" + std::to_string(16 + 4 * i));
     const auto pixels = static_cast<size_t>((16 + 4 * i) * (8 + i));
     EXPECT_EQ(pull("reflectance").size(), pixels * 4);
-    EXPECT_EQ(pull("shading").size(), pixels);
+    EXPECT_EQ(pull("shading").size(), 4 * pixels);
     flush(sink_);
   }
   gst_harness_push_event(sink_, gst_event_new_eos());

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+/* The header as it was at version 1, for layers_meta_test.cpp. Do not change it.
+ *
+ * gst-inverse: the layers of a decomposed frame, for people who write their own elements.
+ *
+ * Buffers whose caps are `video/x-raw(meta:InverseLayers), format=RGBA, layers=(string)intrinsic`
+ * carry this meta and no pixels; the layers live on the Vulkan device. `layers` is `intrinsic`
+ * (input, model, intrinsic), `global` (these, and layers of light), `material` (input, diffuse,
+ * specular) or `gradients` (gradient A and B, no input). This header is all that is needed: no
+ * library to link. Layers come to host memory and go back as GBytes of float32 RGBA, width * height
+ * * 16 bytes, rows from the top, no padding.
+ *
+ * Copyright (C) 2026 the gst-inverse authors; LGPL-2.1-or-later.
+ */
+#pragma once
+#include <gst/gst.h>
+
+G_BEGIN_DECLS
+
+#define GST_INVERSE_LAYERS_META_API_NAME "GstInverseLayersMetaAPI"
+#define GST_CAPS_FEATURE_META_INVERSE_LAYERS "meta:InverseLayers"
+
+/**
+ * GstInverseRole:
+ * @GST_INVERSE_ROLE_INPUT: the frame, linear RGB, 1 = full scale; w = alpha
+ * @GST_INVERSE_ROLE_MODEL: reflectance RGB and shading (w) as the decomposer made them
+ * @GST_INVERSE_ROLE_INTRINSIC: reflectance RGB and shading (w), edited along the chain
+ * @GST_INVERSE_ROLE_MASK: x = matte 0...1
+ * @GST_INVERSE_ROLE_MODEL_LIGHT: light as the decomposer made it
+ * @GST_INVERSE_ROLE_LIGHT: of `global` frames: the color of light, RGB, so that reflectance times
+ * shading times it is the frame; without edits its mean or geometric mean is 1. w = share of the
+ * shading that is direct
+ * @GST_INVERSE_ROLE_INDIRECT_0: shares of the shading that bounced off surfaces of base colors
+ * 0...3; the next three planes go on to 15, and are absent where there are no such colors
+ * @GST_INVERSE_ROLE_BASES: the 16 base colors, RGB; w = 1, or 0 where there is no such color. 16
+ * pixels in place of width * height
+ * @GST_INVERSE_ROLE_MODEL_BASES: base colors as the decomposer made them
+ * @GST_INVERSE_ROLE_LAMP: the color of direct light, RGB of geometric mean 1, one pixel; absent
+ * where it is white
+ * @GST_INVERSE_ROLE_DIFFUSE: of `material` frames: linear RGB of the frame without the highlights
+ * of the object in it, 1 = full scale; w = the object's mask, 0...1
+ * @GST_INVERSE_ROLE_SPECULAR: of `material` frames: these highlights, linear RGB, gray except where
+ * the input is clipped; diffuse + specular is the input. w = the mirror image: the reflection by a
+ * mirror of the object's shape and specular albedo, linear, may exceed 1, 0 outside the mask
+ * @GST_INVERSE_ROLE_GRADIENT_A: of `gradients` frames: the subject under gradient A of a light
+ * stage, linear RGB, 1 = full scale; w = alpha
+ * @GST_INVERSE_ROLE_GRADIENT_B: the same under gradient B; A + B is the subject under all lights
+ */
+typedef enum {
+  GST_INVERSE_ROLE_INPUT,
+  GST_INVERSE_ROLE_MODEL,
+  GST_INVERSE_ROLE_INTRINSIC,
+  GST_INVERSE_ROLE_MASK,
+  GST_INVERSE_ROLE_MODEL_LIGHT,
+  GST_INVERSE_ROLE_LIGHT,
+  GST_INVERSE_ROLE_INDIRECT_0,
+  GST_INVERSE_ROLE_INDIRECT_1,
+  GST_INVERSE_ROLE_INDIRECT_2,
+  GST_INVERSE_ROLE_INDIRECT_3,
+  GST_INVERSE_ROLE_BASES,
+  GST_INVERSE_ROLE_MODEL_BASES,
+  GST_INVERSE_ROLE_LAMP,
+  GST_INVERSE_ROLE_DIFFUSE,
+  GST_INVERSE_ROLE_SPECULAR,
+  GST_INVERSE_ROLE_GRADIENT_A,
+  GST_INVERSE_ROLE_GRADIENT_B,
+} GstInverseRole;
+
+typedef struct GstInverseLayersMeta GstInverseLayersMeta;
+
+/**
+ * GstInverseLayersMeta:
+ * @width: pixels
+ * @height: pixels
+ * @download: a layer in host memory; %NULL where the frame has no such layer or the device failed.
+ * Free with g_bytes_unref().
+ * @upload: replaces a layer of a writable buffer; %FALSE where @data has the wrong size or the
+ * device failed
+ */
+struct GstInverseLayersMeta {
+  GstMeta meta;
+  guint width;
+  guint height;
+  GBytes* (*download)(GstInverseLayersMeta* meta, GstInverseRole role);
+  gboolean (*upload)(GstInverseLayersMeta* meta, GstInverseRole role, GBytes* data);
+  /*< private >*/
+  gpointer layers;
+  GstBuffer* buffer;
+};
+
+/** The layers of a buffer, or %NULL. */
+static inline GstInverseLayersMeta* gst_buffer_get_inverse_layers_meta(GstBuffer* buffer) {
+  const GType api = g_type_from_name(GST_INVERSE_LAYERS_META_API_NAME);
+  if (!api) return NULL;  // NOLINT(modernize-use-nullptr): C reads this, too
+  return (GstInverseLayersMeta*)gst_buffer_get_meta(buffer, api);
+}
+
+G_END_DECLS
