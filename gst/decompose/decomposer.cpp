@@ -51,7 +51,7 @@ RepeatPlanner::Decision Decomposer::decide(const FrameContext& frame,
   const auto completed = repeats_.completed(frame.number);
   // Layers of base colors are only made if they are shown or sent.
   const bool lacks_layer =
-      frame.draw && settings.show == Show::layer && !(drawn_ && drawn_->first == Show::layer);
+      frame.draw && settings.view.show == Show::layer && !(drawn_ && drawn_->show == Show::layer);
   return repeats_.next(
       {.number = frame.number,
        .adaptive = settings.adaptive,
@@ -95,15 +95,14 @@ void Decomposer::process(FrameContext& frame) {
 }
 
 void Decomposer::draw(FrameContext& frame, const FrameSettings& settings, bool reused) {
-  view_.draw(frame, settings.show, settings.layer, [&](FrameContext& context, const Plane& target) {
+  view_.draw(frame, settings.view, [&](FrameContext& context, const Plane& target) {
     if (!method_->draw_clusters(context, target)) view_.draw_palette(context, target);
   });
   // Clusters follow the last frames, also if those are alike.
-  const bool steady = settings.show != Show::clusters && settings.show != Show::mosaic;
-  const std::pair drawn{settings.show, settings.layer};
-  frame.same_picture = reused && steady && drawn_ == drawn;
-  if (!steady || drawn_ != drawn) frame.drawn = nullptr;
-  drawn_ = drawn;
+  const bool steady = settings.view.show != Show::clusters && settings.view.show != Show::mosaic;
+  frame.same_picture = reused && steady && drawn_ == settings.view;
+  if (!steady || drawn_ != settings.view) frame.drawn = nullptr;
+  drawn_ = settings.view;
 }
 
 void Decomposer::completed(uint64_t number, double milliseconds) {

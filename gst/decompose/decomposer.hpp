@@ -53,10 +53,10 @@ class Decomposer final : public Filter {
   RepeatPlanner repeats_;
   LayerView view_;
   gpu::FrameRing<Past> past_;
-  std::optional<Layers> kept_;                 // of the frame before
-  uint64_t method_frame_ = 0;                  // the method's number of the last frame
-  uint64_t reused_ = 0;                        // frames since `configure`
-  std::optional<std::pair<Show, int>> drawn_;  // how the frame before was drawn
+  std::optional<Layers> kept_;       // of the frame before
+  uint64_t method_frame_ = 0;        // the method's number of the last frame
+  uint64_t reused_ = 0;              // frames since `configure`
+  std::optional<ShowParams> drawn_;  // how the frame before was drawn
   size_t logged_level_;
 };
 

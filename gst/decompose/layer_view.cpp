@@ -21,19 +21,23 @@ void LayerView::draw_palette(FrameContext& frame, const Plane& target) {
   palette_->record_paint(frame.commands, model, target);
 }
 
-void LayerView::draw(FrameContext& frame, Show show, int layer, const DrawClusters& clusters) {
+void LayerView::draw(FrameContext& frame, const ShowParams& params, const DrawClusters& clusters) {
   const PlanePtr& intrinsic = frame.layers[Role::intrinsic];
   const PlanePtr& input = frame.layers[Role::input];
-  const auto light = [&](LightPicture::What what) {
-    return light_.draw(frame.commands, frame.layers, what, "a decomposer",
-                       static_cast<uint32_t>(layer));
+  const auto scaled = [&](Picture picture) {
+    picture.gain = params.shading_scale;
+    return picture;
   };
-  switch (show) {
+  const auto light = [&](LightPicture::What what) {
+    return scaled(light_.draw(frame.commands, frame.layers, what, "a decomposer",
+                              static_cast<uint32_t>(params.layer)));
+  };
+  switch (params.show) {
     case Show::reflectance:
       frame.picture = {intrinsic};
       break;
     case Show::shading:
-      frame.picture = light_.shading(frame.commands, frame.layers);
+      frame.picture = scaled(light_.shading(frame.commands, frame.layers));
       break;
     case Show::direct:
       frame.picture = light(LightPicture::What::direct);
@@ -59,7 +63,10 @@ void LayerView::draw(FrameContext& frame, Show show, int layer, const DrawCluste
         const PlanePtr direct = light(LightPicture::What::direct).plane;
         const PlanePtr indirect = light(LightPicture::What::indirect).plane;
         mosaic_->record(frame.commands,
-                        {{{input.get()}, {intrinsic.get()}, {direct.get()}, {indirect.get()}}},
+                        {{{input.get()},
+                          {intrinsic.get()},
+                          {direct.get(), Source::color, params.shading_scale},
+                          {indirect.get(), Source::color, params.shading_scale}}},
                         *frame.picture.plane);
         break;
       }
@@ -69,7 +76,8 @@ void LayerView::draw(FrameContext& frame, Show show, int layer, const DrawCluste
       mosaic_->record(frame.commands,
                       {{{input.get()},
                         {intrinsic.get()},
-                        {shading.plane.get(), shading.scalar ? Source::shading : Source::color},
+                        {shading.plane.get(), shading.scalar ? Source::shading : Source::color,
+                         params.shading_scale},
                         {drawn_clusters.get()}}},
                       *frame.picture.plane);
       break;
@@ -86,7 +94,7 @@ std::vector<Choice> show_choices(Makes makes) {
       choice(Show::reflectance, "reflectance", "Reflectance: color without light and shadow"),
       choice(Show::shading, "shading",
              global ? "Shading: all light, direct and indirect, in color"
-                    : "Shading: light and shadow without color, as gray"),
+                    : "Shading: light and shadow, in color if light has one"),
       choice(Show::input, "input", "The frame as it came in"),
       choice(Show::mosaic, "mosaic",
              global ? "Input, reflectance, direct and indirect light at half size, side by side"

@@ -24,6 +24,14 @@ enum class Show {
   layer,
 };
 
+/// How it shows it.
+struct ShowParams {
+  Show show = Show::reflectance;
+  int layer = 0;               ///< base color, of Show::layer
+  float shading_scale = 0.5F;  ///< of all kinds of light
+  bool operator==(const ShowParams&) const = default;
+};
+
 /// The layers that a decomposer makes.
 enum class Makes { intrinsic, global };
 
@@ -40,8 +48,8 @@ class LayerView {
   void release() { *this = {}; }
   /// Forgets the clusters of earlier frames.
   void reset();
-  /// Sets `frame.picture` from `frame.layers`; `layer`: base color of Show::layer.
-  void draw(FrameContext& frame, Show show, int layer, const DrawClusters& clusters);
+  /// Sets `frame.picture` from `frame.layers`.
+  void draw(FrameContext& frame, const ShowParams& params, const DrawClusters& clusters);
   /// Clusters of the reflectance plane `Role::model`, followed over time.
   void draw_palette(FrameContext& frame, const Plane& target);
 

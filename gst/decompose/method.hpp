@@ -14,9 +14,7 @@
 namespace inverse {
 
 /// The parameters that every decomposer has.
-struct DecomposerParams {
-  Show show = Show::reflectance;
-  int layer = 0;  ///< base color, of Show::layer
+struct DecomposerParams : ShowParams {
   Quality quality = Quality::medium;
   double target_fps = 0;      ///< frames a second to hold; 0: any
   double latency_budget = 0;  ///< ms for a frame; 0: any
@@ -28,8 +26,7 @@ struct DecomposerParams {
 
 /// What Decomposer needs of the parameters in force for a frame.
 struct FrameSettings {
-  Show show = Show::reflectance;
-  int layer = 0;
+  ShowParams view;
   bool adaptive = true;
   bool changed = false;  ///< the method's differ from those of the frame before
 };
@@ -112,7 +109,7 @@ class MethodSettings final : public DecomposerSettings {
     const MethodParams &before = params_, &now = next;
     const bool changed = before != now;
     params_ = next;
-    return {params_.show, params_.layer, params_.adaptive, changed};
+    return {params_, params_.adaptive, changed};
   }
   /// In force for this frame.
   const P& params() const { return params_; }
@@ -161,6 +158,8 @@ PropertyTable<P> decomposer_properties(const QualityText& quality, const Propert
                 "Maximum time for a frame in this element, ms, held by reducing the work; 0 = no "
                 "limit"),
   };
+  table.push_back(number<P>("shading-scale", &P::shading_scale, 0.f, 100.f,
+                            "Factor on light that is shown, before it is clipped at 1"));
   if (global)
     table.push_back(number<P>("layer", &P::layer, 0, static_cast<int>(kMaxBases) - 1,
                               "Base color whose layer show=layer shows"));

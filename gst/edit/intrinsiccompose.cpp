@@ -27,7 +27,8 @@ enum class Show {
 
 struct Params : ComposeParams {
   Show show = Show::composed;
-  int layer = 0;  ///< of Show::layer
+  int layer = 0;               ///< of Show::layer
+  float shading_scale = 0.5F;  ///< of all kinds of light
 };
 
 const PropertyTable<Params>& table() {
@@ -38,7 +39,7 @@ const PropertyTable<Params>& table() {
           {{static_cast<int>(Show::composed), "composed", "The frame with its edits"},
            {static_cast<int>(Show::reflectance), "reflectance", "Reflectance, edited"},
            {static_cast<int>(Show::shading), "shading",
-            "Shading, edited: gray, or in color with layers of light"},
+            "Shading, edited, in color if light has one"},
            {static_cast<int>(Show::input), "input", "The frame as it came in"},
            {static_cast<int>(Show::mask), "mask", "The mask layer, as gray"},
            {static_cast<int>(Show::difference), "difference",
@@ -57,6 +58,8 @@ const PropertyTable<Params>& table() {
           "Picture to show"),
       number<P>("layer", &P::layer, 0, static_cast<int>(kMaxBases) - 1,
                 "Base color whose layer show=layer shows"),
+      number<P>("shading-scale", &P::shading_scale, 0.f, 100.f,
+                "Factor on light that is shown, before it is clipped at 1"),
       choice<P>(
           "residual", &P::residual, "GstInverseResidual",
           {{static_cast<int>(Residual::add), "add",
@@ -97,7 +100,7 @@ class ComposeElement final : public Filter {
         return {needed(frame, Role::intrinsic, "reflectance", "intrinsicdecomp")};
       case Show::shading:
         needed(frame, Role::intrinsic, "shading", "intrinsicdecomp");
-        return pictures_.shading(frame.commands, frame.layers);
+        return scaled(pictures_.shading(frame.commands, frame.layers), params);
       case Show::input:
         return {frame.layers[Role::input]};
       case Show::mask:
@@ -110,11 +113,11 @@ class ComposeElement final : public Filter {
       case Show::difference:
         return {compose_->record_difference(frame.commands, frame.layers)};
       case Show::direct:
-        return light(frame, LightPicture::What::direct);
+        return light(frame, LightPicture::What::direct, params);
       case Show::indirect:
-        return light(frame, LightPicture::What::indirect);
+        return light(frame, LightPicture::What::indirect, params);
       case Show::layer:
-        return light(frame, LightPicture::What::layer, params.layer);
+        return light(frame, LightPicture::What::layer, params);
       case Show::diffuse:
         return {needed(frame, Role::diffuse, "diffuse light", "limematerial")};
       case Show::specular:
@@ -136,9 +139,15 @@ class ComposeElement final : public Filter {
     return frame.layers[role];
   }
 
-  Picture light(FrameContext& frame, LightPicture::What what, int base = 0) {
-    return pictures_.draw(frame.commands, frame.layers, what, "intrinsiccompose",
-                          static_cast<uint32_t>(base));
+  static Picture scaled(Picture picture, const Params& params) {
+    picture.gain = params.shading_scale;
+    return picture;
+  }
+
+  Picture light(FrameContext& frame, LightPicture::What what, const Params& params) {
+    return scaled(pictures_.draw(frame.commands, frame.layers, what, "intrinsiccompose",
+                                 static_cast<uint32_t>(params.layer)),
+                  params);
   }
 
   Parameters<Params> parameters_{table()};

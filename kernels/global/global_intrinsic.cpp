@@ -228,8 +228,7 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   if (info.reset) reset();
   const bool first = frames_ == 0, was_gray = plan_.gray;
   if (first)  // some of it is read before it is written, though not used
-    for (const auto& cleared :
-         {memory_, before_, labels_, sums_, scene_, histogram_, gray_light_})
+    for (const auto& cleared : {memory_, before_, labels_, sums_, scene_, histogram_, gray_light_})
       commands.fill(cleared);
   if (reach_ != params.reach) make_taps(params);
   measure_light_color(commands, *input, params);
@@ -265,11 +264,10 @@ void GlobalIntrinsic::record_report(gpu::Commands& commands, bool first) {
 Layers GlobalIntrinsic::record_gray(gpu::Commands& commands, const PlanePtr& input,
                                     const Params& params, const FrameInfo& info, bool was_gray) {
   // The frame before may have been divided by a tint.
-  Layers layers = solve_.record(
-      commands, input, params,
-      {.changed = was_gray ? info.changed : std::span<const uint8_t>(),
-       .repeated = info.repeated,
-       .light = colored_light()});
+  Layers layers = solve_.record(commands, input, params,
+                                {.changed = was_gray ? info.changed : std::span<const uint8_t>(),
+                                 .repeated = info.repeated,
+                                 .light = colored_light()});
   layers[Role::light] = layers[Role::model_light] = white_light(commands);
   drawn_ = was_gray ? solve_.drawn() : nullptr;
   return layers;

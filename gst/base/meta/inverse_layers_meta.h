@@ -18,9 +18,9 @@ G_BEGIN_DECLS
 #define GST_INVERSE_LAYERS_META_API_NAME "GstInverseLayersMetaAPI"
 #define GST_CAPS_FEATURE_META_INVERSE_LAYERS "meta:InverseLayers"
 
-/** Version of this header. 2: light may have a color, GST_INVERSE_ROLE_SLOPE. Programs built with an
- * older one still edit reflectance and shading; one that multiplies them itself gets the frame in
- * gray light unless the decomposer has `light-color-slope=0`. */
+/** Version of this header. 2: light may have a color, GST_INVERSE_ROLE_SLOPE. Programs built with
+ * an older one still edit reflectance and shading; one that multiplies them itself gets the frame
+ * in gray light unless the decomposer has `light-color-slope=0`. */
 #define GST_INVERSE_LAYERS_META_VERSION 2
 
 /**
@@ -48,9 +48,11 @@ G_BEGIN_DECLS
  * @GST_INVERSE_ROLE_GRADIENT_A: of `gradients` frames: the subject under gradient A of a light
  * stage, linear RGB, 1 = full scale; w = alpha
  * @GST_INVERSE_ROLE_GRADIENT_B: the same under gradient B; A + B is the subject under all lights
- * @GST_INVERSE_ROLE_SLOPE: the color of light by its shading S, one pixel (k, w, confidence of k 0...1,
- * -): the frame is reflectance times S e^(k (ln S - w) d), d = (1/2, 0, -1/2) for R, G, B, times the
- * color of GST_INVERSE_ROLE_LIGHT where there is one. Absent where that color is white. Since version 2
+ * @GST_INVERSE_ROLE_SLOPE: the color of light by its shading S, one pixel (k, w, confidence of k
+ * 0...1,
+ * -): the frame is reflectance times S e^(k (ln S - w) d), d = (1/2, 0, -1/2) for R, G, B, times
+ * the color of GST_INVERSE_ROLE_LIGHT where there is one. Absent where that color is white. Since
+ * version 2
  */
 typedef enum {
   GST_INVERSE_ROLE_INPUT,

@@ -10,8 +10,7 @@ namespace {
 /// Halves reflectance, as such an editor would.
 GstPadProbeReturn halve_reflectance(GstPad* /*pad*/, GstPadProbeInfo* info, gpointer data) {
   info->data = gst_buffer_make_writable(GST_PAD_PROBE_INFO_BUFFER(info));
-  GstInverseLayersMeta* meta =
-      gst_buffer_get_inverse_layers_meta(GST_PAD_PROBE_INFO_BUFFER(info));
+  GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(GST_PAD_PROBE_INFO_BUFFER(info));
   GBytes* bytes = meta->download(meta, GST_INVERSE_ROLE_INTRINSIC);
   std::vector<float> layer = floats_of(bytes);
   g_bytes_unref(bytes);
@@ -41,7 +40,8 @@ TEST(LayersMeta, AnEditorOfVersionOneWorksInColoredLight) {
     EXPECT_TRUE(edited);
     for (size_t i = 0; i < frame.size(); ++i)
       if (i % 4 < 3) {
-        ASSERT_NEAR(srgb_light(float(got[i]) / 255), srgb_light(float(frame[i]) / 255) / 2, 0.006) << slope;
+        ASSERT_NEAR(srgb_light(float(got[i]) / 255), srgb_light(float(frame[i]) / 255) / 2, 0.006)
+            << slope;
       }
   }
 }

@@ -100,17 +100,17 @@ TEST_F(LightOf, ComposeShowsEveryLayer) {
   expect_near(through("intrinsiccompose"), drawn(light_of(kFromGreen, kFromRed), s * 0.5), "all");
   expect_near(through("intrinsiccompose residual=none"),
               drawn(light_of(kFromGreen, kFromRed), s * 0.5), "model");
-  expect_near(through("intrinsiccompose show=shading"), drawn(light_of(kFromGreen, kFromRed), s),
-              "shading");
-  expect_near(through("intrinsiccompose show=direct"), drawn({kDirect, kDirect, kDirect}, s),
+  expect_near(through("intrinsiccompose show=shading"),
+              drawn(light_of(kFromGreen, kFromRed), s * 0.5), "shading");
+  expect_near(through("intrinsiccompose shading-scale=1 show=direct"), drawn({kDirect, kDirect, kDirect}, s),
               "direct");
   Pixel indirect = light_of(kFromGreen, kFromRed);
   for (size_t c = 0; c < 3; ++c) indirect[c] -= kDirect;
-  expect_near(through("intrinsiccompose show=indirect"), drawn(indirect, s), "indirect");
-  expect_near(through("intrinsiccompose show=layer layer=0"), drawn(kGreenBase, s * kFromGreen),
+  expect_near(through("intrinsiccompose shading-scale=1 show=indirect"), drawn(indirect, s), "indirect");
+  expect_near(through("intrinsiccompose shading-scale=1 show=layer layer=0"), drawn(kGreenBase, s * kFromGreen),
               "green");
-  expect_near(through("intrinsiccompose show=layer layer=5"), drawn(kRedBase, s * kFromRed), "red");
-  expect_near(through("intrinsiccompose show=layer layer=9"), {0, 0, 0}, "none");
+  expect_near(through("intrinsiccompose shading-scale=1 show=layer layer=5"), drawn(kRedBase, s * kFromRed), "red");
+  expect_near(through("intrinsiccompose shading-scale=1 show=layer layer=9"), {0, 0, 0}, "none");
 }
 
 TEST_F(LightOf, DespillTakesOneColorOfLightAway) {
@@ -198,7 +198,7 @@ TEST(GlobalIntrinsic, DespillTakesTheWallsColorOffTheFloor) {
 TEST(GlobalIntrinsic, ShowsEveryLayerWhilePlaying) {
   const std::string caps = VideoHarness::caps("RGBA", 64, 48);
   const auto frame = colored_corner(64, 48);
-  VideoHarness harness("globalintrinsic name=g", caps, caps);
+  VideoHarness harness("globalintrinsic name=g shading-scale=1", caps, caps);
   GstElement* element = harness.find("globalintrinsic");
   std::vector<std::vector<uint8_t>> seen;
   for (const char* show :
@@ -394,7 +394,7 @@ TEST_F(GlobalIntrinsicThesis, CapsMayChangeWhileItRefinesAndCorrects) {
 TEST(LightLayers, AreRefusedByNameWhereThereAreNone) {
   for (const auto& [line, element] :
        {std::pair{"intrinsicdecomp ! intrinsicdespill ! intrinsiccompose", "globalintrinsic"},
-        {"intrinsicdecomp ! intrinsiccompose show=direct", "globalintrinsic"},
+        {"intrinsicdecomp ! intrinsiccompose shading-scale=1 show=direct", "globalintrinsic"},
         {"intrinsicdecomp ! intrinsicsplit name=s s.indirect", "globalintrinsic"},
         {"intrinsicdespill ! intrinsiccompose", "globalintrinsic"}}) {
     const LineResult result =

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Light with layers: edits, pictures and composing against their specification.
 #include "tests/reference/edit/light_edit.hpp"
-#include "tests/reference/image/light_color.hpp"
 
 #include <functional>
 #include <limits>
@@ -12,6 +11,7 @@
 #include "kernels/image/view/light_picture.hpp"
 #include "tests/differences.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
+#include "tests/reference/image/light_color.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -29,8 +29,7 @@ TEST_F(GlobalTest, AgreesWithReferenceInColoredLight) {
   EXPECT_EQ(slope[0], -0.7F);
   for (size_t i = 0; i < frame.size(); i += 4) {
     const float* layers = &got.intrinsic[i];
-    const auto gray =
-        reference::in_gray_light({layers[0], layers[1], layers[2], layers[3]}, light);
+    const auto gray = reference::in_gray_light({layers[0], layers[1], layers[2], layers[3]}, light);
     for (size_t c = 0; c < 3; ++c)
       ASSERT_NEAR(gray[c] * gray[3] * got.light[i + c], frame[i + c], 1e-5) << i;
   }

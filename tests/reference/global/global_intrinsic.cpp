@@ -251,8 +251,7 @@ GlobalResult decompose_global(const double* input, int width, int height,
     const PixelLight layers =
         compose(std::exp(bright.log_shading[i] - log_scale), tau[i], light.indirect[i]);
     result.direct[i] = layers.direct;
-    const auto color =
-        light_color(color_of_light, bright.log_shading[i] - color_of_light.white);
+    const auto color = light_color(color_of_light, bright.log_shading[i] - color_of_light.white);
     for (std::size_t c = 0; c < 3; ++c) {
       result.indirect[3 * i + c] = layers.indirect[c];
       result.reflectance[3 * i + c] =

@@ -53,10 +53,10 @@ struct GlobalResult {
   /// White. I = R (direct + indirect) times the illuminant's color and that of light at its shading
   /// (light_color.hpp).
   std::vector<double> direct;
-  std::vector<int> label;      ///< Base color of every pixel (slot).
-  global::BaseColors colors;   ///< Of the frame and those before.
-  global::Gather gather;       ///< What every base color sends where.
-  int gather_factor = 1;       ///< Pixels along the side of one of the gather's points.
+  std::vector<int> label;     ///< Base color of every pixel (slot).
+  global::BaseColors colors;  ///< Of the frame and those before.
+  global::Gather gather;      ///< What every base color sends where.
+  int gather_factor = 1;      ///< Pixels along the side of one of the gather's points.
   global::Amount amount;
   global::Chroma white{};  ///< Log chroma of the removed illuminant.
   double tint = 0;         ///< Rms tint where all light is indirect, log chroma.
