@@ -17,7 +17,9 @@ void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,
                     G_TYPE_BOOLEAN, solve.plan.history, "cut", G_TYPE_BOOLEAN, found.cut,
                     "mismatch", G_TYPE_DOUBLE, static_cast<double>(found.mismatch), "change",
                     G_TYPE_DOUBLE, static_cast<double>(found.change), "scale", G_TYPE_DOUBLE,
-                    static_cast<double>(found.scale), "tiles", G_TYPE_UINT, solve.tiles,
+                    static_cast<double>(found.scale), "light-color-slope", G_TYPE_DOUBLE,
+                    static_cast<double>(found.slope), "light-color-confidence", G_TYPE_DOUBLE,
+                    static_cast<double>(found.slope_confidence), "tiles", G_TYPE_UINT, solve.tiles,
                     "tiles-evaluated", G_TYPE_UINT, found.tiles_evaluated, "tiles-active",
                     G_TYPE_UINT, found.tiles_active, nullptr);
   const Tolerances& tolerances = solve.tolerances;

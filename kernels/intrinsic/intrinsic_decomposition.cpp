@@ -21,7 +21,7 @@ IntrinsicDecomposition::Params problem_of(IntrinsicDecomposition::Params params)
 
 /// What a report reads back; the shaders that write it say what each number is.
 struct Numbers {
-  std::array<float, 4> progress, cut_decision, scale, binding, gates;
+  std::array<float, 4> progress, cut_decision, scale, binding, gates, slope;
   std::array<std::array<float, 4>, Guide::kStatisticsSize> statistics, kept_statistics;
   uint32_t active, evaluated, moving;
 };
@@ -176,7 +176,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   find_scale(commands, params);
   const PlanePtr slope = info.light ? info.light->record_slope(commands, scale_.value()) : nullptr;
   const PlanePtr intrinsic = write_layers(commands, input, params, slope);
-  record_report(commands, params);
+  record_report(commands, params, slope);
   commands.stage("layers");
   active_.advance(plan_.tiles());
   last_ = plan_.whole() ? nullptr : intrinsic;
@@ -291,8 +291,10 @@ void IntrinsicDecomposition::start_from_layers(gpu::Commands& commands, const Pl
   commands.stage("warm-start");
 }
 
-void IntrinsicDecomposition::record_report(gpu::Commands& commands, const Params& params) {
+void IntrinsicDecomposition::record_report(gpu::Commands& commands, const Params& params,
+                                           const PlanePtr& slope) {
   Report& report = reports_[recorded_++];
+  report.colored = slope != nullptr;
   report.stats = {plan_, multigrid_.depth(), prior_.tiles(), params.tolerances};
   if (!report.found)
     report.found = gpu::Buffer::create(device_, gpu::Element::word,
@@ -306,6 +308,7 @@ void IntrinsicDecomposition::record_report(gpu::Commands& commands, const Params
   copy(multigrid_.progress(), &Numbers::progress);
   if (plan_.history) copy(anchor_.cut_decision(), &Numbers::cut_decision);
   copy(scale_.value(), &Numbers::scale);
+  if (slope) copy(slope->buffer, &Numbers::slope);
   if (plan_.tiles()) copy(active_.list().words(), &Numbers::active);
   if (plan_.edges == Plan::Edges::compare) copy(prior_.evaluated(), &Numbers::evaluated);
   if (plan_.measures_bins) copy(bins_.binding(), &Numbers::binding);
@@ -337,6 +340,11 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
     findings.cut = numbers.cut_decision[Cut::CUT_ANCHORED] == 0;
   }
   findings.scale = numbers.scale[0];
+  if (of.colored) {
+    using Light = shaders::intrinsic_light_color_white;
+    findings.slope = numbers.slope[Light::SLOPE_K];
+    findings.slope_confidence = numbers.slope[Light::SLOPE_CONFIDENCE];
+  }
   if (plan.measures_bins)
     findings.binding = std::sqrt(numbers.binding[Bins::BINDING_EFFECT] /
                                  std::max(numbers.binding[Bins::BINDING_WEIGHT], 1e-20F));

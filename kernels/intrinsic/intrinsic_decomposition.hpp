@@ -92,6 +92,8 @@ class IntrinsicDecomposition {
     float mismatch = 0;         ///< with the frame before, 0…1; 0 without one
     float scale = 0;            ///< ln of the factor from the solver's R to the layer's
     uint32_t tiles_active = 0;  ///< that were worked on
+    float slope = 0;            ///< of the color of light; 0: gray
+    float slope_confidence = 1;  ///< 0…1
   };
   /// Of one of the last kFramesInFlight frames, once its Commands have been waited for.
   Findings findings(uint64_t frame) const;
@@ -101,6 +103,7 @@ class IntrinsicDecomposition {
  private:
   struct Report {
     Stats stats;
+    bool colored = false;  // light
     gpu::BufferPtr found;  // Numbers
   };
   const Report& report(uint64_t frame) const { return reports_[frame]; }
@@ -118,7 +121,7 @@ class IntrinsicDecomposition {
   void find_scale(gpu::Commands& commands, const Params& params);
   /// The plane for the layers: if only tiles are worked on, one that has the others.
   PlanePtr layers_plane(gpu::Commands& commands);
-  void record_report(gpu::Commands& commands, const Params& params);
+  void record_report(gpu::Commands& commands, const Params& params, const PlanePtr& slope);
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;
