@@ -69,6 +69,12 @@ class Commands {
     run_indirect(program.kernel(), buffers.all(), std::as_bytes(std::span(&push, 1)), arguments,
                  offset);
   }
+  template <typename Shader>
+  void dispatch_indirect(const Program<Shader>& program, const typename Shader::Buffers& buffers,
+                         const BufferPtr& arguments, uint64_t offset = 0) {
+    static_assert(!requires { typename Shader::Push; });
+    run_indirect(program.kernel(), buffers.all(), {}, arguments, offset);
+  }
 
   /// Records a kernel over no invocations, on buffers of its own: a software device compiles it
   /// then.

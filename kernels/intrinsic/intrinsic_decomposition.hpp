@@ -89,10 +89,10 @@ class IntrinsicDecomposition {
   const Stats& stats(uint64_t frame) const { return report(frame).stats; }
   /// What the device found of a frame.
   struct Findings : Planner::Found {
-    float mismatch = 0;         ///< with the frame before, 0…1; 0 without one
-    float scale = 0;            ///< ln of the factor from the solver's R to the layer's
-    uint32_t tiles_active = 0;  ///< that were worked on
-    float slope = 0;            ///< of the color of light; 0: gray
+    float mismatch = 0;          ///< with the frame before, 0…1; 0 without one
+    float scale = 0;             ///< ln of the factor from the solver's R to the layer's
+    uint32_t tiles_active = 0;   ///< that were worked on
+    float slope = 0;             ///< of the color of light; 0: gray
     float slope_confidence = 1;  ///< 0…1
   };
   /// Of one of the last kFramesInFlight frames, once its Commands have been waited for.

@@ -1,10 +1,71 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The color of the scene's light (image/light_color.glsl), from frame to frame.
+// The color of the scene's light (image/light_color.glsl): what is kept of it from frame to frame, and how its slope k is measured.
 #include "image/light_color.glsl"
 
 // Of the scene, vec4s:
-#define LIGHT_NOW 0  // k; m at which the guide takes light as white; confidence of k, 0...1; 1 once a frame was measured
-#define LIGHT_SIZE 1
+#define LIGHT_NOW 0     // k; m at which the guide takes light as white; confidence of k, 0...1; 1 once a frame was seen
+#define LIGHT_TARGET 1  // k that LIGHT_NOW moves to; its standard deviation; measurements since a cut; LIGHT_… below
+#define LIGHT_FRAME 2   // share of k that is used, by the frame's color; -, -, -
+#define LIGHT_VOTES 3   // for the candidates, averaged over measurements
+#define LIGHT_SIZE 11
 
-// Points of the frame, cells of LIGHT_POINTS at most along its longer side, a vec4 each: m; b = ln R/B; g = ln sqrt(R B)/G; weight.
-#define LIGHT_POINTS 80
+// What was done in a frame.
+#define LIGHT_MEASURED 0
+#define LIGHT_REUSED 1
+#define LIGHT_NO_COLOR 2     // nothing in the frame has color: k could not be seen, and would tint it
+#define LIGHT_NO_CONTRAST 3  // all of the frame is alike: k has no effect
+
+// The frame is seen as points, at most so many along its longer side, and at coarser levels: means of 2 x 2. A vec4 a point:
+// m; b = ln R/B; g = ln sqrt(R B)/G; weight, low in the dark.
+#define LIGHT_POINTS 96
+#define LIGHT_LEVELS 4
+
+// Steps between adjacent points are counted by level, by |dg|, by the size of dm, and by the slope db/dm, linear between bins.
+#define STEP_TINTS 3
+#define STEP_SIZES 10
+#define STEP_SLOPES 43
+#define STEP_CHANNELS (LIGHT_LEVELS * STEP_TINTS * STEP_SIZES)
+#define STEP_COUNT (STEP_CHANNELS * STEP_SLOPES)
+const float kStepUnit = 1.0 / 256.0;  // of a count
+const float kSlopeWidth = 0.1;
+
+// Points are counted by brightness below the brightest, and b.
+#define CLOUD_LEVELS 8
+#define CLOUD_COLORS 20
+#define CLOUD_COUNT (CLOUD_LEVELS * CLOUD_COLORS)
+
+// Candidates for k: kSlopeWidth apart, around 0. A small network votes for them: two convolutions along the slopes, which treat
+// all candidates alike, and a dense part.
+#define CANDIDATES 29
+#define NET_WIDTH 16
+#define NET_TAPS 7
+#define NET_DENSE 12
+#define NET_HIDDEN (NET_WIDTH * STEP_SLOPES)
+// Its weights, in this order:
+#define NET_A 0
+#define NET_A_BIAS (NET_A + NET_WIDTH * STEP_CHANNELS * NET_TAPS)
+#define NET_B (NET_A_BIAS + NET_WIDTH)
+#define NET_B_BIAS (NET_B + NET_WIDTH * NET_WIDTH * NET_TAPS)
+#define NET_C (NET_B_BIAS + NET_WIDTH)
+#define NET_C_BIAS (NET_C + NET_WIDTH)
+#define NET_D (NET_C_BIAS + 1)
+#define NET_D_BIAS (NET_D + NET_DENSE * NET_HIDDEN)
+#define NET_CLOUD (NET_D_BIAS + NET_DENSE)
+#define NET_CLOUD_BIAS (NET_CLOUD + NET_DENSE * CLOUD_COUNT)
+#define NET_E (NET_CLOUD_BIAS + NET_DENSE)
+#define NET_E_BIAS (NET_E + CANDIDATES * NET_DENSE)
+#define NET_SIZE (NET_E_BIAS + CANDIDATES)
+
+float candidate(int i) { return kSlopeWidth * float(i - CANDIDATES / 2); }
+float leaky(float v) { return v > 0.0 ? v : 0.1 * v; }
+
+// Size of a level of points, and the index of its first.
+uvec2 level_size(uvec2 size, uint level) {
+  for (uint l = 0u; l < level; ++l) size = (size + 1u) / 2u;
+  return size;
+}
+uint level_start(uvec2 size, uint level) {
+  uint start = 0u;
+  for (uint l = 0u; l < level; ++l, size = (size + 1u) / 2u) start += size.x * size.y;
+  return start;
+}

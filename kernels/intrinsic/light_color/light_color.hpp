@@ -2,11 +2,17 @@
 #pragma once
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
+#include "kernels/intrinsic_light_color_decide.spv.hpp"
+#include "kernels/intrinsic_light_color_features.spv.hpp"
+#include "kernels/intrinsic_light_color_levels.spv.hpp"
 #include "kernels/intrinsic_light_color_points.spv.hpp"
 #include "kernels/intrinsic_light_color_scene.spv.hpp"
+#include "kernels/intrinsic_light_color_steps.spv.hpp"
+#include "kernels/intrinsic_light_color_votes.spv.hpp"
 #include "kernels/intrinsic_light_color_white.spv.hpp"
 
 namespace inverse {
@@ -19,30 +25,52 @@ class LightColor {
   static constexpr float kMaxSlope = 2;
   struct Params {
     /// Step of ln R/B of light with a step of its ln brightness, −kMaxSlope…kMaxSlope; 0: gray
-    /// light; empty: found in the frames.
+    /// light; empty: measured in the frames.
     std::optional<float> slope = 0.0F;
     bool colored() const { return slope != 0.0F; }
     bool operator==(const Params&) const = default;
   };
+  /// What was done in a frame.
+  enum class Did : uint32_t {
+    measured = shaders::intrinsic_light_color_scene::LIGHT_MEASURED,
+    reused = shaders::intrinsic_light_color_scene::LIGHT_REUSED,
+    no_color = shaders::intrinsic_light_color_scene::LIGHT_NO_COLOR,
+    no_contrast = shaders::intrinsic_light_color_scene::LIGHT_NO_CONTRAST
+  };
 
   /// `extent` of frames.
   LightColor(const std::shared_ptr<gpu::Device>& device, Extent extent);
-  /// Records measuring a frame, linear RGB. `first`: it has no relation to the frame before.
+  /// Records what a frame, linear RGB, tells of its light. `first`: it has no relation to the frame
+  /// before. Every kPeriod frames, and in a new scene, the slope is measured.
   void record(gpu::Commands& commands, const gpu::BufferPtr& frame, const Params& params,
               bool first);
-  /// Of the frame recorded last, for the guide (light.glsl).
+  /// Of the frame recorded last (light.glsl).
   const gpu::BufferPtr& state() const { return light_; }
   /// What the layers of that frame carry, one vec4 (Role::slope). `scale`:
   /// ScaleNormalization::value of the layers.
   PlanePtr record_slope(gpu::Commands& commands, const gpu::BufferPtr& scale);
 
+  static constexpr uint32_t kPeriod = 8;
+  /// Weights of the network (light.glsl), fitted by training/intrinsic.
+  static std::span<const float> weights();
+
  private:
+  void measure(gpu::Commands& commands);
+
   Extent extent_, cells_;
-  uint32_t factor_;  // pixels along a cell
+  uint32_t factor_;          // pixels along a cell
+  uint32_t count_, coarse_;  // points of all levels, and of those but the first
+  uint32_t frames_ = 0;      // since the last first one
   gpu::Program<shaders::intrinsic_light_color_points> points_kernel_;
+  gpu::Program<shaders::intrinsic_light_color_levels> levels_;
   gpu::Program<shaders::intrinsic_light_color_scene> scene_;
+  gpu::Program<shaders::intrinsic_light_color_steps> steps_;
+  gpu::Program<shaders::intrinsic_light_color_features> features_kernel_;
+  gpu::Program<shaders::intrinsic_light_color_votes> votes_;
+  gpu::Program<shaders::intrinsic_light_color_decide> decide_;
   gpu::Program<shaders::intrinsic_light_color_white> white_;
-  gpu::BufferPtr points_, light_;
+  gpu::BufferPtr points_, coarse_points_, cloud_, counts_, features_, hidden_, weights_;
+  gpu::BufferPtr arguments_, light_;
   PlanePool slopes_;
 };
 

@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "intrinsic/guide/guide.glsl"
+#include "light.glsl"
 
 // The points of a frame (light.glsl): the mean of up to 4 x 4 pixels spread over a cell. One cell an invocation.
 PLANE_IN(0, frame);
@@ -13,28 +14,21 @@ layout(push_constant) uniform Push {
   uint factor;  // pixels along a cell
 } push;
 
-const uint kSamples = 4u;     // along a cell
-const float kClipped = 0.98;  // full scale, from which on a channel may lack light
-const float kDark = 0.02;     // at which color has half weight
+const uint kSamples = 4u;   // along a cell
+const float kDark = 0.02;   // at which the weight is a half
 
 void main() {
   uvec2 cell = uvec2(gl_GlobalInvocationID.x % push.cells.x, gl_GlobalInvocationID.x / push.cells.x);
   if (cell.y >= push.cells.y) return;
   uvec2 first = push.factor * cell, count = min(push.size - first, uvec2(push.factor)), samples = min(count, uvec2(kSamples));
-  vec3 sum = vec3(0.0);
-  float clipped = 0.0;
+  vec3 mean = vec3(0.0);
   for (uint y = 0u; y < samples.y; ++y)
     for (uint x = 0u; x < samples.x; ++x) {
       uvec2 at = first + (2u * uvec2(x, y) + 1u) * count / (2u * samples);
-      vec3 rgb = sanitize(FETCH(frame, int(at.y * push.size.x + at.x)).rgb);
-      sum += rgb;
-      clipped += max(max(rgb.r, rgb.g), rgb.b) >= kClipped ? 1.0 : 0.0;
+      mean += min(sanitize(FETCH(frame, int(at.y * push.size.x + at.x)).rgb), vec3(1.0));
     }
-  float share = 1.0 / float(samples.x * samples.y);
-  sum *= share;
-  vec3 color = log(sum + kChromaFloor);
-  vec3 light = sum + kIntensityFloor;
-  float m = log(light.r * light.g * light.b) / 3.0, brightness = exp(m);
-  STORE(points, gl_GlobalInvocationID.x,
-        vec4(m, color.r - color.b, 0.5 * (color.r + color.b) - color.g, (1.0 - share * clipped) * brightness / (brightness + kDark)));
+  mean /= float(samples.x * samples.y);
+  vec3 color = log(mean + kChromaFloor);
+  float m = mean_log(mean), light = exp(m);
+  STORE(points, gl_GlobalInvocationID.x, vec4(m, color.r - color.b, 0.5 * (color.r + color.b) - color.g, light / (light + kDark)));
 }

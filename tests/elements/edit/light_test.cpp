@@ -102,14 +102,16 @@ TEST_F(LightOf, ComposeShowsEveryLayer) {
               drawn(light_of(kFromGreen, kFromRed), s * 0.5), "model");
   expect_near(through("intrinsiccompose show=shading"),
               drawn(light_of(kFromGreen, kFromRed), s * 0.5), "shading");
-  expect_near(through("intrinsiccompose shading-scale=1 show=direct"), drawn({kDirect, kDirect, kDirect}, s),
-              "direct");
+  expect_near(through("intrinsiccompose shading-scale=1 show=direct"),
+              drawn({kDirect, kDirect, kDirect}, s), "direct");
   Pixel indirect = light_of(kFromGreen, kFromRed);
   for (size_t c = 0; c < 3; ++c) indirect[c] -= kDirect;
-  expect_near(through("intrinsiccompose shading-scale=1 show=indirect"), drawn(indirect, s), "indirect");
-  expect_near(through("intrinsiccompose shading-scale=1 show=layer layer=0"), drawn(kGreenBase, s * kFromGreen),
-              "green");
-  expect_near(through("intrinsiccompose shading-scale=1 show=layer layer=5"), drawn(kRedBase, s * kFromRed), "red");
+  expect_near(through("intrinsiccompose shading-scale=1 show=indirect"), drawn(indirect, s),
+              "indirect");
+  expect_near(through("intrinsiccompose shading-scale=1 show=layer layer=0"),
+              drawn(kGreenBase, s * kFromGreen), "green");
+  expect_near(through("intrinsiccompose shading-scale=1 show=layer layer=5"),
+              drawn(kRedBase, s * kFromRed), "red");
   expect_near(through("intrinsiccompose shading-scale=1 show=layer layer=9"), {0, 0, 0}, "none");
 }
 

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The slope of the color of light against tests/reference/intrinsic/scene_light.*.
+#include "kernels/intrinsic/light_color/light_color.hpp"
+
+#include "intrinsic_fixture.hpp"
+#include "tests/reference/intrinsic/scene_light.hpp"
+
+namespace inverse::testing {
+namespace {
+
+using State = shaders::intrinsic_light_color_scene;
+
+/// The scene with light of this slope: brighter light is redder if it is positive.
+Pixels in_light(Extent extent, unsigned seed, float slope) {
+  Pixels pixels = scene(extent, seed);
+  for (uint32_t y = 0; y < extent.height; ++y)
+    for (uint32_t x = 0; x < extent.width; ++x) {
+      float* pixel = &pixels[4 * (size_t{y} * extent.width + x)];
+      const float red = std::exp(0.5F * slope *
+                                 std::log((x + 2 * y > extent.width ? 0.9F : 0.35F) *
+                                          (1 - 0.4F * float(y) / float(extent.height))));
+      pixel[0] *= red;
+      pixel[2] /= red;
+    }
+  return pixels;
+}
+
+}  // namespace
+
+class LightColorTest : public IntrinsicTest {
+ protected:
+  /// LIGHT_… of a frame.
+  Pixels record(LightColor& light, Extent extent, const Pixels& pixels, bool first,
+                std::optional<float> slope = {}) {
+    const Plane frame = plane(extent, pixels);
+    run([&](gpu::Commands& commands) { light.record(commands, frame.buffer, {slope}, first); });
+    return download(light.state());
+  }
+};
+
+TEST_F(LightColorTest, AgreesWithReference) {
+  for (const Extent extent : {Extent{349, 287}, Extent{96, 72}, Extent{61, 130}, Extent{5, 3},
+                              Extent{1, 1}, Extent{1000, 2}}) {
+    LightColor light(device, extent);
+    reference::SceneLight expected(LightColor::weights());
+    for (int k = 0; k < 20; ++k) {
+      // Frames of a scene whose light changes a little, a cut, hostile pixels.
+      Pixels pixels = in_light(extent, k < 12 ? 3 : 4, k < 12 ? 0.5F : -0.8F);
+      for (float& v : pixels) v *= 1 + 0.01F * float(k % 5);
+      if (k == 15)
+        for (size_t i = 0; i < pixels.size(); i += 7) pixels[i] = i % 2 ? kNan : 1e9F;
+      const bool first = k == 0 || k == 18;
+      const Pixels got = record(light, extent, pixels, first);
+      const auto& want = expected.update(
+          rgb_of(pixels).data(), int(extent.width), int(extent.height), first,
+          first || k % LightColor::kPeriod == 0 || (k > 18 && (k - 18) % LightColor::kPeriod == 0));
+      const std::string what = name_of(extent) + ", frame " + std::to_string(k);
+      EXPECT_EQ(uint32_t(got[4 * State::LIGHT_TARGET + 3]), uint32_t(want.did)) << what;
+      EXPECT_NEAR(got[0], want.slope, 4e-3) << what;
+      EXPECT_NEAR(got[1], want.reference, 1e-4) << what;
+      EXPECT_NEAR(got[2], want.confidence, 1e-2) << what;
+      EXPECT_NEAR(got[4], want.target, 4e-3) << what;
+      EXPECT_EQ(int(got[6]), want.measurements) << what;
+    }
+  }
+}
+
+TEST_F(LightColorTest, AGivenSlopeIsInForceAtOnce) {
+  const Extent extent{64, 48};
+  LightColor light(device, extent);
+  for (const float slope : {0.7F, -1.5F, 5.0F}) {
+    const Pixels got = record(light, extent, scene(extent, 1), slope == 0.7F, slope);
+    EXPECT_EQ(got[0], std::min(slope, LightColor::kMaxSlope));
+    EXPECT_EQ(got[2], 1);
+  }
+}
+
+TEST_F(LightColorTest, FramesWithoutColorOrContrastHaveGrayLight) {
+  const Extent extent{64, 48};
+  Pixels gray = scene(extent, 1);
+  for (size_t i = 0; i < gray.size(); i += 4) gray[i + 1] = gray[i + 2] = gray[i];
+  using Did = LightColor::Did;
+  const struct {
+    Pixels pixels;
+    Did did;
+  } frames[] = {{gray, Did::no_color},
+                {Pixels(gray.size(), 0.0F), Did::no_color},
+                {Pixels(gray.size(), kNan), Did::no_color},
+                {Pixels(gray.size(), 1e9F), Did::no_color}};
+  for (const auto& frame : frames) {
+    LightColor light(device, extent);
+    const Pixels got = record(light, extent, frame.pixels, true);
+    EXPECT_EQ(got[0], 0);
+    EXPECT_EQ(uint32_t(got[4 * State::LIGHT_TARGET + 3]), uint32_t(frame.did));
+    EXPECT_TRUE(all_finite(got));
+  }
+}
+
+}  // namespace inverse::testing
