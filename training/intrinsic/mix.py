@@ -118,7 +118,7 @@ def photograph(picture, rng):
     return np.round(255 * srgb(noisy)).astype(np.uint8)
 
 
-def mix(sample, seed, size=1, k=None, bend=0.3):
+def mix(sample, seed, size=1, k=None, bend=0.4):
     """One photograph of a sample, at 1/size of its resolution. k: bends the light to this slope; without it a share `bend` of the
     photographs is bent to a slope drawn as real ones are distributed, wider than lights and bounces alone make them. Returns a dict of
     image   height × width × 3, 8-bit sRGB
