@@ -1,0 +1,166 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Sanity of samples, mixtures and the reader, in seconds and without Blender: check.py. Prints what it measured, and stops at
+what is off. check.py FOLDER checks the samples there as well."""
+import argparse
+import pathlib
+import struct
+import tempfile
+
+import numpy as np
+
+import denoise
+import exr
+import mix
+import render
+import sample as samples
+
+
+def expect(ok, text):
+    print(("ok    " if ok else "WRONG ") + text)
+    if not ok:
+        raise SystemExit(1)
+
+
+def synthetic(seed=0, size=(66, 88)):
+    """Patches of paint; a sun that half of the picture's pixels see, and a sky."""
+    rng = np.random.default_rng(seed)
+    patches = rng.uniform(0.05, 0.9, (size[0] // 11, size[1] // 11, 3)).repeat(11, 0).repeat(11, 1)
+    lit = np.zeros(size)
+    lit[:, : size[1] // 2] = 1
+    shading = np.stack([np.repeat(s[..., None], 3, 2) for s in (2 * lit, np.ones(size))])
+    groups = [{"name": "sun0", "kind": "sun", "noise": 0}, {"name": "sky1", "kind": "sky", "noise": 0}]
+    return {
+        "R": patches.astype(np.float32),
+        "S": shading.astype(np.float32),
+        "N": np.zeros((*size, 3), np.float32),
+        "Z": np.ones(size, np.float32),
+        "mask": np.ones(size, np.uint8),
+        "meta": {"seed": seed, "kind": "yard", "groups": groups},
+    }
+
+
+def check_colors():
+    error = np.abs(mix.planck(6504) - [1.03, 1, 1.05]).max()
+    expect(error < 0.05, f"a black body of 6504 K is nearly white ({error:.3f})")
+    ratios = [np.log(c[0] / c[2]) for c in map(mix.planck, (2700, 4500, 6500, 15000))]
+    expect(np.all(np.diff(ratios) < 0) and ratios[0] > 2, f"ln R - ln B falls with temperature: {np.round(ratios, 2)}")
+
+
+def check_slope():
+    """A line by construction, and two lights of which one is hidden in half of the picture."""
+    rng = np.random.default_rng(1)
+    s, weight = rng.normal(0, 0.6, (40, 50)), np.ones((40, 50))
+    for k in (-1.2, 0, 0.7):
+        found = mix.slope(np.exp((1 + k * mix.AXIS) * s[..., None]), weight)
+        expect(abs(found["k"] - k) < 1e-5 and found["axis"] < 1e-5 and found["g"] < 1e-5, f"slope {k} is found: {found['k']:.5f}")
+    sun, sky = 2 * mix.planck(5000), 0.7 * mix.planck(12000)
+    light = np.stack([sun + sky, sky])[np.arange(2000).reshape(40, 50) % 2]
+    b, m = (np.log((sun + sky)[0] / (sun + sky)[2]) - np.log(sky[0] / sky[2])), (np.log(sun + sky) - np.log(sky)).mean()
+    found = mix.slope(light, weight)
+    expect(abs(found["k"] - b / m) < 1e-5, f"sun and sky, one hidden: {found['k']:.4f}, closed form {b / m:.4f}")
+    light = np.exp(rng.normal(0, 0.4, (40, 50, 3)))
+    before = mix.slope(light, weight)
+    for k in (-1.0, 0.5):
+        after = mix.slope(mix.with_slope(light, weight, k), weight)
+        off = max(abs(after["k"] - k), abs(after["axis"] - before["axis"]), abs(after["g"] - before["g"]), abs(after["m_rms"] - before["m_rms"]))
+        expect(off < 1e-4, f"light that is bent to slope {k} has it, and all else stays ({off:.0e})")
+
+
+def check_mixture():
+    s = synthetic()
+    for seed in range(40):
+        m = mix.mix(s, seed, 2)
+        picture = m["R"] * m["E"]
+        good = (m["weight"] > 0) & (picture.min(-1) > 0.1) & (picture.max(-1) < 0.9)
+        ratio = np.abs(np.log(m["I"][good] / picture[good]))
+        if not (good.any() and np.median(ratio) < 0.1 and all(np.isfinite(m[n]).all() for n in ("I", "R", "E", "k"))):
+            expect(False, f"mixture {seed}: I is R E up to noise ({np.median(ratio):.3f})")
+    expect(True, "40 mixtures: I is R E up to blur, noise and rounding")
+    slopes = np.array([mix.mix(s, seed)["k"] for seed in range(200)])
+    gray = np.mean(np.abs(slopes) < 0.02)
+    expect(0.03 < gray < 0.4, f"{gray:.0%} of the mixtures have gray light")
+    expect(np.median(slopes[np.abs(slopes) > 0.02]) > 0.1, "under sun and sky shadows are bluer")
+    again = mix.mix(s, 7), mix.mix(s, 7)
+    expect(np.array_equal(again[0]["image"], again[1]["image"]), "a seed gives one picture")
+    bent = [m for m in (mix.mix(s, seed, 2, k=-0.8) for seed in range(9)) if m["m_rms"] > 0.05]
+    off = max(abs(mix.slope(m["E"], m["mask"].astype(float))["k"] + 0.8) for m in bent)
+    expect(off < 1e-3, f"{len(bent)} mixtures of a given slope ({off:.0e})")
+
+
+def check_files():
+    s = synthetic(5)
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        samples.write(folder / "5.npz", s)
+        again = samples.read(folder / "5.npz")
+        off = max(np.abs(again[n] - s[n]).max() for n in ("R", "S"))
+        expect(off < 2e-3 and again["meta"] == s["meta"] and not list(folder.glob("*.part")), f"a sample is read as it was written ({off:.0e})")
+        (folder / "6.rejected").write_text("{}")
+        args = argparse.Namespace(out=folder)  # without a command to run: it would fail if it rendered
+        expect(render.render(5, args) is None and render.render(6, args) is None, "what is there is not rendered again")
+        values = np.random.default_rng(0).normal(size=(2, 5, 7)).astype("<f4")
+        channels = b"".join(n + b"\0" + struct.pack("<iiii", 2, 0, 1, 1) for n in (b"A.X.R", b"B.Z")) + b"\0"
+        head = (
+            b"".join(
+                n + b"\0" + t + b"\0" + struct.pack("<i", len(v)) + v
+                for n, t, v in (
+                    (b"channels", b"chlist", channels),
+                    (b"compression", b"compression", b"\0"),
+                    (b"dataWindow", b"box2i", struct.pack("<4i", 0, 0, 6, 4)),
+                )
+            )
+            + b"\0"
+        )
+        rows = b"".join(struct.pack("<ii", y, 56) + values[0, y].tobytes() + values[1, y].tobytes() for y in range(5))
+        (folder / "x.exr").write_bytes(b"\x76\x2f\x31\x01" + struct.pack("<i", 2) + head + bytes(40) + rows)
+        read = exr.read(folder / "x.exr")
+        expect(np.array_equal(read["A.X.R"], values[0]) and np.array_equal(read["B.Z"], values[1]), "an OpenEXR file is read")
+
+
+def check_denoise():
+    rng = np.random.default_rng(2)
+    truth = np.ones((60, 80, 3), np.float32)
+    truth[:, 40:] = 0.3
+    halves = [truth * np.exp(rng.normal(0, 0.15, truth.shape)) for _ in range(2)]
+    clean = denoise.denoise(*halves, np.zeros_like(truth) + [0, 0, 1], np.ones((60, 80)))
+    before, after = (np.sqrt((((x - truth) / truth) ** 2).mean()) for x in (sum(halves) / 2, clean))
+    edge = clean[:, 38:42].mean((0, 2))
+    expect(
+        after < 0.3 * before and abs(edge[1] - 1) < 0.05 and abs(edge[2] - 0.3) < 0.05,
+        f"noise {before:.3f} becomes {after:.3f}, a shadow's edge stays",
+    )
+
+
+def check_samples(folder):
+    files = sorted(folder.glob("*.npz"), key=lambda f: int(f.stem))
+    slopes = []
+    for file in files:
+        s = samples.read(file)
+        valid = s["mask"] > 0
+        fine = (
+            all(np.isfinite(s[n]).all() for n in ("R", "S", "N", "Z")) and s["S"].min() >= 0 and s["R"][valid].min() > 0.01 and s["R"].max() <= 1.001
+        )
+        picture = (s["R"] * s["S"].sum(0))[valid]
+        off = np.abs(picture - sum((s["R"] * x)[valid] for x in s["S"])).max() / picture.max()
+        if not fine or off > 1e-4:
+            expect(False, f"{file}: finite {fine}, sum of the lights off by {off:.0e}")
+        slopes += [mix.mix(s, seed, 2)["k"] for seed in range(3)]
+    expect(True, f"{len(files)} samples; slopes at 2, 25, 50, 75, 98 %: {np.percentile(slopes, [2, 25, 50, 75, 98]).round(2) if slopes else '-'}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", nargs="?", type=pathlib.Path)
+    args = parser.parse_args()
+    check_colors()
+    check_slope()
+    check_mixture()
+    check_files()
+    check_denoise()
+    if args.folder:
+        check_samples(args.folder)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,67 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Renders scenes, one Blender each, at the lowest priority: render.py --out FOLDER --first 0 --count 300.
+Seeds whose sample or rejection exists are skipped, so it may be stopped and started again."""
+import argparse
+import concurrent.futures
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+import time
+
+import sample
+
+HERE = pathlib.Path(__file__).resolve().parent
+
+
+def render(seed, args):
+    """Writes OUT/SEED.npz, or OUT/SEED.rejected with the reason. Returns what happened, or None if there was nothing to do."""
+    path, rejected = args.out / f"{seed}.npz", args.out / f"{seed}.rejected"
+    if path.exists() or rejected.exists():
+        return None
+    start = time.time()
+    with tempfile.TemporaryDirectory() as folder:
+        options = {"seed": seed, "out": folder, "samples": args.samples, "threads": args.threads, "assets": args.assets, "kind": args.kind}
+        command = ["nice", "-n", "19", "blender", "-b", "--factory-startup", "-noaudio", "-P", str(HERE / "scene/build.py"), "--"]
+        command += [word for name, value in options.items() if value is not None for word in (f"--{name}", str(value))]
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, timeout=args.timeout, env={**os.environ, "OMP_NUM_THREADS": "1"})
+            if done.returncode < 0:
+                return f"{seed} was interrupted by signal {-done.returncode}"
+            if not (pathlib.Path(folder) / "scene.json").exists():
+                lines = [l for l in (done.stdout + done.stderr).splitlines() if "Error" in l or "rejected" in l]
+                raise sample.Rejected(lines[-1] if lines else f"blender ended with status {done.returncode}")
+            result = sample.from_renderings(folder)
+            result["meta"]["seconds"] = round(time.time() - start, 1)
+            sample.write(path, result)
+            meta = result["meta"]
+            return f"{seed} {meta['kind']} {meta['seconds']} s, noise {' '.join('%s %.3f' % (g['kind'], g['noise']) for g in meta['groups'])}"
+        except (sample.Rejected, ValueError, subprocess.TimeoutExpired) as error:
+            rejected.write_text(json.dumps({"seed": seed, "reason": str(error)}))
+            return f"{seed} rejected after {time.time() - start:.0f} s: {error}"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=pathlib.Path, required=True)
+    parser.add_argument("--assets", type=pathlib.Path, help="folder with textures/ and models/ (README.md); without it all is procedural")
+    parser.add_argument("--first", type=int, default=0, help="first seed")
+    parser.add_argument("--count", type=int, default=300)
+    parser.add_argument("--kind", help="only this kind: room, hall, desk, shelf, street or yard")
+    parser.add_argument("--samples", type=int, default=14, help="a pixel, of each of the two renderings, outdoors; indoors 2.5 times as many")
+    parser.add_argument("--threads", type=int, default=1, help="of each Blender")
+    parser.add_argument("--jobs", type=int, default=1, help="Blenders at a time")
+    parser.add_argument("--timeout", type=int, default=1800, help="seconds for one scene, beside other work")
+    args = parser.parse_args()
+    os.nice(19 - os.nice(0))
+    args.out.mkdir(parents=True, exist_ok=True)
+    with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
+        for text in pool.map(lambda seed: render(seed, args), range(args.first, args.first + args.count)):
+            if text:
+                print(text, flush=True)
+
+
+if __name__ == "__main__":
+    main()
