@@ -2,7 +2,7 @@
 // The color of light: ln light of channel c is (1 + k d_c) s, s = ln S the shading and d = (1/2, 0, -1/2) for R, G, B. Mixtures of two
 // lights of different color temperature are near that line. k, the slope, is one number a scene; 0 is gray light.
 //
-// Role::slope, one vec4: k; ln S at which light is white; how sure k is, 0...1; -.
+// Role::slope, one vec4: k; ln S at which light is white; how sure k is, 0...1; the decomposer's own.
 #define SLOPE_K 0
 #define SLOPE_WHITE 1
 #define SLOPE_CONFIDENCE 2

@@ -94,6 +94,7 @@ class IntrinsicDecomposition {
     uint32_t tiles_active = 0;   ///< that were worked on
     float slope = 0;             ///< of the color of light; 0: gray
     float slope_confidence = 1;  ///< 0…1
+    LightColor::Did slope_found = LightColor::Did::reused;
   };
   /// Of one of the last kFramesInFlight frames, once its Commands have been waited for.
   Findings findings(uint64_t frame) const;

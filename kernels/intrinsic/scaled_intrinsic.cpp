@@ -22,12 +22,18 @@ void ScaledIntrinsic::set_up(size_t halvings) {
   if (!methods_[halvings]) methods_[halvings].emplace(device_, extent);
 }
 
-std::optional<ResolutionPlanner::Found> ScaledIntrinsic::found_before() const {
+std::optional<ScaledIntrinsic::Found> ScaledIntrinsic::found_before() const {
   if (recorded_ < gpu::kFramesInFlight) return {};
   const Past& done = past(recorded_);  // the last frame that is sure to be done
   const auto& method = methods_[done.stats.halvings];
-  return ResolutionPlanner::Found{method && method->findings(done.number).cut, done.stats.compared,
-                                  done.stats.compared ? distance_->value(recorded_) : 0};
+  Found found{{.compared = done.stats.compared,
+               .distance = done.stats.compared ? distance_->value(recorded_) : 0},
+              {}};
+  if (!method) return found;
+  const auto of_method = method->findings(done.number);
+  found.cut = of_method.cut;
+  found.light = of_method.slope_found;
+  return found;
 }
 
 void ScaledIntrinsic::release_half() {
@@ -81,6 +87,8 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
                                const FrameInfo& frame) {
   if (frame.reset) restart();
   FrameInfo info = frame;
+  std::optional<LightColor::Did> light_before;
+  if (const auto found = found_before()) light_before = found->light;
   if (!info.light && params.light.colored()) {
     if (!light_) light_.emplace(device_, extent_);
     light_->record(commands, input->buffer, params.light, first_);
@@ -109,6 +117,8 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   past = {{method(now).stats(method(now).recorded() - 1), now, crossed, false},
           method(now).recorded() - 1,
           planner_.half_distance()};
+  if (const std::string reason = LightColor::skipped(params.light, light_before); !reason.empty())
+    past.stats.plan.skipped.push_back(reason);
   if (choice.full_because)
     past.stats.plan.run.push_back(std::string("full resolution: ") + choice.full_because);
   if (choice.compares) {

@@ -91,7 +91,10 @@ class ScaledIntrinsic {
   IntrinsicDecomposition& method(size_t halvings) { return *methods_[halvings]; }
   void set_up(size_t halvings);
   /// Of the last frame that is sure to be done; empty if there is none.
-  std::optional<ResolutionPlanner::Found> found_before() const;
+  struct Found : ResolutionPlanner::Found {
+    LightColor::Did light = LightColor::Did::reused;
+  };
+  std::optional<Found> found_before() const;
   /// Half resolution is set up again when it is next used.
   void release_half();
   void restart();

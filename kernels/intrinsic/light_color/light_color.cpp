@@ -29,6 +29,16 @@ std::span<const float> LightColor::weights() {
   return {kLightColorWeights, kLightColorWeights_size};
 }
 
+std::string LightColor::skipped(const Params& params, std::optional<Did> before) {
+  if (!params.colored()) return "color of light: light-color-slope=0 makes it gray";
+  if (params.slope) return "measuring the color of light: light-color-slope gives it";
+  if (before == Did::no_color) return "measuring the color of light: the frame has no color";
+  if (before == Did::no_contrast) return "measuring the color of light: the frame has no contrast";
+  if (before == Did::reused)
+    return "measuring the color of light: it is due every " + std::to_string(kPeriod) + " frames";
+  return {};
+}
+
 LightColor::LightColor(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : extent_(extent),
       factor_((std::max(extent.width, extent.height) + Scene::LIGHT_POINTS - 1) /

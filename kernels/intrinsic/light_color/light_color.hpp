@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
@@ -37,6 +38,10 @@ class LightColor {
     no_color = shaders::intrinsic_light_color_scene::LIGHT_NO_COLOR,
     no_contrast = shaders::intrinsic_light_color_scene::LIGHT_NO_CONTRAST
   };
+
+  /// Why work on it is skipped, as in Plan; empty if it is not. `before`: of one of the last frames,
+  /// if one is known.
+  static std::string skipped(const Params& params, std::optional<Did> before);
 
   /// `extent` of frames.
   LightColor(const std::shared_ptr<gpu::Device>& device, Extent extent);
