@@ -167,6 +167,7 @@ void GlobalIntrinsic::measure_light_color(gpu::Commands& commands, const Plane& 
   colored_ = params.light.colored();
   if (!colored_) return;
   light_color_.record(commands, input.buffer, params.light, frames_ == 0);
+  if (!plan_.reused()) light_color_.record_move(commands);
   commands.stage("light-color");
 }
 

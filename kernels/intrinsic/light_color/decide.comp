@@ -12,8 +12,6 @@ SCALAR_IN(2, cloud);
 PLANE_INOUT(3, light);
 layout(push_constant) uniform Push { float rate; } push;  // least share of the newest measurement
 
-const float kPriorSpread = 0.4;  // standard deviation of k over scenes
-
 shared float second[NET_HIDDEN], dense[NET_DENSE], votes[CANDIDATES];
 
 void main() {
@@ -45,7 +43,7 @@ void main() {
   }
   barrier();
   if (lane > 0) return;
-  vec4 target = LOAD(light, LIGHT_TARGET), now = LOAD(light, LIGHT_NOW);
+  vec4 target = LOAD(light, LIGHT_TARGET);
   bool fresh = target.z == 0.0;
   float share = max(push.rate, 1.0 / (target.z + 1.0)), top = -1e30;
   for (int i = 0; i < CANDIDATES; ++i) {
@@ -60,7 +58,4 @@ void main() {
   }
   float mean = sum.y / sum.x, variance = max(sum.z / sum.x - mean * mean, 0.0);
   STORE(light, LIGHT_TARGET, vec4(mean, sqrt(variance), target.z + 1.0, target.w));
-  now.z = max(1.0 - variance / (kPriorSpread * kPriorSpread), 0.0);
-  if (fresh) now.x = LOAD(light, LIGHT_FRAME).x * mean;
-  STORE(light, LIGHT_NOW, now);
 }

@@ -5,7 +5,7 @@
 // Of the scene, vec4s:
 #define LIGHT_NOW 0     // k; m at which the guide takes light as white; confidence of k, 0...1; 1 once a frame was seen
 #define LIGHT_TARGET 1  // k that LIGHT_NOW moves to; its standard deviation; measurements since a cut; LIGHT_… below
-#define LIGHT_FRAME 2   // share of k that is used, by the frame's color; -, -, -
+#define LIGHT_FRAME 2   // share of k that is used, by the frame's color; m of white light; 1 if LIGHT_NOW takes all of it at once; -
 #define LIGHT_VOTES 3   // for the candidates, averaged over measurements
 #define LIGHT_SIZE 11
 

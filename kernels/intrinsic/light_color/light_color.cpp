@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "common/error.hpp"
 #include "kernels/gpu/reduce.hpp"
@@ -16,7 +17,7 @@ extern const std::size_t kLightColorWeights_size;
 
 namespace {
 using Scene = shaders::intrinsic_light_color_scene;
-constexpr uint32_t kLanes = 8;      // of white.comp, which works on one
+constexpr uint32_t kLanes = 8;      // of kernels that work on one
 constexpr float kRate = 1.0F / 16;  // least share of a measurement in the scene's slope
 constexpr uint64_t kArguments = 3 * sizeof(uint32_t);  // of a kernel
 
@@ -50,6 +51,7 @@ LightColor::LightColor(const std::shared_ptr<gpu::Device>& device, Extent extent
       features_kernel_(device),
       votes_(device),
       decide_(device, {}, device->variant().lone_workgroup),
+      move_(device, {}, kLanes),
       white_(device, {}, kLanes),
       slopes_(device, {1, 1}) {
   const auto cells = [&](uint32_t length) { return (length + factor_ - 1) / factor_; };
@@ -100,6 +102,11 @@ void LightColor::record(gpu::Commands& commands, const gpu::BufferPtr& frame, co
        .groups_votes = groups_of(votes_.kernel(), Scene::NET_HIDDEN)},
       {});
   if (!params.slope) measure(commands);
+  moved_ = false;
+}
+
+void LightColor::record_move(gpu::Commands& commands) {
+  if (!std::exchange(moved_, true)) commands.dispatch(move_, {.light = light_}, {});
 }
 
 void LightColor::measure(gpu::Commands& commands) {

@@ -10,6 +10,7 @@
 #include "kernels/intrinsic_light_color_decide.spv.hpp"
 #include "kernels/intrinsic_light_color_features.spv.hpp"
 #include "kernels/intrinsic_light_color_levels.spv.hpp"
+#include "kernels/intrinsic_light_color_move.spv.hpp"
 #include "kernels/intrinsic_light_color_points.spv.hpp"
 #include "kernels/intrinsic_light_color_scene.spv.hpp"
 #include "kernels/intrinsic_light_color_steps.spv.hpp"
@@ -19,7 +20,7 @@
 namespace inverse {
 
 /// The color of a scene's light, one number: its slope (image/light_color.glsl;
-/// docs/reference/methods/intrinsicdecomp.md, 2), and where light is white. All of it is on the
+/// docs/reference/methods/intrinsicdecomp.md, 13), and where light is white. All of it is on the
 /// device.
 class LightColor {
  public:
@@ -39,8 +40,8 @@ class LightColor {
     no_contrast = shaders::intrinsic_light_color_scene::LIGHT_NO_CONTRAST
   };
 
-  /// Why work on it is skipped, as in Plan; empty if it is not. `before`: of one of the last frames,
-  /// if one is known.
+  /// Why work on it is skipped, as in Plan; empty if it is not. `before`: of one of the last
+  /// frames, if one is known.
   static std::string skipped(const Params& params, std::optional<Did> before);
 
   /// `extent` of frames.
@@ -49,6 +50,9 @@ class LightColor {
   /// before. Every kPeriod frames, and in a new scene, the slope is measured.
   void record(gpu::Commands& commands, const gpu::BufferPtr& frame, const Params& params,
               bool first);
+  /// Records taking that over for the frame, once: frames that do without reuse the tiles that they
+  /// do not solve, whose light must stay what it was.
+  void record_move(gpu::Commands& commands);
   /// Of the frame recorded last (light.glsl).
   const gpu::BufferPtr& state() const { return light_; }
   /// What the layers of that frame carry, one vec4 (Role::slope). `scale`:
@@ -66,6 +70,7 @@ class LightColor {
   uint32_t factor_;          // pixels along a cell
   uint32_t count_, coarse_;  // points of all levels, and of those but the first
   uint32_t frames_ = 0;      // since the last first one
+  bool moved_ = false;       // for this frame
   gpu::Program<shaders::intrinsic_light_color_points> points_kernel_;
   gpu::Program<shaders::intrinsic_light_color_levels> levels_;
   gpu::Program<shaders::intrinsic_light_color_scene> scene_;
@@ -73,6 +78,7 @@ class LightColor {
   gpu::Program<shaders::intrinsic_light_color_features> features_kernel_;
   gpu::Program<shaders::intrinsic_light_color_votes> votes_;
   gpu::Program<shaders::intrinsic_light_color_decide> decide_;
+  gpu::Program<shaders::intrinsic_light_color_move> move_;
   gpu::Program<shaders::intrinsic_light_color_white> white_;
   gpu::BufferPtr points_, coarse_points_, cloud_, counts_, features_, hidden_, weights_;
   gpu::BufferPtr arguments_, light_;

@@ -6,8 +6,8 @@
 #include "light.glsl"
 
 // What a frame's points say before k is measured: how bright the brightest are, whether the scene is another one, whether k can be
-// seen at all. Moves k toward its target, and decides whether it is measured in this frame: that writes the workgroup counts of
-// the kernels which do, 0 to skip them. One workgroup.
+// seen at all; and whether it is measured in this frame: that writes the workgroup counts of the kernels which do, 0 to skip them.
+// One workgroup.
 PLANE_IN(0, coarse);      // points from level 1 on
 PLANE_INOUT(1, light);
 SCALAR_INOUT(2, cloud);   // shares of points; on entry of the frame before
@@ -24,13 +24,10 @@ layout(push_constant) uniform Push {
 const uint kBins = 256u;
 const float kLow = -6.4, kHigh = 1.6;           // m of the first and last bin
 const float kBright = 0.95;                     // quantile of m
-const float kRate = 1.0 / 16.0;                 // share of the newest frame in that
 const float kBrightStep = 0.4, kColorStep = 0.1;  // bins of the cloud
 const float kCut = 0.5;                         // share of the points that are elsewhere in the cloud
 const float kNoColor = 0.02, kColor = 0.05;     // spread of (b, g), from none to full effect of k
 const float kNoContrast = 0.05;                 // spread of m
-const float kNear = 0.05;                       // distance of k from its target up to which it stays
-const float kMove = 0.05, kMaxMove = 0.004;     // share of the rest a frame, and the most
 
 shared uint counts[kBins + uint(CLOUD_COUNT)];
 
@@ -72,26 +69,21 @@ void main() {
   change = workgroup_sum(change);
   if (lane > 0u) return;
 
-  vec4 now = LOAD(light, LIGHT_NOW), target = LOAD(light, LIGHT_TARGET);
-  bool known = push.first == 0u && now.w > 0.0, cut = !known || !(0.5 * change.x < kCut);
-  now.y = known && !cut ? mix(now.y, bright, kRate) : bright;
+  vec4 target = LOAD(light, LIGHT_TARGET);
+  bool known = push.first == 0u && LOAD(light, LIGHT_NOW).w > 0.0, cut = !known || !(0.5 * change.x < kCut);
   float usable = smoothstep(kNoColor, kColor, sqrt(variance.y + variance.z));
   uint did = usable == 0.0 ? LIGHT_NO_COLOR : variance.x < kNoContrast * kNoContrast ? LIGHT_NO_CONTRAST : LIGHT_MEASURED;
   if (push.automatic == 0u) {
-    now.xz = vec2(push.slope, 1.0);
+    usable = 1.0;
+    target = vec4(push.slope, 0.0, 0.0, 0.0);
     did = LIGHT_REUSED;
   } else {
     if (cut) target = vec4(0.0);
     if (did == LIGHT_MEASURED && !cut && push.due == 0u) did = LIGHT_REUSED;
-    // Measuring writes the target behind this; a new scene takes it at once.
-    float aim = usable * target.x, off = aim - now.x;
-    if (cut) now.xz = vec2(0.0);
-    else if (abs(off) > kNear) now.x += clamp(kMove * off, -kMaxMove, kMaxMove);
   }
-  STORE(light, LIGHT_FRAME, vec4(usable, 0.0, 0.0, 0.0));
-  now.w = 1.0;
+  bool jumps = cut || push.automatic == 0u || LOAD(light, LIGHT_FRAME).z > 0.0;
+  STORE(light, LIGHT_FRAME, vec4(usable, bright, jumps ? 1.0 : 0.0, 0.0));
   target.w = float(did);
-  STORE(light, LIGHT_NOW, now);
   STORE(light, LIGHT_TARGET, target);
   uint go = did == uint(LIGHT_MEASURED) ? 1u : 0u;
   uvec4 groups = go * uvec4(push.groups_steps, push.groups_features, push.groups_votes, 1u);

@@ -37,6 +37,7 @@ TEST_F(GlobalTest, AgreesWithReferenceInColoredLight) {
   LightColor measured(device, extent);
   run([&](gpu::Commands& commands) {
     measured.record(commands, input(extent, frame)->buffer, params.light, true);
+    measured.record_move(commands);
   });
   reference::GlobalParams expected;
   light.reference = double(download(measured.state())[1]);

@@ -33,7 +33,10 @@ class LightColorTest : public IntrinsicTest {
   Pixels record(LightColor& light, Extent extent, const Pixels& pixels, bool first,
                 std::optional<float> slope = {}) {
     const Plane frame = plane(extent, pixels);
-    run([&](gpu::Commands& commands) { light.record(commands, frame.buffer, {slope}, first); });
+    run([&](gpu::Commands& commands) {
+      light.record(commands, frame.buffer, {slope}, first);
+      light.record_move(commands);
+    });
     return download(light.state());
   }
 };

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "light.glsl"
+
+// Moves what is in force toward what was measured: at once in a new scene, else slowly. One invocation.
+PLANE_INOUT(0, light);
+
+const float kRate = 1.0 / 16.0;              // share of the newest frame in m of white light
+const float kNear = 0.05;                    // distance of k from its target up to which it stays
+const float kMove = 0.05, kMaxMove = 0.004;  // share of the rest a frame, and the most
+const float kPriorSpread = 0.4;              // standard deviation of k over scenes
+
+void main() {
+  if (gl_GlobalInvocationID.x > 0u) return;
+  vec4 now = LOAD(light, LIGHT_NOW), target = LOAD(light, LIGHT_TARGET), frame = LOAD(light, LIGHT_FRAME);
+  float aim = frame.x * target.x, off = aim - now.x;
+  bool jumps = frame.z > 0.0;
+  if (jumps) now.x = aim;
+  else if (abs(off) > kNear) now.x += clamp(kMove * off, -kMaxMove, kMaxMove);
+  now.y = jumps ? frame.y : mix(now.y, frame.y, kRate);
+  bool measured = target.z > 0.0, given = target.z == 0.0 && target.x != 0.0;
+  now.z = measured ? max(1.0 - target.y * target.y / (kPriorSpread * kPriorSpread), 0.0) : given ? 1.0 : 0.0;
+  now.w = 1.0;
+  STORE(light, LIGHT_NOW, now);
+  STORE(light, LIGHT_FRAME, vec4(frame.xy, 0.0, 0.0));
+}
