@@ -173,8 +173,8 @@ void render_room(Random& r, Buffers& out, double& ambient_level) {
   const Vec forward =
       normalize(Vec{r.uniform(-0.4, 0.4), r.uniform(0.1, 0.7), r.uniform(2.5, 4)} - eye);
   const Vec right = normalize({forward[2], 0, -forward[0]});
-  const Vec up{-forward[1] * right[2], right[2] * forward[0] - right[0] * forward[2],
-               forward[1] * right[0]};
+  const Vec up{forward[1] * right[2], right[0] * forward[2] - right[2] * forward[0],
+               -forward[1] * right[0]};
   const double zoom = r.uniform(0.35, 0.65);
   constexpr int kLightSamples = 12, kSkySamples = 8;
   for (int y = 0; y < out.h; ++y)
