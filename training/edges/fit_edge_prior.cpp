@@ -5,7 +5,8 @@
 //                  [--steps 4000] [--rate 0.005]
 //
 // Examples are procedural (scenes.hpp). Objects on black and palettes of diverse value are drawn
-// more often than they occur. training/edges/export_weights.py makes the C++ header.
+// more often than they occur. The slope of light is that of the scene with an error, as an estimate
+// has. training/edges/export_weights.py makes the C++ header.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,9 +17,11 @@
 #include <string>
 #include <thread>
 
+#include "colored_light.hpp"
 #include "problem.hpp"
 #include "scenes.hpp"
 #include "tests/bench/support/command_line.hpp"
+#include "textures.hpp"
 #include "weights.hpp"
 
 namespace inverse::training {
@@ -26,6 +29,7 @@ namespace {
 
 constexpr int kCellHidden = 8, kBatch = 8, kThreads = 2;
 constexpr double kObjectShare = 0.35, kDiverseShare = 0.5, kDecay = 3e-5;
+constexpr double kSlopeError = 0.12;  // rms
 
 struct Options {
   std::string out, from;
@@ -91,12 +95,15 @@ Corpus make_corpus(const Options& options) {
   corpus.examples.resize(std::size_t(options.scenes));
   constexpr std::array<std::array<int, 2>, 5> kSizes{
       {{176, 132}, {176, 132}, {224, 168}, {128, 96}, {128, 96}}};
+  const auto example = [&](const Scene& scene, int k) {
+    Random r{std::mt19937(unsigned(k))};
+    return make_example(scene, light_slope(scene) + kSlopeError * r.normal());
+  };
   parallel(options.scenes, [&](int k, int) {
     const auto& size = kSizes[std::size_t(k) % kSizes.size()];
     const int seed = 100000 * (options.seed - 1) + 1000 + k;
-    Scene s = make_scene(std::uint32_t(seed), size[0], size[1]);
-    corpus.examples[std::size_t(k)] = make_example(std::move(s.input), std::move(s.reflectance),
-                                                   std::move(s.shading), std::move(s.mask));
+    corpus.examples[std::size_t(k)] =
+        example(make_scene(std::uint32_t(seed), size[0], size[1]), seed);
   });
   for (int k = 0; k < options.scenes; ++k) {
     const Example& e = corpus.examples[std::size_t(k)];
