@@ -2,11 +2,12 @@
 // Fits the edge prior: stochastic gradient descent through the solve.
 //
 //   fit_edge_prior --out weights.txt [--from weights.txt | --hidden 4] [--seed 1] [--scenes 500]
-//                  [--steps 4000] [--rate 0.005]
+//                  [--steps 4000] [--rate 0.005] [--scenes-dir DIR --share 0.5]
 //
-// Examples are procedural (scenes.hpp). Objects on black and palettes of diverse value are drawn
-// more often than they occur. The slope of light is that of the scene with an error, as an estimate
-// has. training/edges/export_weights.py makes the C++ header.
+// Examples are procedural (scenes.hpp); a share of each batch comes from the files of a directory
+// (scene_files.hpp), if one is given. Objects on black and palettes of diverse value are drawn more
+// often than they occur. The slope of light is that of the scene with an error, as an estimate has.
+// training/edges/export_weights.py makes the C++ header.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,6 +20,7 @@
 
 #include "colored_light.hpp"
 #include "problem.hpp"
+#include "scene_files.hpp"
 #include "scenes.hpp"
 #include "tests/bench/support/command_line.hpp"
 #include "textures.hpp"
@@ -32,9 +34,9 @@ constexpr double kObjectShare = 0.35, kDiverseShare = 0.5, kDecay = 3e-5;
 constexpr double kSlopeError = 0.12;  // rms
 
 struct Options {
-  std::string out, from;
+  std::string out, from, scenes_dir;
   int scenes = 500, hidden = 4, seed = 1, steps = 4000;
-  double rate = 5e-3;
+  double rate = 5e-3, share = 0.5;
 };
 
 void parallel(int n, const std::function<void(int, int)>& work) {
@@ -68,11 +70,12 @@ std::vector<float> initial(const Model& model, int seed) {
 /// Indices of the training examples by kind.
 struct Corpus {
   std::vector<Example> examples;
-  std::vector<int> objects, diverse, even;
+  std::vector<int> objects, diverse, even, filed;
 
-  int draw(std::mt19937& engine) const {
+  int draw(std::mt19937& engine, double filed_share) const {
     const auto uniform = [&] { return double(engine() >> 8) / 16777216.0; };
     const auto any = [&](const std::vector<int>& v) { return v[engine() % v.size()]; };
+    if (!filed.empty() && uniform() < filed_share) return any(filed);
     if (!objects.empty() && uniform() < kObjectShare) return any(objects);
     return (uniform() < kDiverseShare && !diverse.empty()) || even.empty() ? any(diverse)
                                                                            : any(even);
@@ -111,6 +114,14 @@ Corpus make_corpus(const Options& options) {
       corpus.objects.push_back(k);
     (is_diverse(e) ? corpus.diverse : corpus.even).push_back(k);
   }
+  if (options.scenes_dir.empty()) return corpus;
+  const std::vector<std::string> files = scene_files(options.scenes_dir);
+  corpus.examples.resize(std::size_t(options.scenes) + files.size());
+  parallel(int(files.size()), [&](int k, int) {
+    corpus.examples[std::size_t(options.scenes + k)] =
+        example(load_scene(files[std::size_t(k)]), k + 1);
+  });
+  for (int k = 0; k < int(files.size()); ++k) corpus.filed.push_back(options.scenes + k);
   return corpus;
 }
 
@@ -132,7 +143,7 @@ void fit(const Options& options) {
   double sum = 0;
   for (int step = 1; step <= options.steps; ++step) {
     std::array<int, kBatch> batch{};
-    for (int& b : batch) b = corpus.draw(engine);
+    for (int& b : batch) b = corpus.draw(engine, options.share);
     std::array<std::vector<double>, kBatch> gradients;
     std::array<double, kBatch> losses{};
     std::array<Solution, kBatch> work;
@@ -179,11 +190,15 @@ void fit(const Options& options) {
 int main(int argc, char** argv) {
   inverse::training::Options o;
   namespace bench = inverse::bench;
-  const bench::Options known{
-      {"--out", bench::text(o.out)},          {"--from", bench::text(o.from)},
-      {"--scenes", bench::integer(o.scenes)}, {"--hidden", bench::integer(o.hidden)},
-      {"--seed", bench::integer(o.seed)},     {"--steps", bench::integer(o.steps)},
-      {"--rate", bench::number(o.rate)}};
+  const bench::Options known{{"--out", bench::text(o.out)},
+                             {"--from", bench::text(o.from)},
+                             {"--scenes-dir", bench::text(o.scenes_dir)},
+                             {"--scenes", bench::integer(o.scenes)},
+                             {"--hidden", bench::integer(o.hidden)},
+                             {"--seed", bench::integer(o.seed)},
+                             {"--steps", bench::integer(o.steps)},
+                             {"--rate", bench::number(o.rate)},
+                             {"--share", bench::number(o.share)}};
   if (!bench::read(known, argc, argv, "fit_edge_prior.cpp")) return 2;
   try {
     if (o.out.empty() || o.scenes < 1)
