@@ -27,7 +27,8 @@ struct Example {
 /// Computes guide, cues and bins of a scene whose light the slope k is assumed to describe.
 Example make_example(const Scene& scene, double k);
 
-/// The two networks in one parameter vector.
+/// The two networks in one parameter vector. Their last cue is the slope of light, min(|k|, 1): the
+/// steeper it is, the surer an achromatic step is paint.
 struct Model {
   Net edge, cell;
   Model(int edge_hidden, int cell_hidden);
