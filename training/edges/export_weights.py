@@ -3,7 +3,7 @@
 """Turns a fitted weight file (fit_edge_prior's output) into the C++ header of literal constants."""
 import sys
 
-EDGE, CELL = (19, 2), (11, 3)  # cues, outputs
+EDGE, CELL = (20, 2), (12, 3)  # cues, outputs
 
 
 def net(name, values, hidden, features, outputs):

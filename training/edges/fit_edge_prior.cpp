@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Fits the edge prior: stochastic gradient descent through the solve.
 //
-//   fit_edge_prior --out weights.txt [--from weights.txt | --hidden 12] [--scenes 200] [--seconds
-//   600] [--rate 0.005]
-//                  [--rendered 0.25 --data DIR --leave scene,scene]
+//   fit_edge_prior --out weights.txt [--from weights.txt | --hidden 4] [--seed 1] [--scenes 500]
+//                  [--steps 4000] [--rate 0.005] [--scenes-dir DIR --share 0.5]
 //
-// Examples are procedural (scenes.hpp); a share of `--rendered` of each batch comes from the
-// rendered sequences of regimes near_constant_value and hard_shadow, without the scenes left out.
-// MIT objects and the diverse-value sequences are never trained on. Objects on black and palettes
-// of diverse value are drawn more often than they occur. shrink_edge_prior fits a smaller net to
-// the result, training/edges/export_weights.py makes the C++ header.
+// Examples are procedural (scenes.hpp); a share of each batch comes from the files of a directory
+// (scene_files.hpp), if one is given. Objects on black and palettes of diverse value are drawn more
+// often than they occur. The slope of light is that of the scene with an error, as an estimate has.
+// training/edges/export_weights.py makes the C++ header.
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -21,10 +18,12 @@
 #include <string>
 #include <thread>
 
+#include "colored_light.hpp"
 #include "problem.hpp"
+#include "scene_files.hpp"
 #include "scenes.hpp"
-#include "tests/bench/scenes/datasets.hpp"
 #include "tests/bench/support/command_line.hpp"
+#include "textures.hpp"
 #include "weights.hpp"
 
 namespace inverse::training {
@@ -32,11 +31,12 @@ namespace {
 
 constexpr int kCellHidden = 8, kBatch = 8, kThreads = 2;
 constexpr double kObjectShare = 0.35, kDiverseShare = 0.5, kDecay = 3e-5;
+constexpr double kSlopeError = 0.12;  // rms
 
 struct Options {
-  std::string out, from, data = "../shared/data", leave;
-  int scenes = 200, hidden = 12;
-  double seconds = 600, rate = 5e-3, rendered = 0;
+  std::string out, from, scenes_dir;
+  int scenes = 500, hidden = 4, seed = 1, steps = 4000;
+  double rate = 5e-3, share = 0.5;
 };
 
 void parallel(int n, const std::function<void(int, int)>& work) {
@@ -48,9 +48,9 @@ void parallel(int n, const std::function<void(int, int)>& work) {
   for (std::thread& t : threads) t.join();
 }
 
-std::vector<float> initial(const Model& model) {
+std::vector<float> initial(const Model& model, int seed) {
   std::vector<float> p(std::size_t(model.count()), 0.0F);
-  std::mt19937 engine(1);
+  std::mt19937 engine{unsigned(seed)};
   std::normal_distribution<float> normal;
   for (const Net* net : {&model.edge, &model.cell})
     for (int h = 0; h < net->hidden; ++h)
@@ -70,12 +70,12 @@ std::vector<float> initial(const Model& model) {
 /// Indices of the training examples by kind.
 struct Corpus {
   std::vector<Example> examples;
-  std::vector<int> objects, diverse, even, rendered;
+  std::vector<int> objects, diverse, even, filed;
 
-  int draw(std::mt19937& engine, double rendered_share) const {
+  int draw(std::mt19937& engine, double filed_share) const {
     const auto uniform = [&] { return double(engine() >> 8) / 16777216.0; };
     const auto any = [&](const std::vector<int>& v) { return v[engine() % v.size()]; };
-    if (!rendered.empty() && uniform() < rendered_share) return any(rendered);
+    if (!filed.empty() && uniform() < filed_share) return any(filed);
     if (!objects.empty() && uniform() < kObjectShare) return any(objects);
     return (uniform() < kDiverseShare && !diverse.empty()) || even.empty() ? any(diverse)
                                                                            : any(even);
@@ -98,11 +98,15 @@ Corpus make_corpus(const Options& options) {
   corpus.examples.resize(std::size_t(options.scenes));
   constexpr std::array<std::array<int, 2>, 5> kSizes{
       {{176, 132}, {176, 132}, {224, 168}, {128, 96}, {128, 96}}};
+  const auto example = [&](const Scene& scene, int k) {
+    Random r{std::mt19937(unsigned(k))};
+    return make_example(scene, light_slope(scene) + kSlopeError * r.normal());
+  };
   parallel(options.scenes, [&](int k, int) {
     const auto& size = kSizes[std::size_t(k) % kSizes.size()];
-    Scene s = make_scene(std::uint32_t(1000 + k), size[0], size[1]);
-    corpus.examples[std::size_t(k)] = make_example(std::move(s.input), std::move(s.reflectance),
-                                                   std::move(s.shading), std::move(s.mask));
+    const int seed = 100000 * (options.seed - 1) + 1000 + k;
+    corpus.examples[std::size_t(k)] =
+        example(make_scene(std::uint32_t(seed), size[0], size[1]), seed);
   });
   for (int k = 0; k < options.scenes; ++k) {
     const Example& e = corpus.examples[std::size_t(k)];
@@ -110,19 +114,14 @@ Corpus make_corpus(const Options& options) {
       corpus.objects.push_back(k);
     (is_diverse(e) ? corpus.diverse : corpus.even).push_back(k);
   }
-  if (options.rendered <= 0) return corpus;
-  for (const bench::LabeledFrame& f : bench::load_all(options.data, 3)) {
-    if (f.regime == bench::Regime::kMit || f.regime == bench::Regime::kDiverseValue) continue;
-    if (("," + options.leave + ",").find("," + f.scene + ",") != std::string::npos) continue;
-    const bench::LabeledFrame half = bench::half_size(f);
-    for (const bench::LabeledFrame* g : {&half, &f}) {
-      if (g == &f && f.index % 2 == 1) continue;
-      corpus.rendered.push_back(int(corpus.examples.size()));
-      corpus.examples.push_back(
-          make_example(g->input, g->reflectance, g->shading,
-                       bench::Image(g->input.width, g->input.height, 1, 1.0F)));
-    }
-  }
+  if (options.scenes_dir.empty()) return corpus;
+  const std::vector<std::string> files = scene_files(options.scenes_dir);
+  corpus.examples.resize(std::size_t(options.scenes) + files.size());
+  parallel(int(files.size()), [&](int k, int) {
+    corpus.examples[std::size_t(options.scenes + k)] =
+        example(load_scene(files[std::size_t(k)]), k + 1);
+  });
+  for (int k = 0; k < int(files.size()); ++k) corpus.filed.push_back(options.scenes + k);
   return corpus;
 }
 
@@ -131,7 +130,7 @@ void fit(const Options& options) {
       options.from.empty() ? Weights{options.hidden, kCellHidden, {}} : load_weights(options.from);
   const Model model(from.edge_hidden, from.cell_hidden);
   const std::size_t n = std::size_t(model.count());
-  std::vector<float> p = options.from.empty() ? initial(model) : from.values;
+  std::vector<float> p = options.from.empty() ? initial(model, options.seed) : from.values;
   if (p.size() != n) throw std::runtime_error(options.from + " holds no weights of this model");
   const auto save = [&](const std::vector<float>& values) {
     save_weights({from.edge_hidden, from.cell_hidden, values}, options.out);
@@ -140,15 +139,11 @@ void fit(const Options& options) {
   std::vector<Solution> solutions(corpus.examples.size());
   std::vector<float> average = p;
   std::vector<double> first(n, 0), second(n, 0);
-  std::mt19937 engine(1);
-  const auto start = std::chrono::steady_clock::now();
-  double sum = 0, reported = 0;
-  for (int step = 1, count = 0;; ++step) {
-    const double elapsed =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (elapsed > options.seconds) break;
+  std::mt19937 engine{unsigned(options.seed)};
+  double sum = 0;
+  for (int step = 1; step <= options.steps; ++step) {
     std::array<int, kBatch> batch{};
-    for (int& b : batch) b = corpus.draw(engine, options.rendered);
+    for (int& b : batch) b = corpus.draw(engine, options.share);
     std::array<std::vector<double>, kBatch> gradients;
     std::array<double, kBatch> losses{};
     std::array<Solution, kBatch> work;
@@ -169,8 +164,7 @@ void fit(const Options& options) {
       sum += losses[j] / kBatch;
       solutions[std::size_t(batch[j])] = std::move(work[j]);
     }
-    const double rate =
-        options.rate * 0.5 * (1 + std::cos(3.14159 * elapsed / options.seconds)) + 1e-5;
+    const double rate = options.rate * 0.5 * (1 + std::cos(3.14159 * step / options.steps)) + 1e-5;
     for (std::size_t i = 0; i < n; ++i) {  // Adam, and a running mean of the weights
       g[i] += kDecay * p[i];
       first[i] = 0.9 * first[i] + 0.1 * g[i];
@@ -180,10 +174,10 @@ void fit(const Options& options) {
       p[i] -= float(rate * mean / (std::sqrt(spread) + 1e-8));
       average[i] += 0.02F * (p[i] - average[i]);
     }
-    if (++count; elapsed > reported + 30) {
-      std::printf("%5.0f s  step %d  loss %.4f\n", elapsed, step, sum / count);
+    if (step % 100 == 0) {
+      std::printf("step %d  loss %.4f\n", step, sum / 100);
       std::fflush(stdout);
-      reported = elapsed, sum = 0, count = 0;
+      sum = 0;
       save(average);
     }
   }
@@ -198,13 +192,13 @@ int main(int argc, char** argv) {
   namespace bench = inverse::bench;
   const bench::Options known{{"--out", bench::text(o.out)},
                              {"--from", bench::text(o.from)},
-                             {"--data", bench::text(o.data)},
-                             {"--leave", bench::text(o.leave)},
+                             {"--scenes-dir", bench::text(o.scenes_dir)},
                              {"--scenes", bench::integer(o.scenes)},
                              {"--hidden", bench::integer(o.hidden)},
-                             {"--seconds", bench::number(o.seconds)},
+                             {"--seed", bench::integer(o.seed)},
+                             {"--steps", bench::integer(o.steps)},
                              {"--rate", bench::number(o.rate)},
-                             {"--rendered", bench::number(o.rendered)}};
+                             {"--share", bench::number(o.share)}};
   if (!bench::read(known, argc, argv, "fit_edge_prior.cpp")) return 2;
   try {
     if (o.out.empty() || o.scenes < 1)

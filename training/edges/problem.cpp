@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "colored_light.hpp"
 #include "tests/reference/intrinsic/intrinsic_decomposition.hpp"
 #include "tests/reference/intrinsic/intrinsic_features.hpp"
 
@@ -243,14 +244,14 @@ double window_energy(const Example& e, const bench::Image& truth, int k, int ste
 }  // namespace
 
 Model::Model(int edge_hidden, int cell_hidden)
-    : edge{reference::kEdgeFeatures, edge_hidden, 2, 0},
-      cell{reference::kCellFeatures, cell_hidden, 3, edge.count()} {}
+    : edge{reference::kEdgeFeatures + 1, edge_hidden, 2, 0},
+      cell{reference::kCellFeatures + 1, cell_hidden, 3, edge.count()} {}
 
-Example make_example(bench::Image input, bench::Image reflectance, bench::Image shading,
-                     bench::Image mask) {
+Example make_example(const Scene& scene, double k) {
   Example e;
-  e.input = std::move(input), e.reflectance = std::move(reflectance);
-  e.shading = std::move(shading), e.mask = std::move(mask);
+  Scene seen = without_light_color(scene, k);
+  e.input = std::move(seen.input), e.reflectance = std::move(seen.reflectance);
+  e.shading = std::move(seen.shading), e.mask = std::move(seen.mask);
   const std::vector<double> rgb(e.input.data.begin(), e.input.data.end());
   e.width = e.input.width, e.height = e.input.height;
   const reference::Guide guide = reference::make_guide(rgb.data(), e.width, e.height);
@@ -289,6 +290,8 @@ Example make_example(bench::Image input, bench::Image reflectance, bench::Image 
       e.bin[j] = int(v) * kBins + int(u);
       e.bin_fraction[2 * j] = float(u - int(u)), e.bin_fraction[2 * j + 1] = float(v - int(v));
     }
+  const float cue = float(std::min(std::abs(k), 1.0));
+  e.right.emplace_back(n, cue), e.down.emplace_back(n, cue), e.cell.emplace_back(cell_count, cue);
   return e;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "net.hpp"
+#include "scenes.hpp"
 #include "tests/bench/metrics/image.hpp"
 
 namespace inverse::training {
@@ -23,11 +24,11 @@ struct Example {
   int cell_of(int i) const { return i / width / 4 * cells_x + i % width / 4; }
 };
 
-/// Computes guide, cues and bins of `input`; truth and mask are the caller's.
-Example make_example(bench::Image input, bench::Image reflectance, bench::Image shading,
-                     bench::Image mask);
+/// Computes guide, cues and bins of a scene whose light the slope k is assumed to describe.
+Example make_example(const Scene& scene, double k);
 
-/// The two networks in one parameter vector.
+/// The two networks in one parameter vector. Their last cue is the slope of light, min(|k|, 1): the
+/// steeper it is, the surer an achromatic step is paint.
 struct Model {
   Net edge, cell;
   Model(int edge_hidden, int cell_hidden);

@@ -173,8 +173,8 @@ void render_room(Random& r, Buffers& out, double& ambient_level) {
   const Vec forward =
       normalize(Vec{r.uniform(-0.4, 0.4), r.uniform(0.1, 0.7), r.uniform(2.5, 4)} - eye);
   const Vec right = normalize({forward[2], 0, -forward[0]});
-  const Vec up{-forward[1] * right[2], right[2] * forward[0] - right[0] * forward[2],
-               forward[1] * right[0]};
+  const Vec up{forward[1] * right[2], right[0] * forward[2] - right[2] * forward[0],
+               -forward[1] * right[0]};
   const double zoom = r.uniform(0.35, 0.65);
   constexpr int kLightSamples = 12, kSkySamples = 8;
   for (int y = 0; y < out.h; ++y)
@@ -307,6 +307,65 @@ std::vector<Vec> wide_blur(std::vector<Vec> v, int w, int h, int radius) {
   return v;
 }
 
+// --- colored light -------------------------------------------------------------------------------
+
+constexpr double kColoredShare = 0.7, kMinApart = 0.2, kMaxApart = 1.4;
+
+/// Colors of direct light, of fill light, and of what bounces off surroundings that are not in
+/// view; `slope` comes on top: the logarithm of channel c gains slope d_c times its mean.
+struct Lights {
+  bool colored = false;
+  double slope = 0;
+  Vec direct{1, 1, 1}, fill{1, 1, 1}, bounce{1, 1, 1};
+};
+
+/// A light whose ln R - ln B is `blue_yellow`; green is off that axis a little.
+Vec light_color(Random& r, double blue_yellow) {
+  return {std::exp(0.5 * blue_yellow), std::exp(0.04 * r.normal()), std::exp(-0.5 * blue_yellow)};
+}
+
+Lights draw_lights(Random& r) {
+  Lights l;
+  l.colored = r.chance(kColoredShare);
+  if (!l.colored) return l;
+  const double apart = r.uniform(kMinApart, kMaxApart) * (r.chance(0.5) ? 1 : -1);
+  l.direct = light_color(r, 0), l.fill = light_color(r, -apart);
+  if (r.chance(0.4)) l.bounce = light_color(r, r.uniform(0, 0.8));  // wood, brick, skin
+  if (r.chance(0.6)) l.slope = std::clamp(0.45 * r.normal(), -1.0, 1.0);
+  return l;
+}
+
+void add_slope(double slope, std::vector<Vec>& image, std::vector<Vec>& shade) {
+  for (std::size_t i = 0; i < shade.size(); ++i) {
+    double log = 0;
+    for (double v : shade[i]) log += std::log(v + 1e-4) / 3;
+    for (std::size_t c : {0, 2}) {
+      const double gain = std::exp(slope * (c == 0 ? 0.5 : -0.5) * log);
+      image[i][c] *= gain, shade[i][c] *= gain;
+    }
+  }
+}
+
+/// Divides by the color of the brightest light, as cameras do, with an error.
+void balance_white(Random& r, std::vector<Vec>& image, std::vector<Vec>& shade,
+                   const bench::Image& mask) {
+  std::vector<double> levels;
+  for (std::size_t i = 0; i < shade.size(); ++i)
+    if (mask.data[i] > 0) levels.push_back(shade[i][0] + shade[i][1] + shade[i][2]);
+  if (levels.empty()) return;
+  const auto bright = levels.begin() + std::ptrdiff_t(double(levels.size()) * 0.95);
+  std::nth_element(levels.begin(), bright, levels.end());
+  Vec sum{};
+  for (std::size_t i = 0; i < shade.size(); ++i)
+    if (mask.data[i] > 0 && shade[i][0] + shade[i][1] + shade[i][2] >= *bright)
+      sum = sum + shade[i];
+  const Vec off = light_color(r, 0.12 * r.normal());
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double gain = off[c] * (sum[0] + sum[1] + sum[2]) / std::max(3 * sum[c], 1e-9);
+    for (std::size_t i = 0; i < shade.size(); ++i) image[i][c] *= gain, shade[i][c] *= gain;
+  }
+}
+
 double to_srgb(double v) {
   return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
 }
@@ -323,15 +382,20 @@ Scene make_scene(std::uint32_t seed, int width, int height) {
   double ambient_level = 0.1;
   const bool object = r.chance(0.25);
   object ? render_object(r, b, ambient_level) : render_room(r, b, ambient_level);
+  const Lights lights = draw_lights(r);
+  std::vector<double> open(n);  // to ambient light
+  for (std::size_t i = 0; i < n; ++i) open[i] = b.ambient[i][0];
   std::vector<Vec> radiance(n);
   for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t c = 0; c < 3; ++c) {
+      b.direct[i][c] *= lights.direct[c], b.ambient[i][c] *= lights.fill[c];
       radiance[i][c] = b.reflectance[i][c] * (b.direct[i][c] + ambient_level * b.ambient[i][c]);
+    }
   const std::vector<Vec> bounce = wide_blur(radiance, b.w, b.h, b.w / 10);
   const double bounce_level = object ? r.uniform(0, 0.2) : r.uniform(0.1, 0.7);
 
   Scene s{bench::Image(width, height, 3), bench::Image(width, height, 3),
-          bench::Image(width, height, 1), bench::Image(width, height, 1)};
+          bench::Image(width, height, 3), bench::Image(width, height, 1)};
   std::vector<Vec> image(std::size_t(width) * height), albedo(image.size()), shade(image.size());
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
@@ -342,8 +406,8 @@ Scene make_scene(std::uint32_t seed, int width, int height) {
             std::size_t(y * kSuper + k / kSuper) * b.w + std::size_t(x * kSuper + k % kSuper);
         inside = std::min(inside, b.inside[i]);
         for (std::size_t c = 0; c < 3; ++c) {
-          const double e =
-              b.direct[i][c] + b.ambient[i][c] * (ambient_level + bounce_level * bounce[i][c]);
+          const double e = b.direct[i][c] + b.ambient[i][c] * ambient_level +
+                           open[i] * lights.bounce[c] * bounce_level * bounce[i][c];
           image[o][c] += 0.25 * b.reflectance[i][c] * e;
           albedo[o][c] += 0.25 * b.reflectance[i][c];
           shade[o][c] += 0.25 * e;
@@ -370,6 +434,10 @@ Scene make_scene(std::uint32_t seed, int width, int height) {
       }
     }
   }
+  if (lights.colored) {
+    add_slope(lights.slope, image, shade);
+    balance_white(r, image, shade, s.mask);
+  }
   std::vector<double> peaks;
   for (const Vec& v : image) peaks.push_back(std::max({v[0], v[1], v[2]}));
   std::nth_element(peaks.begin(), peaks.begin() + std::ptrdiff_t(double(peaks.size()) * 0.99),
@@ -378,8 +446,6 @@ Scene make_scene(std::uint32_t seed, int width, int height) {
       r.uniform(0.55, 1.1) / std::max(1e-6, peaks[std::size_t(double(peaks.size()) * 0.99)]);
   const double noise = r.chance(0.5) ? 0 : r.uniform(0.001, 0.012);
   for (std::size_t o = 0; o < image.size(); ++o) {
-    s.shading.data[o] =
-        float(exposure * (0.2126 * shade[o][0] + 0.7152 * shade[o][1] + 0.0722 * shade[o][2]));
     for (std::size_t c = 0; c < 3; ++c) {
       double v = exposure * image[o][c];
       v += noise * std::sqrt(std::max(v, 0.0) + 0.002) *
@@ -387,6 +453,7 @@ Scene make_scene(std::uint32_t seed, int width, int height) {
       v = from_srgb(std::round(255 * to_srgb(std::clamp(v, 0.0, 1.0))) / 255);
       s.input.data[o * 3 + c] = float(v);
       s.reflectance.data[o * 3 + c] = float(albedo[o][c]);
+      s.shading.data[o * 3 + c] = float(exposure * shade[o][c]);
     }
   }
   return s;

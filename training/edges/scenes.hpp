@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Procedural scenes with known reflectance and shading, to fit the edge prior on.
 //
-// Three kinds: rooms and yards of boxes and balls ray-traced under sun, lamp or dapple with ambient
+// Rooms and yards of boxes and balls ray-traced under sun, lamp or dapple with ambient
 // occlusion and an approximate bounce; curved painted objects on black with marched shadows.
-// Textures and palettes cover bright colors of equal value as well as inks, grays and browns that
-// differ in value only. Nothing in here is measured from, or modeled after, an evaluation image.
+// In most, direct and fill light differ in color along the blue-yellow axis, either way. Textures
+// and palettes cover bright colors of equal value as well as inks, grays and browns that differ in
+// value only. Nothing in here is measured from, or modeled after, an evaluation image.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +15,11 @@
 
 namespace inverse::training {
 
+/// A picture and its truth.
 struct Scene {
   bench::Image input;        ///< Linear RGB after an 8-bit sRGB round trip.
   bench::Image reflectance;  ///< RGB.
-  bench::Image shading;      ///< Luminance of the irradiance.
+  bench::Image shading;      ///< RGB: irradiance.
   bench::Image mask;         ///< 1 if surfaces are.
 };
 

@@ -24,6 +24,11 @@ struct Random {
   }
   int integer(int n) { return std::min(n - 1, int(uniform() * n)); }
   bool chance(double p) { return uniform() < p; }
+  double normal() {  // nearly
+    double sum = -6;
+    for (int k = 0; k < 12; ++k) sum += uniform();
+    return sum;
+  }
 };
 
 // --- palettes and textures

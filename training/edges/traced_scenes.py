@@ -1,0 +1,38 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Mixes path-traced samples (../intrinsic) into files that fit_edge_prior and check_edge_prior read (scene_files.hpp).
+Writes OUT/fit and OUT/held-out: every fifth seed is held out."""
+import argparse
+import pathlib
+import sys
+
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "intrinsic"))
+import mix
+import sample
+
+HELD_OUT = 5
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--samples", type=pathlib.Path, required=True, help="folder of SEED.npz")
+    parser.add_argument("--out", type=pathlib.Path, required=True)
+    parser.add_argument("--mixes", type=int, default=3, help="photographs of each sample")
+    parser.add_argument("--size", type=int, default=2, help="divides the resolution: 1, 2 or 4")
+    args = parser.parse_args()
+    for path in sorted(args.samples.glob("*.npz"), key=lambda p: int(p.stem)):
+        folder = args.out / ("held-out" if int(path.stem) % HELD_OUT == 0 else "fit")
+        folder.mkdir(parents=True, exist_ok=True)
+        for seed in range(args.mixes):
+            out = folder / f"{int(path.stem):06d}-{seed}.scene"
+            if out.exists():
+                continue
+            m = mix.mix(sample.read(path), seed, args.size)
+            values = np.concatenate([m["I"], m["R"], m["E"], m["mask"][..., None]], -1)
+            out.write_bytes(np.array(values.shape[1::-1], "<i4").tobytes() + values.astype("<f4").tobytes())
+
+
+if __name__ == "__main__":
+    main()
