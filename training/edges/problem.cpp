@@ -244,8 +244,8 @@ double window_energy(const Example& e, const bench::Image& truth, int k, int ste
 }  // namespace
 
 Model::Model(int edge_hidden, int cell_hidden)
-    : edge{reference::kEdgeFeatures + 1, edge_hidden, 2, 0},
-      cell{reference::kCellFeatures + 1, cell_hidden, 3, edge.count()} {}
+    : edge{reference::kEdgeFeatures, edge_hidden, 2, 0},
+      cell{reference::kCellFeatures, cell_hidden, 3, edge.count()} {}
 
 Example make_example(const Scene& scene, double k) {
   Example e;
@@ -291,7 +291,7 @@ Example make_example(const Scene& scene, double k) {
       e.bin_fraction[2 * j] = float(u - int(u)), e.bin_fraction[2 * j + 1] = float(v - int(v));
     }
   const float cue = float(std::min(std::abs(k), 1.0));
-  e.right.emplace_back(n, cue), e.down.emplace_back(n, cue), e.cell.emplace_back(cell_count, cue);
+  e.right.back().assign(n, cue), e.down.back().assign(n, cue), e.cell.back().assign(cell_count, cue);
   return e;
 }
 

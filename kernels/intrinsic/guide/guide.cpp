@@ -25,7 +25,8 @@ Guide::Guide(const std::shared_ptr<gpu::Device>& device, Extent extent)
       cells_kernel_(device, {}, 4, 4),
       guide_coarse_kernel_(device, {}, 1, 1),
       sum_(device, {.rows = kRows}),
-      frame_(device, {}, shaders::intrinsic_guide_frame::kSumLanes) {
+      frame_(device, {}, shaders::intrinsic_guide_frame::kSumLanes),
+      colored_frame_(device, {.colored = true}, shaders::intrinsic_guide_frame::kSumLanes) {
   using gpu::Buffer;
   using gpu::Element;
   level0_ = Buffer::create(device, Element::vec4, extent_.pixels());
@@ -59,10 +60,11 @@ void Guide::record(gpu::Commands& commands, const gpu::BufferPtr& frame,
                      .chromatic_sums = sums_[1],
                      .plain_sums = sums_[2]},
                     {.size = extent1_}, sum_items(extent1_));
-  commands.dispatch(frame_,
+  commands.dispatch(light ? colored_frame_ : frame_,
                     {.intensity_sums = sums_[0],
                      .chromatic_sums = sums_[1],
                      .plain_sums = sums_[2],
+                     .light = light ? light : sums_[0],
                      .statistics = statistics_},
                     {.count = static_cast<uint32_t>(sums_[0]->count())}, {});
 }

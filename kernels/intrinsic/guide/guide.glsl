@@ -9,7 +9,7 @@ const float kChromaFloor = 1e-2;
 const float kMaxLight = 1e4;
 #define CELL_STRIDE 2
 
-// Statistics of a frame, two vec4: mean log intensity, -, -, -; and sigma0 … sigma3 of the prior's cues.
+// Statistics of a frame, two vec4: mean log intensity, sigma4 of the prior's cues, -, -; and sigma0 … sigma3 of the prior's cues.
 #define STATISTICS_MEAN 0
 #define STATISTICS_SIGMAS 1
 #define STATISTICS_SIZE 2

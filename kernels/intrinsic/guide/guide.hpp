@@ -46,7 +46,7 @@ class Guide {
   TileProgram<shaders::intrinsic_guide_cells> cells_kernel_;
   TileProgram<shaders::intrinsic_guide_guide_coarse> guide_coarse_kernel_;
   gpu::Program<shaders::intrinsic_guide_statistics> sum_;
-  gpu::Program<shaders::intrinsic_guide_frame> frame_;
+  gpu::Program<shaders::intrinsic_guide_frame> frame_, colored_frame_;
   gpu::BufferPtr level0_, level1_, cells_, guide_coarse_, statistics_;
   gpu::BufferPtr sums_[3];
   bool cleared_ = false;  // the sums' unused slots

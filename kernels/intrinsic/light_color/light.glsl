@@ -4,7 +4,7 @@
 
 // Of the scene, vec4s:
 #define LIGHT_NOW 0     // k; m at which the guide takes light as white; confidence of k, 0...1; 1 once a frame was seen
-#define LIGHT_TARGET 1  // k that LIGHT_NOW moves to; its standard deviation; measurements since a cut; LIGHT_… below
+#define LIGHT_TARGET 1  // k as measured; its standard deviation; measurements since a cut; LIGHT_… below
 #define LIGHT_FRAME 2   // share of k that is used, by the frame's color; m of white light; 1 if LIGHT_NOW takes all of it at once; -
 #define LIGHT_VOTES 3   // for the candidates, averaged over measurements
 #define LIGHT_SIZE 11
@@ -17,8 +17,9 @@
 
 // The frame is seen as points, at most so many along its longer side, and at coarser levels: means of 2 x 2. A vec4 a point:
 // m; b = ln R/B; g = ln sqrt(R B)/G; weight, low in the dark.
-#define LIGHT_POINTS 96
+#define LIGHT_POINTS 176
 #define LIGHT_LEVELS 4
+// What decides whether it is another scene is seen in every frame, as points of level 1 made by themselves.
 
 // Steps between adjacent points are counted by level, by |dg|, by the size of dm, and by the slope db/dm, linear between bins.
 #define STEP_TINTS 3
@@ -28,6 +29,15 @@
 #define STEP_COUNT (STEP_CHANNELS * STEP_SLOPES)
 const float kStepUnit = 1.0 / 256.0;  // of a count
 const float kSlopeWidth = 0.1;
+
+// Kernels that measure, in the order of their workgroup counts.
+#define MEASURE_POINTS 0
+#define MEASURE_LEVELS 1
+#define MEASURE_STEPS 2
+#define MEASURE_FEATURES 3
+#define MEASURE_VOTES 4
+#define MEASURE_DECIDE 5
+#define MEASURE_KERNELS 6
 
 // Points are counted by brightness below the brightest, and b.
 #define CLOUD_LEVELS 8

@@ -19,11 +19,7 @@ namespace {
 using Scene = shaders::intrinsic_light_color_scene;
 constexpr uint32_t kLanes = 8;      // of kernels that work on one
 constexpr float kRate = 1.0F / 16;  // least share of a measurement in the scene's slope
-constexpr uint64_t kArguments = 3 * sizeof(uint32_t);  // of a kernel
 
-uint32_t groups_of(const gpu::KernelPtr& kernel, uint32_t items) {
-  return (items - 1) / kernel->workgroup() + 1;
-}
 }  // namespace
 
 std::span<const float> LightColor::weights() {
@@ -65,13 +61,14 @@ LightColor::LightColor(const std::shared_ptr<gpu::Device>& device, Extent extent
   count_ = static_cast<uint32_t>(cells_.pixels()) + coarse_;
   using gpu::Buffer;
   using gpu::Element;
+  probe_ = Buffer::create(device, Element::vec4, half_of(cells_).pixels());
   points_ = Buffer::create(device, Element::vec4, cells_.pixels());
   coarse_points_ = Buffer::create(device, Element::vec4, coarse_);
   cloud_ = Buffer::create(device, Element::scalar, Scene::CLOUD_COUNT);
   counts_ = Buffer::create(device, Element::word, Scene::STEP_COUNT);
   features_ = Buffer::create(device, Element::scalar, Scene::STEP_COUNT);
   hidden_ = Buffer::create(device, Element::scalar, Scene::NET_HIDDEN);
-  arguments_ = Buffer::create(device, Element::word, 4 * kArguments / sizeof(uint32_t));
+  arguments_ = Buffer::create(device, Element::word, 3 * Scene::MEASURE_KERNELS);
   light_ = Buffer::create(device, Element::vec4, Scene::LIGHT_SIZE);
   if (weights().size() != Scene::NET_SIZE)
     throw Error(ErrorKind::internal, "weights of another network than light.glsl has");
@@ -85,23 +82,25 @@ void LightColor::record(gpu::Commands& commands, const gpu::BufferPtr& frame, co
     frames_ = 0;
     for (const auto& state : {light_, cloud_, counts_}) commands.fill(state);
   }
-  commands.dispatch(points_kernel_, {.frame = frame, .points = points_},
-                    {.size = extent_, .cells = cells_, .factor = factor_},
-                    line_of(cells_.pixels()));
-  commands.dispatch(levels_, {.fine = points_, .coarse = coarse_points_}, {.cells = cells_},
-                    {coarse_});
+  const Extent probe = half_of(cells_);
+  commands.dispatch(points_kernel_, {.frame = frame, .points = probe_},
+                    {.size = extent_, .cells = probe, .factor = 2 * factor_},
+                    line_of(probe.pixels()));
+  const auto groups = [](const auto& program, uint64_t items) {
+    return static_cast<uint32_t>((items - 1) / program.kernel()->workgroup() + 1);
+  };
   commands.dispatch(
-      scene_, {.coarse = coarse_points_, .light = light_, .cloud = cloud_, .arguments = arguments_},
-      {.count = static_cast<uint32_t>(half_of(cells_).pixels()),
+      scene_, {.points = probe_, .light = light_, .cloud = cloud_, .arguments = arguments_},
+      {.count = static_cast<uint32_t>(probe.pixels()),
        .first = first,
        .due = frames_++ % kPeriod == 0,
        .automatic = !params.slope,
        .slope = std::clamp(params.slope.value_or(0.0F), -kMaxSlope, kMaxSlope),
-       .groups_steps = groups_of(steps_.kernel(), count_),
-       .groups_features = groups_of(features_kernel_.kernel(), Scene::STEP_COUNT),
-       .groups_votes = groups_of(votes_.kernel(), Scene::NET_HIDDEN)},
+       .groups = {groups(points_kernel_, cells_.pixels()), groups(levels_, coarse_),
+                  groups(steps_, count_), groups(features_kernel_, Scene::STEP_COUNT),
+                  groups(votes_, Scene::NET_HIDDEN)}},
       {});
-  if (!params.slope) measure(commands);
+  if (!params.slope) measure(commands, frame);
   moved_ = false;
 }
 
@@ -109,17 +108,24 @@ void LightColor::record_move(gpu::Commands& commands) {
   if (!std::exchange(moved_, true)) commands.dispatch(move_, {.light = light_}, {});
 }
 
-void LightColor::measure(gpu::Commands& commands) {
-  commands.dispatch_indirect(steps_, {.fine = points_, .coarse = coarse_points_, .counts = counts_},
-                             {.cells = cells_}, arguments_);
+void LightColor::measure(gpu::Commands& commands, const gpu::BufferPtr& frame) {
+  const auto at = [](uint32_t kernel) { return uint64_t{3} * sizeof(uint32_t) * kernel; };
+  commands.dispatch_indirect(points_kernel_, {.frame = frame, .points = points_},
+                             {.size = extent_, .cells = cells_, .factor = factor_}, arguments_,
+                             at(Scene::MEASURE_POINTS));
+  commands.dispatch_indirect(levels_, {.fine = points_, .coarse = coarse_points_},
+                             {.cells = cells_}, arguments_, at(Scene::MEASURE_LEVELS));
+  commands.dispatch_indirect(
+      steps_, {.fine = points_, .coarse = coarse_points_, .counts = counts_}, {.cells = cells_},
+      arguments_, at(Scene::MEASURE_STEPS));
   commands.dispatch_indirect(features_kernel_, {.counts = counts_, .features = features_},
-                             {.cells = cells_}, arguments_, kArguments);
+                             {.cells = cells_}, arguments_, at(Scene::MEASURE_FEATURES));
   commands.dispatch_indirect(votes_,
                              {.features = features_, .weights = weights_, .hidden = hidden_},
-                             arguments_, 2 * kArguments);
+                             arguments_, at(Scene::MEASURE_VOTES));
   commands.dispatch_indirect(
       decide_, {.hidden = hidden_, .weights = weights_, .cloud = cloud_, .light = light_},
-      {.rate = kRate}, arguments_, 3 * kArguments);
+      {.rate = kRate}, arguments_, at(Scene::MEASURE_DECIDE));
 }
 
 PlanePtr LightColor::record_slope(gpu::Commands& commands, const gpu::BufferPtr& scale) {

@@ -64,7 +64,7 @@ class LightColor {
   static std::span<const float> weights();
 
  private:
-  void measure(gpu::Commands& commands);
+  void measure(gpu::Commands& commands, const gpu::BufferPtr& frame);
 
   Extent extent_, cells_;
   uint32_t factor_;          // pixels along a cell
@@ -80,7 +80,7 @@ class LightColor {
   gpu::Program<shaders::intrinsic_light_color_decide> decide_;
   gpu::Program<shaders::intrinsic_light_color_move> move_;
   gpu::Program<shaders::intrinsic_light_color_white> white_;
-  gpu::BufferPtr points_, coarse_points_, cloud_, counts_, features_, hidden_, weights_;
+  gpu::BufferPtr probe_, points_, coarse_points_, cloud_, counts_, features_, hidden_, weights_;
   gpu::BufferPtr arguments_, light_;
   PlanePool slopes_;
 };

@@ -10,18 +10,17 @@ PLANE_INOUT(0, light);
 const float kRate = 1.0 / 16.0;              // share of the newest frame in m of white light
 const float kNear = 0.05;                    // distance of k from its target up to which it stays
 const float kMove = 0.05, kMaxMove = 0.004;  // share of the rest a frame, and the most
-const float kPriorSpread = 0.4;              // standard deviation of k over scenes
+const float kUnsure = 0.45, kSure = 0.25;     // standard deviation of k from which on it is 0, and up to which it counts in full
 
 void main() {
   if (gl_GlobalInvocationID.x > 0u) return;
   vec4 now = LOAD(light, LIGHT_NOW), target = LOAD(light, LIGHT_TARGET), frame = LOAD(light, LIGHT_FRAME);
-  float aim = frame.x * target.x, off = aim - now.x;
-  bool jumps = frame.z > 0.0;
+  bool jumps = frame.z > 0.0, measured = target.z > 0.0, given = !measured && target.x != 0.0;
+  now.z = measured ? clamp((kUnsure - target.y) / (kUnsure - kSure), 0.0, 1.0) : given ? 1.0 : 0.0;
+  float aim = frame.x * now.z * target.x, off = aim - now.x;
   if (jumps) now.x = aim;
-  else if (abs(off) > kNear) now.x += clamp(kMove * off, -kMaxMove, kMaxMove);
+  else if (frame.x == 0.0 || now.z > 0.0 && abs(off) > kNear) now.x += clamp(kMove * off, -kMaxMove, kMaxMove);
   now.y = jumps ? frame.y : mix(now.y, frame.y, kRate);
-  bool measured = target.z > 0.0, given = target.z == 0.0 && target.x != 0.0;
-  now.z = measured ? max(1.0 - target.y * target.y / (kPriorSpread * kPriorSpread), 0.0) : given ? 1.0 : 0.0;
   now.w = 1.0;
   STORE(light, LIGHT_NOW, now);
   STORE(light, LIGHT_FRAME, vec4(frame.xy, 0.0, 0.0));

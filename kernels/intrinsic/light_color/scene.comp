@@ -8,17 +8,17 @@
 // What a frame's points say before k is measured: how bright the brightest are, whether the scene is another one, whether k can be
 // seen at all; and whether it is measured in this frame: that writes the workgroup counts of the kernels which do, 0 to skip them.
 // One workgroup.
-PLANE_IN(0, coarse);      // points from level 1 on
+PLANE_IN(0, points);      // of level 1
 PLANE_INOUT(1, light);
 SCALAR_INOUT(2, cloud);   // shares of points; on entry of the frame before
-WORD_OUT(3, arguments);   // three words for each of four kernels
+WORD_OUT(3, arguments);   // three words for each of the kernels that measure
 layout(push_constant) uniform Push {
   uint count;         // points of level 1
   uint first;         // 1: there is no frame before
   uint due;           // 1: measure k; 0: only in a new scene
   uint automatic;     // 0: k is given
   float slope;        // then
-  uint groups_steps, groups_features, groups_votes;  // workgroups of the kernels that measure
+  uint groups[5];     // workgroups of the kernels that measure, but for MEASURE_DECIDE, which has one
 } push;
 
 const uint kBins = 256u;
@@ -39,7 +39,7 @@ void main() {
   barrier();
   vec4 sum = vec4(0.0), squares = vec4(0.0);
   for (uint i = lane; i < push.count; i += lanes) {
-    vec4 point = FETCH(coarse, int(i));
+    vec4 point = FETCH(points, int(i));
     sum += point.w * vec4(point.xyz, 1.0);
     squares += point.w * vec4(point.xyz * point.xyz, 0.0);
     atomicAdd(counts[bin_of(point.x)], 1u);
@@ -52,7 +52,7 @@ void main() {
   for (uint over = counts[bin]; over <= above && bin > 0u; over += counts[bin]) --bin;
   float bright = kLow + (float(bin) + 0.5) * ((kHigh - kLow) / float(kBins));
   for (uint i = lane; i < push.count; i += lanes) {
-    vec4 point = FETCH(coarse, int(i));
+    vec4 point = FETCH(points, int(i));
     uint row = uint(clamp((bright - point.x) / kBrightStep, 0.0, float(CLOUD_LEVELS - 1)));
     float place = clamp(point.y / kColorStep + float(CLOUD_COLORS / 2), 0.0, float(CLOUD_COLORS - 1) - 0.001);
     uint at = kBins + row * uint(CLOUD_COLORS) + uint(place), share = uint(256.0 * fract(place) + 0.5);
@@ -85,10 +85,9 @@ void main() {
   STORE(light, LIGHT_FRAME, vec4(usable, bright, jumps ? 1.0 : 0.0, 0.0));
   target.w = float(did);
   STORE(light, LIGHT_TARGET, target);
-  uint go = did == uint(LIGHT_MEASURED) ? 1u : 0u;
-  uvec4 groups = go * uvec4(push.groups_steps, push.groups_features, push.groups_votes, 1u);
-  for (uint k = 0u; k < 4u; ++k) {
-    STORE(arguments, 3u * k, groups[k]);
+  uint measures = did == uint(LIGHT_MEASURED) ? 1u : 0u;
+  for (uint k = 0u; k < uint(MEASURE_KERNELS); ++k) {
+    STORE(arguments, 3u * k, k == uint(MEASURE_DECIDE) ? measures : measures * push.groups[k]);
     STORE(arguments, 3u * k + 1u, 1u);
     STORE(arguments, 3u * k + 2u, 1u);
   }

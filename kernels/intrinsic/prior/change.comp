@@ -27,7 +27,8 @@ void main() {
   if (tile.y >= tiles.y) return;
   // Comparisons are false for NaN.
   vec4 tolerance = vec4(push.tolerance);
-  bool same = abs(FETCH(statistics, STATISTICS_MEAN).x - FETCH(kept_statistics, STATISTICS_MEAN).x) <= kMeanDrift * push.tolerance &&
+  vec2 drift = abs(FETCH(statistics, STATISTICS_MEAN).xy - FETCH(kept_statistics, STATISTICS_MEAN).xy);
+  bool same = drift.x <= kMeanDrift * push.tolerance && drift.y <= push.tolerance &&
               all(lessThanEqual(abs(FETCH(statistics, STATISTICS_SIGMAS) - FETCH(kept_statistics, STATISTICS_SIGMAS)), tolerance));
   ivec2 first = max(ivec2(tile) * kTileCells - 2, ivec2(0));
   ivec2 last = min(ivec2(tile) * kTileCells + kTileCells + 1, ivec2(push.size) - 1);

@@ -11,5 +11,5 @@ PLANE_OUT(1, biases);
 #include "edge_net.glsl"
 
 void main() {
-  if (gl_GlobalInvocationID.x == 0u) fold_biases(FETCH(statistics, STATISTICS_SIGMAS));
+  if (gl_GlobalInvocationID.x == 0u) fold_biases(FETCH(statistics, STATISTICS_SIGMAS), FETCH(statistics, STATISTICS_MEAN).y);
 }

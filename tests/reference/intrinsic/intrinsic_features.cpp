@@ -49,7 +49,7 @@ GuideLevel halve(const GuideLevel& f) {
 }
 
 /// Numbers that say what kind of frame this is, from guide level 1. Dark pixels count little.
-void frame_statistics(Guide& g) {
+void frame_statistics(Guide& g, double slope) {
   const GuideLevel& l = g.level[1];
   double sum = 0, weight = 1e-6, excess = 0;
   double step = 0.02 * 0.1, even = 0, chromatic = 0.02;  // over chroma edges
@@ -79,7 +79,8 @@ void frame_statistics(Guide& g) {
     }
   g.mean = sum / weight;
   g.statistics = {std::log(step / chromatic + 0.01) + 2, 4 * even / chromatic - 2,
-                  5 * excess / weight - 1.5, std::log(plain / achromatic + 0.003) + 3};
+                  5 * excess / weight - 1.5, std::log(plain / achromatic + 0.003) + 3,
+                  std::min(std::abs(slope), 1.0)};
 }
 
 }  // namespace
@@ -122,7 +123,7 @@ Guide make_guide(const double* rgb, int width, int height, const LightColor& lig
       }
     }
   for (std::size_t k = 1; k < kGuideLevels; ++k) g.level[k] = halve(g.level[k - 1]);
-  frame_statistics(g);
+  frame_statistics(g, light.slope);
   return g;
 }
 

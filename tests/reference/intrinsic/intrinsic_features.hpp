@@ -21,7 +21,7 @@ struct GuideLevel {
 
 inline constexpr int kGuideLevels = 5;
 inline constexpr int kCellLevel = 2;  ///< Cells of 4 x 4 pixels carry every term but the edges.
-inline constexpr int kFrameStatistics = 4;
+inline constexpr int kFrameStatistics = 5;
 inline constexpr int kEdgeFeatures = 15 + kFrameStatistics;  ///< The last are the frame's.
 inline constexpr int kCellFeatures = 7 + kFrameStatistics;   ///< The last are the frame's.
 
@@ -31,7 +31,7 @@ struct Guide {
   /// What kind of frame this is, each scaled to about [-2, 2]: (0) ln of the mean step of max_c i
   /// across chroma edges, small on palettes of constant value; (1) the share of chroma edges that
   /// max_c i hardly notices; (2) mean value excess, a saturation; (3) ln of the mean step of m
-  /// where chroma is even.
+  /// where chroma is even; (4) the size of the slope of light's color, at most 1.
   std::array<double, kFrameStatistics> statistics{};
 };
 

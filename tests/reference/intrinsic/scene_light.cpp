@@ -62,8 +62,7 @@ std::vector<double> convolved(const std::vector<double>& in, int channels, const
 
 }  // namespace
 
-std::vector<PointLevel> SceneLight::points_of(const double* rgb, int width, int height) {
-  const int factor = (std::max(width, height) + kPoints - 1) / kPoints;
+PointLevel SceneLight::points_of(const double* rgb, int width, int height, int factor) {
   PointLevel level{(width + factor - 1) / factor, (height + factor - 1) / factor, {}};
   for (int y = 0; y < level.height; ++y)
     for (int x = 0; x < level.width; ++x) {
@@ -91,15 +90,12 @@ std::vector<PointLevel> SceneLight::points_of(const double* rgb, int width, int 
       level.points.push_back(
           {m, color[0] - color[2], 0.5 * (color[0] + color[2]) - color[1], light / (light + 0.02)});
     }
-  std::vector<PointLevel> levels{level};
-  while (int(levels.size()) < kLevels) levels.push_back(halved(levels.back()));
-  return levels;
+  return level;
 }
 
-std::vector<double> SceneLight::features_of(const std::vector<PointLevel>& levels) {
+std::vector<double> SceneLight::features_of(PointLevel level) {
   std::vector<double> counts(std::size_t(kChannels) * kSlopes);
-  for (std::size_t l = 0; l < levels.size(); ++l) {
-    const PointLevel& level = levels[l];
+  for (std::size_t l = 0; l < kLevels; ++l, level = halved(level)) {
     const auto count = [&](std::array<double, 4> one, std::array<double, 4> other) {
       if (one[0] < other[0]) std::swap(one, other);
       const double m = one[0] - other[0], b = one[1] - other[1], g = std::abs(one[2] - other[2]);
@@ -177,9 +173,10 @@ std::array<double, SceneLight::kCandidates> SceneLight::votes_of(
 
 const SceneLight::State& SceneLight::update(const double* rgb, int width, int height, bool first,
                                             bool due, std::optional<double> given) {
-  const std::vector<PointLevel> levels = points_of(rgb, width, height);
-  const double bright = bright_of(levels[1]);
-  const std::vector<double> cloud = cloud_of(levels[1], bright);
+  const int factor = (std::max(width, height) + kPoints - 1) / kPoints;
+  const PointLevel probe = points_of(rgb, width, height, 2 * factor);
+  const double bright = bright_of(probe);
+  const std::vector<double> cloud = cloud_of(probe, bright);
   double change = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i)
     change += std::abs(cloud[i] - (cloud_.empty() ? 0 : cloud_[i])) / 2;
@@ -189,7 +186,7 @@ const SceneLight::State& SceneLight::update(const double* rgb, int width, int he
   state_.reference = cut ? bright : state_.reference + (bright - state_.reference) / 16;
   std::array<double, 3> mean{}, square{}, variance{};
   double all = 0;
-  for (const auto& point : levels[1].points) {
+  for (const auto& point : probe.points) {
     all += point[3];
     for (std::size_t k = 0; k < 3; ++k) {
       mean[k] += point[3] * point[k];
@@ -212,11 +209,19 @@ const SceneLight::State& SceneLight::update(const double* rgb, int width, int he
                : variance[0] < 0.05 * 0.05 ? Did::no_contrast
                : cut || due                ? Did::measured
                                            : Did::reused;
-  if (const double off = usable * state_.target - state_.slope; !cut && std::abs(off) > 0.05)
+  if (state_.did == Did::measured) measure(points_of(rgb, width, height, factor), cloud);
+  if (state_.measurements > 0)
+    state_.confidence = std::clamp((0.45 - state_.spread) / 0.2, 0.0, 1.0);
+  const double aim = usable * state_.confidence * state_.target, off = aim - state_.slope;
+  if (cut)
+    state_.slope = aim;
+  else if (usable == 0 || (state_.confidence > 0 && std::abs(off) > 0.05))
     state_.slope += std::clamp(0.05 * off, -0.004, 0.004);
-  if (state_.did != Did::measured) return state_;
+  return state_;
+}
 
-  const auto votes = votes_of(features_of(levels), cloud);
+void SceneLight::measure(const PointLevel& points, const std::vector<double>& cloud) {
+  const auto votes = votes_of(features_of(points), cloud);
   const double share = std::max(1.0 / 16, 1.0 / (state_.measurements + 1));
   double top = -1e30;
   for (std::size_t i = 0; i < votes.size(); ++i) {
@@ -230,9 +235,7 @@ const SceneLight::State& SceneLight::update(const double* rgb, int width, int he
   }
   state_.target = first_moment / sum;
   state_.spread = std::sqrt(std::max(second_moment / sum - state_.target * state_.target, 0.0));
-  state_.confidence = std::max(1 - std::pow(state_.spread / 0.4, 2), 0.0);
-  if (state_.measurements++ == 0) state_.slope = usable * state_.target;
-  return state_;
+  ++state_.measurements;
 }
 
 }  // namespace inverse::reference

@@ -23,7 +23,7 @@ struct PointLevel {
 
 class SceneLight {
  public:
-  static constexpr int kPoints = 96, kLevels = 4;
+  static constexpr int kPoints = 176, kLevels = 4;
   static constexpr int kTints = 3, kSizes = 10, kSlopes = 43, kCandidates = 29;
   static constexpr int kChannels = kLevels * kTints * kSizes;
   static constexpr int kCloudRows = 8, kCloudColumns = 20;
@@ -44,9 +44,10 @@ class SceneLight {
                       std::optional<double> given = {});
 
   // The parts.
-  static std::vector<PointLevel> points_of(const double* rgb, int width, int height);
+  /// Cells of `factor` pixels.
+  static PointLevel points_of(const double* rgb, int width, int height, int factor);
   /// ln(1 + 2 c) of the counts c of steps, channel by channel.
-  static std::vector<double> features_of(const std::vector<PointLevel>& levels);
+  static std::vector<double> features_of(PointLevel level);
   static std::vector<double> cloud_of(const PointLevel& points, double bright);
   /// For each candidate.
   std::array<double, kCandidates> votes_of(const std::vector<double>& features,
@@ -54,6 +55,8 @@ class SceneLight {
   static double candidate(int i) { return 0.1 * (i - kCandidates / 2); }
 
  private:
+  void measure(const PointLevel& points, const std::vector<double>& cloud);
+
   std::vector<double> weights_;
   State state_;
   bool known_ = false;
