@@ -28,7 +28,7 @@ class LightColor {
   struct Params {
     /// Step of ln R/B of light with a step of its ln brightness, −kMaxSlope…kMaxSlope; 0: gray
     /// light; empty: measured in the frames.
-    std::optional<float> slope = 0.0F;
+    std::optional<float> slope;
     bool colored() const { return slope != 0.0F; }
     bool operator==(const Params&) const = default;
   };

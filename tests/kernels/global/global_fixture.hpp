@@ -6,6 +6,7 @@
 #include "kernels/global/global_intrinsic.hpp"
 #include "tests/kernels/intrinsic/intrinsic_fixture.hpp"
 #include "tests/reference/global/global_layers.hpp"
+#include "tests/reference/image/light_color.hpp"
 
 namespace inverse::testing {
 
@@ -70,8 +71,13 @@ class GlobalTest : public IntrinsicTest {
     result.found = method.findings(method.recorded() - 1);
     return result;
   }
-  static GlobalIntrinsic::Params to_the_letter() {
+  static GlobalIntrinsic::Params gray_light() {
     GlobalIntrinsic::Params params;
+    params.light.slope = 0;
+    return params;
+  }
+  static GlobalIntrinsic::Params to_the_letter() {
+    GlobalIntrinsic::Params params = gray_light();
     params.adaptive = false;
     return params;
   }
@@ -82,11 +88,18 @@ class GlobalTest : public IntrinsicTest {
     return reference::decompose_global(rgb_of(frame).data(), int(extent.width), int(extent.height),
                                        params, state);
   }
-  /// R S L is the frame, and direct light is part of all.
-  static void expect_product(const Result& got, const Pixels& frame) {
+  /// R S L in the light's color is the frame, and direct light is part of all.
+  void expect_product(const Result& got, const Pixels& frame) {
+    const PlanePtr& slope = got.layers[Role::slope];
+    const Pixels carried = slope ? download(slope) : Pixels(4, 0.0F);
+    const reference::LightColor color{double(carried[0]), 0, double(carried[1])};
     for (size_t i = 0; i < frame.size(); ++i) {
       if (i % 4 == 3) continue;
-      ASSERT_NEAR(got.intrinsic[i] * got.intrinsic[i | 3] * got.light[i], frame[i], 1e-5) << i;
+      const double shading = std::log(std::max(double(got.intrinsic[i | 3]), 1e-30));
+      const double tint = reference::light_color(color, shading - color.white)[i % 4];
+      ASSERT_NEAR(double(got.intrinsic[i] * got.intrinsic[i | 3] * got.light[i]) * tint, frame[i],
+                  1e-5)
+          << i;
       ASSERT_GE(got.light[i], got.light[i | 3] - 1e-6F) << i;
     }
   }

@@ -21,7 +21,7 @@ TEST_F(GlobalTest, FramesWithoutColorHaveDirectLightAlone) {
     GlobalIntrinsic method(device, extent);
     ScaledIntrinsic alone(device, extent);
     for (int k = 0; k < 16; ++k) {
-      const Result got = decompose(method, frame, extent, {}, {false, true});
+      const Result got = decompose(method, frame, extent, gray_light(), {false, true});
       EXPECT_EQ(got.found.colors, 0U);
       EXPECT_EQ(got.found.amount, 0);
       EXPECT_EQ(got.found.confidence, 0);
@@ -46,15 +46,15 @@ TEST_F(GlobalTest, AReturningColorIsDetected) {
   const Extent extent{160, 120};
   const Pixels frame = room(extent, 3).frame, gray = colorless(frame);
   GlobalIntrinsic method(device, extent), fresh(device, extent);
-  for (int k = 0; k < 14; ++k) decompose(method, gray, extent, {}, {false, true});
+  for (int k = 0; k < 14; ++k) decompose(method, gray, extent, gray_light(), {false, true});
   EXPECT_TRUE(last_stats(method).light.gray);
   Result got, expected;
   for (int k = 0; k < 10; ++k) {
-    got = decompose(method, frame, extent, {}, {false, true});
+    got = decompose(method, frame, extent, gray_light(), {false, true});
     EXPECT_EQ(last_stats(method).light.gray, k < int(gpu::kFramesInFlight));
     expect_product(got, frame);
   }
-  for (int k = 0; k < 7; ++k) expected = decompose(fresh, frame, extent, {}, {false, true});
+  for (int k = 0; k < 7; ++k) expected = decompose(fresh, frame, extent, gray_light(), {false, true});
   EXPECT_NEAR(got.found.amount, expected.found.amount, 0.05F * expected.found.amount);
   EXPECT_EQ(got.found.colors, expected.found.colors);
   EXPECT_TRUE(got.layers[Role::bases]);
@@ -109,7 +109,7 @@ TEST_F(GlobalTest, ReusedLightListsEveryChangedTileForTheSolve) {
   const Pixels still = room(extent, 3).frame;
   GlobalIntrinsic method(device, extent);
   ScaledIntrinsic alone(device, extent);  // receives what changed in its input, as it does
-  GlobalIntrinsic::Params params;
+  GlobalIntrinsic::Params params = gray_light();
   // So that frames are solved by tiles, and only by changed ones.
   params.tolerances.gate = params.tolerances.chroma = 0;
   params.tolerances.edge = 0.5F;
@@ -157,8 +157,8 @@ TEST_F(GlobalTest, LightIsReusedIfLittleChanges) {
     const auto changed = changed_tiles(extent.width, 4, before, frame);
     before = frame;
     const bool shares = k % 2 == 0;
-    const Result got = decompose(some, frame, extent, {}, {false, shares, changed}),
-                 want = decompose(all, frame, extent, {}, {false, shares});
+    const Result got = decompose(some, frame, extent, gray_light(), {false, shares, changed}),
+                 want = decompose(all, frame, extent, gray_light(), {false, shares});
     const auto& stats = last_stats(some);
     EXPECT_FALSE(last_stats(all).light.reused());
     EXPECT_TRUE(k >= 13 || !stats.light.reused()) << k;
@@ -190,7 +190,7 @@ TEST_F(GlobalTest, LightIsReusedIfLittleChanges) {
   EXPECT_GT(listed, 50U);
   EXPECT_GT(anew_after, 0U) << "the scene is looked at again";
   // What else the scene becomes concerns everything.
-  GlobalIntrinsic::Params params;
+  GlobalIntrinsic::Params params = gray_light();
   params.reach = 0.3F;
   const std::vector<uint8_t> none(TileList::count(extent));
   decompose(some, before, extent, params, {false, false, none});
@@ -204,7 +204,7 @@ TEST_F(GlobalTest, ReusedLightIsUnchangedIfNothingChanges) {
   GlobalIntrinsic method(device, extent);
   Pixels tint;
   for (int k = 0; k < 24; ++k) {
-    const Result got = decompose(method, frame, extent, {}, {false, false, none});
+    const Result got = decompose(method, frame, extent, gray_light(), {false, false, none});
     EXPECT_EQ(last_stats(method).light.reused(), k >= 13) << k;
     Pixels now = got.light;
     for (size_t i = 3; i < now.size(); i += 4) now[i] = 0;  // the direct share follows shading
@@ -217,7 +217,7 @@ TEST_F(GlobalTest, AmountSetByHandGoesWithoutColor) {
   const Extent extent{90, 70};
   const Pixels gray = colorless(room(extent, 2).frame);
   GlobalIntrinsic method(device, extent);
-  GlobalIntrinsic::Params params;
+  GlobalIntrinsic::Params params = gray_light();
   params.amount = 0.6F;
   Result got;
   for (int k = 0; k < 14; ++k) got = decompose(method, gray, extent, params, {false, true});

@@ -60,6 +60,7 @@ TEST_F(ScaledIntrinsicTest, HalfResolutionIsNearTheFullOne) {
   const PlanePtr frame = input(extent, pixels);
   ScaledIntrinsic method(device, extent);
   ScaledIntrinsic::Params params;
+  params.light.slope = 0;
   Pixels layers[2];
   for (const bool half : {false, true}) {
     params.half_resolution = half;
