@@ -291,7 +291,8 @@ Example make_example(const Scene& scene, double k) {
       e.bin_fraction[2 * j] = float(u - int(u)), e.bin_fraction[2 * j + 1] = float(v - int(v));
     }
   const float cue = float(std::min(std::abs(k), 1.0));
-  e.right.back().assign(n, cue), e.down.back().assign(n, cue), e.cell.back().assign(cell_count, cue);
+  e.right.back().assign(n, cue), e.down.back().assign(n, cue),
+      e.cell.back().assign(cell_count, cue);
   return e;
 }
 

@@ -89,17 +89,17 @@ void LightColor::record(gpu::Commands& commands, const gpu::BufferPtr& frame, co
   const auto groups = [](const auto& program, uint64_t items) {
     return static_cast<uint32_t>((items - 1) / program.kernel()->workgroup() + 1);
   };
-  commands.dispatch(
-      scene_, {.points = probe_, .light = light_, .cloud = cloud_, .arguments = arguments_},
-      {.count = static_cast<uint32_t>(probe.pixels()),
-       .first = first,
-       .due = frames_++ % kPeriod == 0,
-       .automatic = !params.slope,
-       .slope = std::clamp(params.slope.value_or(0.0F), -kMaxSlope, kMaxSlope),
-       .groups = {groups(points_kernel_, cells_.pixels()), groups(levels_, coarse_),
-                  groups(steps_, count_), groups(features_kernel_, Scene::STEP_COUNT),
-                  groups(votes_, Scene::NET_HIDDEN)}},
-      {});
+  commands.dispatch(scene_,
+                    {.points = probe_, .light = light_, .cloud = cloud_, .arguments = arguments_},
+                    {.count = static_cast<uint32_t>(probe.pixels()),
+                     .first = first,
+                     .due = frames_++ % kPeriod == 0,
+                     .automatic = !params.slope,
+                     .slope = std::clamp(params.slope.value_or(0.0F), -kMaxSlope, kMaxSlope),
+                     .groups = {groups(points_kernel_, cells_.pixels()), groups(levels_, coarse_),
+                                groups(steps_, count_), groups(features_kernel_, Scene::STEP_COUNT),
+                                groups(votes_, Scene::NET_HIDDEN)}},
+                    {});
   if (!params.slope) measure(commands, frame);
   moved_ = false;
 }
@@ -115,9 +115,8 @@ void LightColor::measure(gpu::Commands& commands, const gpu::BufferPtr& frame) {
                              at(Scene::MEASURE_POINTS));
   commands.dispatch_indirect(levels_, {.fine = points_, .coarse = coarse_points_},
                              {.cells = cells_}, arguments_, at(Scene::MEASURE_LEVELS));
-  commands.dispatch_indirect(
-      steps_, {.fine = points_, .coarse = coarse_points_, .counts = counts_}, {.cells = cells_},
-      arguments_, at(Scene::MEASURE_STEPS));
+  commands.dispatch_indirect(steps_, {.fine = points_, .coarse = coarse_points_, .counts = counts_},
+                             {.cells = cells_}, arguments_, at(Scene::MEASURE_STEPS));
   commands.dispatch_indirect(features_kernel_, {.counts = counts_, .features = features_},
                              {.cells = cells_}, arguments_, at(Scene::MEASURE_FEATURES));
   commands.dispatch_indirect(votes_,

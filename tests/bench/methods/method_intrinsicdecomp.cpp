@@ -108,6 +108,7 @@ class Settings {
       void (*leave_out)(Params&);
       bool video;
     } terms[] = {
+        {"color of light", [](Params& p) { p.light.slope = 0; }, false},
         {"chroma", [](Params& p) { p.prior.chroma_weight = 0; }, false},
         {"paint on edges", [](Params& p) { p.prior.reflectance_weight = kNearlyNone; }, false},
         {"light on edges", [](Params& p) { p.prior.shading_weight = kNearlyNone; }, false},

@@ -77,9 +77,9 @@ std::set<std::string> tuning_of(const char* factory) {
   return names;
 }
 
-const std::vector<std::string> kProperties = {"reflectance-weight=2", "shading-weight=2",
-                                              "temporal-weight=3",    "temporal-hold=0.3",
-                                              "white-level=0.5",      "skip-error=0"};
+const std::vector<std::string> kProperties = {
+    "light-color-slope=0.5", "reflectance-weight=2", "shading-weight=2", "temporal-weight=3",
+    "temporal-hold=0.3",     "white-level=0.5",      "skip-error=0"};
 const std::vector<std::string> kTuning = {
     "cycles=1",          "warm-cycles=1",           "half-resolution=true",
     "value-weight=3",    "chroma-weight=0.2",       "white-quantile=0.5",

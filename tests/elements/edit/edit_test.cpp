@@ -106,7 +106,8 @@ TEST(Recolor, AClusterIsRecoloredByItsIndex) {
   const std::string caps = VideoHarness::caps("RGBA", width, height);
   const auto frame = two_colors(width, height, {210, 60, 50}, {60, 90, 200});
   VideoHarness harness(
-      "intrinsicdecomp ! intrinsicrecolor clusters=4 softness=0 cluster=0 target=0xff32c83c ! "
+      "intrinsicdecomp light-color-slope=0 ! "
+      "intrinsicrecolor clusters=4 softness=0 cluster=0 target=0xff32c83c ! "
       "intrinsiccompose",
       caps, caps);
   GstElement* recolor = harness.find("intrinsicrecolor");

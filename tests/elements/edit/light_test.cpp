@@ -185,7 +185,7 @@ TEST(GlobalIntrinsic, DespillTakesTheWallsColorOffTheFloor) {
   const std::string caps = VideoHarness::caps("RGBA", width, height);
   const auto frame = colored_corner(width, height);
   VideoHarness harness(
-      "globalintrinsic name=g ! intrinsicdespill key=0xffe05050 tolerance=1.2 ! "
+      "globalintrinsic light-color-slope=0 ! intrinsicdespill key=0xffe05050 tolerance=1.2 ! "
       "intrinsiccompose",
       caps, caps);
   const auto out = harness.process(frame, 3);

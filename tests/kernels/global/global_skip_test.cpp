@@ -54,7 +54,8 @@ TEST_F(GlobalTest, AReturningColorIsDetected) {
     EXPECT_EQ(last_stats(method).light.gray, k < int(gpu::kFramesInFlight));
     expect_product(got, frame);
   }
-  for (int k = 0; k < 7; ++k) expected = decompose(fresh, frame, extent, gray_light(), {false, true});
+  for (int k = 0; k < 7; ++k)
+    expected = decompose(fresh, frame, extent, gray_light(), {false, true});
   EXPECT_NEAR(got.found.amount, expected.found.amount, 0.05F * expected.found.amount);
   EXPECT_EQ(got.found.colors, expected.found.colors);
   EXPECT_TRUE(got.layers[Role::bases]);
