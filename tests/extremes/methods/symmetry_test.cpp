@@ -101,6 +101,7 @@ const std::vector<Rgb> kPaints{{0.8F, 0.15F, 0.1F}, {0.15F, 0.6F, 0.2F}, {0.2F, 
 
 GlobalIntrinsic::Params converged() {
   GlobalIntrinsic::Params params;
+  params.light.slope = 0;  // its axis is that of red and blue
   params.cycles = params.warm_cycles = 32;
   params.tolerances.cycle = 0;
   params.adaptive = false;
