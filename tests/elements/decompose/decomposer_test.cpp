@@ -387,4 +387,33 @@ TEST(Properties, ElementsDoNotStartWithATuningThatCannotBeRead) {
   expect_one(line.errors, "there is no \"cycle\"", "warm-cycles");
 }
 
+TEST(Properties, TheSlopeOfLightIsANumberOrAuto) {
+  const std::string caps = VideoHarness::caps("RGBA", 64, 48);
+  VideoHarness harness("intrinsicdecomp adaptive=false", caps, caps);
+  GstElement* element = harness.find("intrinsicdecomp");
+  const auto slope = [&] { return property<std::string>(element, "light-color-slope"); };
+  const auto in_force = [&] {
+    harness.process(random_frame(caps, 1));
+    return stat<double>(element, "light-color-slope");
+  };
+  EXPECT_EQ(slope(), "auto");
+  for (const auto& [text, number] : {std::pair{"0.5", 0.5}, {"-1.25", -1.25}, {"0", 0.0}}) {
+    g_object_set(element, "light-color-slope", text, nullptr);
+    EXPECT_EQ(slope(), text);
+    EXPECT_NEAR(in_force(), number, 1e-6);
+  }
+  EXPECT_NE(stat<std::string>(element, "skipped").find("makes it gray"), std::string::npos);
+  EXPECT_TRUE(harness.warnings().empty());
+  for (const char* wrong : {"", "blue", "2.5", "-3", "nan", "0.5 or so", "1e9"}) {
+    g_object_set(element, "light-color-slope", wrong, nullptr);
+    expect_one(harness.warnings(), "takes auto or a number from -2 to 2", wrong);
+    EXPECT_EQ(slope(), "0") << wrong;
+  }
+  g_object_set(element, "light-color-slope", "AUTO", nullptr);
+  EXPECT_EQ(slope(), "auto");
+  const LineResult line =
+      run_line("videotestsrc num-buffers=1 ! intrinsicdecomp light-color-slope=blue ! fakesink");
+  expect_one(line.errors, "light-color-slope takes auto", "blue");
+}
+
 }  // namespace inverse::testing
