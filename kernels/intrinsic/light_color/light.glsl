@@ -19,7 +19,7 @@
 // m; b = ln R/B; g = ln sqrt(R B)/G; weight, low in the dark.
 #define LIGHT_POINTS 176
 #define LIGHT_LEVELS 4
-// What decides whether it is another scene is seen in every frame, as points of level 1 made by themselves.
+// Every frame makes points of level 1 by themselves, to see whether the scene is another one.
 
 // Steps between adjacent points are counted by level, by |dg|, by the size of dm, and by the slope db/dm, linear between bins.
 #define STEP_TINTS 3
