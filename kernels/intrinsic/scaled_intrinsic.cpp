@@ -87,8 +87,7 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
                                const FrameInfo& frame) {
   if (frame.reset) restart();
   FrameInfo info = frame;
-  std::optional<LightColor::Did> light_before;
-  if (const auto found = found_before()) light_before = found->light;
+  const std::optional<Found> found = found_before();
   if (!info.light && params.light.colored()) {
     if (!light_) light_.emplace(device_, extent_);
     light_->record(commands, input->buffer, params.light, first_);
@@ -97,7 +96,7 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   }
   first_ = false;
   const auto choice =
-      planner_.next({params.adaptive, params.halvings(), params.tolerances.half}, found_before());
+      planner_.next({params.adaptive, params.halvings(), params.tolerances.half}, found);
   if (choice.cut) fade_.stop();
   if (choice.half_rejected) release_half();
   const size_t now = choice.halvings;
@@ -117,6 +116,7 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   past = {{method(now).stats(method(now).recorded() - 1), now, crossed, false},
           method(now).recorded() - 1,
           planner_.half_distance()};
+  const auto light_before = found ? std::optional(found->light) : std::nullopt;
   if (const std::string reason = LightColor::skipped(params.light, light_before); !reason.empty())
     past.stats.plan.skipped.push_back(reason);
   if (choice.full_because)

@@ -5,8 +5,7 @@
 //
 // The color of light is estimated on a grid of points, each the mean of factor x factor pixels; light from the surfaces in view on
 // a grid of half as many.
-#include "intrinsic/guide/guide.glsl"
-#include "intrinsic/light_color/light.glsl"
+#include "intrinsic/light_color/white_light.glsl"
 
 const float kLogFloor = 3e-3;  // black becomes neutral
 const int kSlots = 16;         // base colors
@@ -44,9 +43,6 @@ vec2 chroma_of(vec3 color) {
   vec3 l = log(color + kLogFloor);
   return vec2(0.70710678 * (l.r - l.g), 0.40824829 * (l.r + l.g - 2.0 * l.b));
 }
-
-// A color of the frame as it were in white light. `now`: LIGHT_NOW.
-vec3 in_white_light(vec3 rgb, vec4 now) { return now.x == 0.0 ? rgb : rgb / light_color(now.x, mean_log(rgb) - now.y); }
 
 vec3 color_of(vec2 chroma) {
   float u = 0.70710678 * chroma.x, v = 0.40824829 * chroma.y;

@@ -2,9 +2,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "guide.glsl"
 #include "image/pack4.glsl"
-#include "intrinsic/light_color/light.glsl"
+#include "intrinsic/light_color/white_light.glsl"
 
 // The guide's levels 0 and 1 from the frame, with kColored of the frame as it were in white light: one level-1 cell, 2 x 2 pixels, an
 // invocation.
@@ -26,7 +25,7 @@ void main() {
     uvec2 at = min(2u * cell + uvec2(k & 1u, k >> 1u), push.size - 1u);
     uint pixel = at.y * push.size.x + at.x;
     vec3 rgb = sanitize(FETCH(frame, int(pixel)).rgb);
-    if (kColored) rgb /= light_color(now.x, mean_log(rgb) - now.y);
+    if (kColored) rgb = in_white_light(rgb, now);
     vec4 guide = guide_of(rgb);
     STORE(fine, pixel, guide);
     sum += guide;

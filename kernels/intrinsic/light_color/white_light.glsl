@@ -1,0 +1,6 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "intrinsic/guide/guide.glsl"
+#include "light.glsl"
+
+// A color of the frame as it were in white light: divided by the color that light of its brightness has. `now`: LIGHT_NOW.
+vec3 in_white_light(vec3 rgb, vec4 now) { return now.x == 0.0 ? rgb : rgb / light_color(now.x, mean_log(rgb) - now.y); }
