@@ -48,11 +48,10 @@ G_BEGIN_DECLS
  * @GST_INVERSE_ROLE_GRADIENT_A: of `gradients` frames: the subject under gradient A of a light
  * stage, linear RGB, 1 = full scale; w = alpha
  * @GST_INVERSE_ROLE_GRADIENT_B: the same under gradient B; A + B is the subject under all lights
- * @GST_INVERSE_ROLE_SLOPE: the color of light by its shading S, one pixel (k, w, confidence of k
- * 0...1,
- * -): the frame is reflectance times S e^(k (ln S - w) d), d = (1/2, 0, -1/2) for R, G, B, times
- * the color of GST_INVERSE_ROLE_LIGHT where there is one. Absent where that color is white. Since
- * version 2
+ * @GST_INVERSE_ROLE_SLOPE: the color of light by its shading S, one pixel: k, w, confidence of k
+ * 0...1, reserved. The frame is reflectance times S e^(k (ln S - w) d), d = (1/2, 0, -1/2) for R,
+ * G, B, times the color of GST_INVERSE_ROLE_LIGHT where there is one. Absent where that color is
+ * white. Since version 2
  */
 typedef enum {
   GST_INVERSE_ROLE_INPUT,
@@ -83,10 +82,10 @@ typedef struct GstInverseLayersMeta GstInverseLayersMeta;
  * @height: pixels
  * @download: a layer in host memory; %NULL where the frame has no such layer or the device failed.
  * Free with g_bytes_unref().
- * @version: GST_INVERSE_LAYERS_META_VERSION of the elements that made it; see
- * gst_inverse_layers_meta_version()
  * @upload: replaces a layer of a writable buffer; %FALSE where @data has the wrong size or the
  * device failed
+ * @version: GST_INVERSE_LAYERS_META_VERSION of the elements that made it; see
+ * gst_inverse_layers_meta_version()
  */
 struct GstInverseLayersMeta {
   GstMeta meta;
