@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Mixes path-traced samples (../intrinsic) into files that fit_edge_prior and check_edge_prior read (scene_files.hpp).
-Writes OUT/fit and OUT/held-out: every fifth seed is held out."""
+Writes OUT/fit and OUT/held-out: every fifth seed is held out. Every second photograph of a sample has other paint."""
 import argparse
 import pathlib
 import sys
@@ -19,7 +19,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--samples", type=pathlib.Path, required=True, help="folder of SEED.npz")
     parser.add_argument("--out", type=pathlib.Path, required=True)
-    parser.add_argument("--mixes", type=int, default=3, help="photographs of each sample")
+    parser.add_argument("--mixes", type=int, default=4, help="photographs of each sample")
     parser.add_argument("--size", type=int, default=2, help="divides the resolution: 1, 2 or 4")
     args = parser.parse_args()
     for path in sorted(args.samples.glob("*.npz"), key=lambda p: int(p.stem)):
@@ -29,7 +29,10 @@ def main():
             out = folder / f"{int(path.stem):06d}-{seed}.scene"
             if out.exists():
                 continue
-            m = mix.mix(sample.read(path), seed, args.size)
+            scene = sample.read(path)
+            if seed % 2:
+                scene = mix.repaint(scene, np.random.default_rng([seed, int(path.stem)]))
+            m = mix.mix(scene, seed, args.size)
             values = np.concatenate([m["I"], m["R"], m["E"], m["mask"][..., None]], -1)
             out.write_bytes(np.array(values.shape[1::-1], "<i4").tobytes() + values.astype("<f4").tobytes())
 

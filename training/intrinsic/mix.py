@@ -75,6 +75,33 @@ def shrink(sample, times):
     return sample
 
 
+def repaint(sample, rng):
+    """The sample with other paint under the same light: other hues, saturation and contrast of value, down to nearly equal values;
+    dark paint browner or bluer than light paint; fine gray grain."""
+    mask = sample["mask"] > 0
+    paint = np.log(np.maximum(sample["R"], 1e-3))
+    if rng.random() < 0.5:
+        paint = paint[..., rng.permutation(3)]
+    value = paint.mean(-1, keepdims=True)
+    middle = value[mask].mean()
+    hue = paint - value
+    if rng.random() < 0.4:
+        hue = hue * rng.uniform(0, 1.8)
+    if rng.random() < 0.4:
+        value = middle + (value - middle) * rng.uniform(0.1, 1.6)
+    if rng.random() < 0.4:
+        hue = hue + rng.normal(0, 0.25) * AXIS * (value - middle)
+    if rng.random() < 0.3:
+        import cv2
+
+        grain = cv2.GaussianBlur(rng.normal(size=value.shape[:2]), (0, 0), rng.uniform(0.5, 2.5))
+        value = value + (rng.uniform(0.02, 0.2) / grain.std()) * grain[..., None]
+    paint = np.exp(value + hue)
+    paint = paint * min(1.0, 0.9 / np.percentile(paint[mask], 99.5))
+    paint = np.where(mask[..., None], np.clip(paint, 0.01, 0.95), 1).astype(np.float32)
+    return {**sample, "R": paint}
+
+
 def colors(kinds, rng):
     """A color for each light, lights × 3, green about 1; and the temperatures in K."""
     kelvin = [1e6 / rng.uniform(1e6 / TEMPERATURES[k][1], 1e6 / TEMPERATURES[k][0]) for k in kinds]  # even in mired

@@ -1,0 +1,202 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Fits the estimator of the color slope of light (kernels/intrinsic/light_color) on mixtures of path-traced samples.
+
+    fit_slope.py --samples DIR --out weights.f16 [--mixtures 24] [--steps 3000] [--seed 1]
+
+The estimator sees counts of steps between neighboring points, not pictures: features() gives what points.comp and steps.comp give for a
+176 × 132 picture. Every fifth seed of the samples is held out. Prints errors on held-out mixtures: rmse, correlation, and rms of the
+error over the predicted deviation (1 if the estimator is as sure as it may be). Needs PyTorch; features are cached in --cache."""
+import argparse
+import concurrent.futures
+import pathlib
+
+import numpy as np
+import torch
+from torch import nn
+from torch.nn import functional
+
+import mix
+import sample as samples
+
+LEVELS, HUES, SIZES, RATIOS = 4, 3, 10, 43  # counts: by resolution, |step of g|, step of m, ratio of steps b / m
+CANDIDATES = torch.linspace(-1.4, 1.4, 29)
+HELD_OUT = 5
+WIDTH, DENSE = 16, 12
+
+
+def halve(x):
+    """Means of 2 × 2 points; an odd last row or column counts twice."""
+    x = np.pad(x, ((0, x.shape[0] % 2), (0, x.shape[1] % 2), (0, 0)), "edge")
+    return samples.halve(x)
+
+
+def add_split(counts, first, position, weight):
+    """Adds weight at a fractional position after first, split between both neighbors."""
+    low = np.floor(position).astype(int)
+    for index, share in ((low, 1 - position + low), (low + 1, position - low)):
+        counts += np.bincount((first + index).ravel(), (weight * share).ravel(), counts.size)
+
+
+def step_counts(x):
+    """Of planes m, b, g: thousandths of the steps to the right and below, LEVELS × HUES × SIZES × RATIOS."""
+    result = []
+    for _ in range(LEVELS):
+        near = np.concatenate([x[:, 1:].reshape(-1, 3), x[1:].reshape(-1, 3)])
+        far = np.concatenate([x[:, :-1].reshape(-1, 3), x[:-1].reshape(-1, 3)])
+        swap = near[:, :1] < far[:, :1]
+        high, low = np.where(swap, far, near), np.where(swap, near, far)
+        m, b, g = (high - low).T
+        g = np.abs(g)
+        size = np.clip(np.floor(np.log2(np.maximum(m, 1e-3) / 0.03) * 1.6), -1, SIZES - 2).astype(int) + 1
+        hue = (g > 0.02 + 0.08 * m).astype(int) + (g > 0.06 + 0.3 * m)
+        ratio = np.clip(b / np.maximum(m, 0.01) / 0.1 + RATIOS // 2, 0, RATIOS - 1.001)
+        counts = np.zeros(HUES * SIZES * RATIOS)
+        add_split(counts, (hue * SIZES + size) * RATIOS, ratio, 1 / (1 + np.exp(-3 * (low[:, 0] + 4))))
+        result.append(1000 * counts / (2 * x.shape[0] * x.shape[1]))
+        x = halve(x)
+    return np.stack(result)
+
+
+def scene_counts(x):
+    """Of planes m, b, g: thousandths of the points of level 1 by brightness below the top (8, steps of .4) and by b (20, steps of .1)."""
+    x = halve(x)
+    dark = np.clip((np.quantile(x[..., 0], 0.95) - x[..., 0]) / 0.4, 0, 7).astype(int)
+    counts = np.zeros(160)
+    add_split(counts, dark * 20, np.clip(x[..., 1] / 0.1 + 10, 0, 18.999), np.ones_like(x[..., 1]))
+    return 1000 * counts / dark.size
+
+
+def features(rgb):
+    """Step counts and scene counts of a linear picture."""
+    f, c = np.log(rgb + 0.002), np.log(rgb + 0.01)
+    x = np.stack([f.mean(-1), c[..., 0] - c[..., 2], 0.5 * (c[..., 0] + c[..., 2]) - c[..., 1]], -1)
+    return step_counts(x), scene_counts(x)
+
+
+def mixtures(path, count, seed):
+    """Features, slopes and rms of ln light of count photographs of one sample; two of three have other paint."""
+    scene = samples.read(path)
+    steps, points, slopes, spread = [], [], [], []
+    for i in range(count):
+        rng = np.random.default_rng([seed, i, int(path.stem)])
+        m = mix.mix(mix.repaint(scene, rng) if i % 3 else scene, seed * count + i, 2, bend=0.65)
+        if m["I"].shape[0] > m["I"].shape[1]:
+            m["I"] = m["I"].transpose(1, 0, 2)  # counts of steps stay
+        a, b = features(m["I"].astype(np.float64))
+        steps.append(a), points.append(b), slopes.append(m["k"]), spread.append(m["m_rms"])
+    return [np.stack(v).astype(np.float32) for v in (steps, points, slopes, spread)]
+
+
+def load(args):
+    """Two lists of arrays: to fit, and held out. Samples that the cache has are not mixed again."""
+    args.cache.mkdir(parents=True, exist_ok=True)
+    paths = sorted(args.samples.glob("*.npz"), key=lambda p: int(p.stem))
+
+    def one(path):
+        return args.cache / f"{path.stem}-{args.mixtures}.npz"
+
+    with concurrent.futures.ProcessPoolExecutor() as pool:
+        missing = [p for p in paths if not one(p).exists()]
+        for path, arrays in zip(missing, pool.map(mixtures, missing, [args.mixtures] * len(missing), [0] * len(missing))):
+            np.savez(one(path), *[a.astype(np.float16 if a.ndim > 1 else np.float32) for a in arrays])
+    parts = [[], []]
+    for path in paths:
+        with np.load(one(path)) as f:
+            parts[int(path.stem) % HELD_OUT == 0].append([torch.tensor(f[n].astype(np.float32)) for n in f.files])
+    return [[torch.cat(a) for a in zip(*p)] for p in parts]
+
+
+class Votes(nn.Module):
+    """Log scores of the candidates: convolutions along the ratios, and a small dense part that sees the scene's counts, too."""
+
+    def __init__(self):
+        super().__init__()
+        self.a = nn.Conv1d(LEVELS * HUES * SIZES, WIDTH, 7, padding=3)
+        self.b = nn.Conv1d(WIDTH, WIDTH, 7, padding=3)
+        self.c = nn.Conv1d(WIDTH, 1, 1)
+        self.d = nn.Linear(WIDTH * RATIOS, DENSE)
+        self.cloud = nn.Linear(160, DENSE)
+        self.e = nn.Linear(DENSE, len(CANDIDATES))
+        self.drop = nn.Dropout(0.1)
+
+    def forward(self, steps, points):
+        x = self.drop(torch.log1p(2 * steps.reshape(len(steps), -1, RATIOS)))
+        x = functional.leaky_relu(self.a(x), 0.1)
+        y = self.c(functional.leaky_relu(self.b(x), 0.1))[:, 0, 7:36]
+        q = self.d(x.flatten(1)) + self.cloud(torch.log1p(0.3 * points))
+        return y + self.e(functional.leaky_relu(q, 0.1))
+
+
+def estimate(model, data):
+    """Mean and deviation of the slope."""
+    with torch.no_grad():
+        p = torch.cat([model(s, c).softmax(1) for s, c in zip(data[0].split(256), data[1].split(256))])
+    mean = (p * CANDIDATES).sum(1)
+    return mean, ((p * CANDIDATES**2).sum(1) - mean**2).clamp(min=1e-6).sqrt()
+
+
+def score(model, data):
+    """Weighted by the rms of ln light: where light is even, its slope does not matter."""
+    k, w = data[2].clamp(-1.4, 1.4), (data[3] / 0.4).clamp(max=1)
+    mean, sigma = estimate(model, data)
+
+    def average(x):
+        return ((w * x).sum() / w.sum()).item()
+
+    a, b = k - average(k), mean - average(mean)
+    used = mean * ((0.45 - sigma) / 0.2).clamp(0, 1)  # as decide.comp does
+    return (
+        f"rms k {average(k**2) ** 0.5:.3f}, rmse {average((k - mean) ** 2) ** 0.5:.3f}, with confidence {average((k - used) ** 2) ** 0.5:.3f}, "
+        f"correlation {average(a * b) / (average(a * a) * average(b * b)) ** 0.5:.3f}, gain {average(k * used) / average(k * k):.2f}, "
+        f"z {average(((k - mean) / sigma) ** 2) ** 0.5:.2f}"
+    )
+
+
+def fit(data, held, args):
+    torch.manual_seed(args.seed)
+    model = Votes()
+    optimizer = torch.optim.AdamW(model.parameters(), args.rate, weight_decay=args.decay)
+    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, args.steps)
+    average = {k: v.clone() for k, v in model.state_dict().items()}
+    target = torch.softmax(-0.5 * ((CANDIDATES - data[2][:, None].clamp(-1.4, 1.4)) / 0.06) ** 2, 1)
+    weight = (data[3] / 0.4).clamp(max=1)
+    for step in range(1, args.steps + 1):
+        j = torch.randint(len(target), (64,))
+        loss = (weight[j] * -(target[j] * model(data[0][j], data[1][j]).log_softmax(1)).sum(1)).mean()
+        optimizer.zero_grad()
+        loss.backward()
+        nn.utils.clip_grad_norm_(model.parameters(), 1.0)
+        optimizer.step()
+        schedule.step()
+        for k, v in model.state_dict().items():
+            average[k] += 0.02 * (v - average[k])
+        if step % 500 == 0 or step == args.steps:
+            shown = Votes()
+            shown.load_state_dict(average)
+            shown.eval()
+            print(f"step {step}, fit: {score(shown, [d[:2000] for d in data])}\n  held out: {score(shown, held)}", flush=True)
+    return shown
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--samples", type=pathlib.Path, required=True, help="folder of SEED.npz")
+    parser.add_argument("--cache", type=pathlib.Path, default=pathlib.Path("out/slope"))
+    parser.add_argument("--out", type=pathlib.Path, required=True)
+    parser.add_argument("--mixtures", type=int, default=24, help="photographs of each sample")
+    parser.add_argument("--steps", type=int, default=3000)
+    parser.add_argument("--rate", type=float, default=2e-3)
+    parser.add_argument("--decay", type=float, default=1e-2)
+    parser.add_argument("--seed", type=int, default=1)
+    args = parser.parse_args()
+    data, held = load(args)
+    print(f"{len(data[2])} photographs to fit, {len(held[2])} held out")
+    model = fit(data, held, args)
+    order = ("a", "b", "c", "d", "cloud", "e")  # as votes.comp reads them
+    values = [model.state_dict()[f"{n}.{part}"].numpy().ravel() for n in order for part in ("weight", "bias")]
+    args.out.write_bytes(np.concatenate(values).astype("<f2").tobytes())
+
+
+if __name__ == "__main__":
+    main()
