@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""A sheet of photographs with their reflectance and shading in gray and in colored light, as intrinsicdecomp outputs them.
+"""A sheet of photographs (docs/report/photographs.md) with their reflectance and shading in gray and in colored light, as intrinsicdecomp outputs them.
 
     ./dev shell -c 'tests/bench/report/photographs.py PICTURE|FOLDER … SHEET.jpg'
 """
@@ -14,7 +14,7 @@ import PIL.ImageDraw
 import PIL.ImageFont
 
 SIZE = 640  # of the longer side of what is decomposed
-CELL, GAP, HEAD = (236, 158), 4, 20
+CELL, GAP, HEAD, SIDE = (236, 158), 4, 20, 20
 COLUMNS = ["photograph", "reflectance, gray light", "shading, gray light", "reflectance, colored light", "shading, colored light"]
 SUFFIXES = {".png", ".jpg", ".jpeg"}
 
@@ -50,15 +50,16 @@ def main(*arguments):
     *paths, out = arguments
     rows = [list(cells(path)) for path in pictures(paths)]
     width, height = (n + GAP for n in CELL)
-    sheet = PIL.Image.new("RGB", (width * len(COLUMNS), HEAD + height * len(rows)), "white")
+    sheet = PIL.Image.new("RGB", (SIDE + width * len(COLUMNS), HEAD + height * len(rows)), "white")
     draw = PIL.ImageDraw.Draw(sheet)
     font = PIL.ImageFont.truetype("DejaVuSans.ttf", 13)
     for x, title in enumerate(COLUMNS):
-        draw.text((x * width + CELL[0] / 2, HEAD / 2), title, fill="black", font=font, anchor="mm")
+        draw.text((SIDE + x * width + CELL[0] / 2, HEAD / 2), title, fill="black", font=font, anchor="mm")
     for y, row in enumerate(rows):
+        draw.text((SIDE / 2, HEAD + y * height + CELL[1] / 2), str(y + 1), fill="black", font=font, anchor="mm")
         for x, cell in enumerate(row):
             cell.thumbnail(CELL, PIL.Image.LANCZOS)
-            sheet.paste(cell, (x * width + (CELL[0] - cell.width) // 2, HEAD + y * height + (CELL[1] - cell.height) // 2))
+            sheet.paste(cell, (SIDE + x * width + (CELL[0] - cell.width) // 2, HEAD + y * height + (CELL[1] - cell.height) // 2))
     sheet.save(out, quality=86, optimize=True)
 
 

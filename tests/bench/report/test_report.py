@@ -181,6 +181,12 @@ class Photographs(unittest.TestCase):
         self.assertIn("2 pictures, 5 pairs: 2 equal, 2 unequal achromatic, 1 unequal chromatic.", text)
         self.assertIn("| intrinsicdecomp | .600 [.500 .667] | .500 / .500 / 1.000 | .400 [0 .667] at .05 | .500 / 0 / 1.000 | .333 | .129 |", text)
         self.assertIn("| constant reflectance | 0 [0, 0] | −.200", text)
+        self.assertIn("at δ = .10: a 2 of 3, b 1 of 2.", text)
+
+    def test_the_tables_of_a_page_are_replaced(self):
+        page = "a\n<!-- photographs -->\nold\n<!-- end -->\nb\n"
+        self.assertEqual(whdr.written(page, "new\n"), page.replace("old", "new"))
+        self.assertRaises(ValueError, whdr.written, "a\n", "new\n")
 
 
 class Ablations(unittest.TestCase):

@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Reflectance on photographs whose pairs of points were judged by eye: WHDR (Bell et al. 2014), for docs/reference/accuracy.md.
 
-    tests/bench/report/whdr.py build-bench ../shared/data/real_pairs [METHOD …]    # runs the programs, prints the table
+    tests/bench/report/whdr.py build-bench ../shared/data/real_pairs [--page FILE.md] [METHOD …]
+
+runs the programs and prints the tables; --page also writes them between the page's lines <!-- photographs --> and <!-- end -->.
 """
 import json
 import math
@@ -89,11 +91,11 @@ def titles(found):
     """{(method, curve, setting): title} of the rows of the table, in their order."""
     settings = {(r["method"], r["curve"], r["setting"]): r for r in found["rows"]}
     names = {"thesis PCG": "thesis, chapter 3", "globalintrinsicthesis": "thesis, chapter 5"}
-    out, ours = {}, {}
+    out, thesis, ours = {}, {}, {}
     for key, row in settings.items():
         method, curve, setting = key
         if row["base"]:
-            ours[key] = names.get(method, method)
+            (thesis if method in names else ours)[key] = names.get(method, method)
         elif (curve, setting) == ("without", "color of light"):
             ours[key] = f"{method}, gray light"
         elif (method, curve) == ("intrinsicdecomp", "without"):
@@ -102,20 +104,21 @@ def titles(found):
             ours[key] = f"{method} `{row['preset']}`"
         elif curve in ("only", "thresholds") or method in tables.FILTERS:
             out[key] = f"{method} {setting}".strip()
-    return {**out, **ours}
+    return {**out, **dict(sorted(thesis.items(), key=lambda item: item[1])), **ours}
 
 
 def share(value):
     return figure(value, 3)
 
 
-def table(found):
-    """The tables of the page: errors, and differences from the peers."""
-    all_pairs, names = methods(found), titles(found)
+def is_variant(title):
+    """Whether a row is of a setting beside the default, and no method of its own."""
+    return "`" in title or " without " in title
+
+
+def errors(all_pairs, names):
     rows = []
     for key, title in names.items():
-        if key not in all_pairs:
-            continue
         s = scores(all_pairs[key])
         cells = [title]
         for name in ("at_delta", "at_best"):
@@ -123,20 +126,34 @@ def table(found):
             cells += [f"{share(at['whdr'])} [{share(at['interval'][0])} {share(at['interval'][2])}]" +
                       (f" at {figure(s['best'], 2)}" if name == "at_best" else ""), " / ".join(share(at[g]) for g in GROUPS)]
         rows.append(cells + [share(s["wrong_order"]), share(s["rms"])])
+    return tables.table(["", "WHDR, δ = .10 [95 %]", "equal / achromatic / chromatic", "WHDR, best δ [95 %]",
+                         "equal / achromatic / chromatic", "wrong order", "rms of equal"], rows)
+
+
+def wrong_by_picture(pairs):
+    counts = sorted(by_picture(pairs, DELTA).items(), key=lambda item: -item[1][0] / item[1][1])
+    return "Wrong pairs of `intrinsicdecomp` at δ = .10: " + ", ".join(
+        f"{pathlib.Path(name).stem} {wrong} of {total}" for name, (wrong, total) in counts) + ".\n"
+
+
+def table(found):
+    """The tables of the page: errors of methods and of other settings, and differences between methods."""
+    all_pairs = methods(found)
+    names = {key: title for key, title in titles(found).items() if key in all_pairs}
     _, darker, groups, _ = zip(*next(iter(all_pairs.values())))
     counts = ", ".join(f"{groups.count(g)} {'' if g == 'equal' else 'unequal '}{g}" for g in GROUPS)
-    return (f"{len(found['pictures'])} pictures, {len(darker)} pairs: {counts}.\n\n" +
-            tables.table(["", "WHDR, δ = .10 [95 %]", "equal / achromatic / chromatic", "WHDR, best δ [95 %]",
-                          "equal / achromatic / chromatic", "wrong order", "rms of equal"], rows) + "\n" +
-            tables.table(["intrinsicdecomp minus", "WHDR, δ = .10 [95 %]", "WHDR, best δ [95 %]"], differences(all_pairs, names)))
+    whole, variants = ({k: t for k, t in names.items() if is_variant(t) == v} for v in (False, True))
+    ours = next((key for key, title in whole.items() if title == "intrinsicdecomp"), None)
+    own = [wrong_by_picture(all_pairs[ours]), differences(all_pairs, whole, ours)] if ours else []
+    return "\n".join([f"{len(found['pictures'])} pictures, {len(darker)} pairs: {counts}.\n", errors(all_pairs, whole),
+                      errors(all_pairs, variants), *own])
 
 
-def differences(all_pairs, names):
+def differences(all_pairs, names, ours):
     """Of the default of intrinsicdecomp minus each other method, paired by picture."""
-    ours = next((key for key, title in names.items() if title == "intrinsicdecomp"), None)
     rows = []
     for key, title in names.items():
-        if ours not in all_pairs or key == ours or key not in all_pairs or "`" in title or " without " in title:
+        if key == ours:
             continue
         cells = [title]
         for delta_of in (lambda _: DELTA, lambda pairs: scores(pairs)["best"]):
@@ -144,11 +161,21 @@ def differences(all_pairs, names):
             low, mean, high = intervals.bootstrap_share([(mine[p][0] - theirs[p][0], mine[p][1]) for p in mine])
             cells.append(tables.bracketed(mean, [low, mean, high], "+", 3))
         rows.append(cells)
-    return rows
+    return tables.table(["intrinsicdecomp minus", "WHDR, δ = .10 [95 %]", "WHDR, best δ [95 %]"], rows)
 
 
-def main(build, folder, *only):
-    found, options = [], [word for method in only for word in ("--only", method)]
+def written(page, text):
+    """The page with the text between its two lines."""
+    head, middle, rest = page.partition("<!-- photographs -->\n")
+    _, end, tail = rest.partition("<!-- end -->\n")
+    if not middle or not end:
+        raise ValueError("the page lacks the lines <!-- photographs --> and <!-- end -->")
+    return head + middle + text + end + tail
+
+
+def main(build, folder, *more):
+    page = pathlib.Path(more[1]) if more[:1] == ("--page",) else None
+    found, options = [], [word for method in more[2 if page else 0:] for word in ("--only", method)]
     with tempfile.TemporaryDirectory() as temporary:
         for name in PROGRAMS:
             out = pathlib.Path(temporary) / f"{name}.json"
@@ -156,7 +183,11 @@ def main(build, folder, *only):
             found.append(json.loads(out.read_text()))
     for failure in [f for one in found for f in one["failures"]]:
         print(failure, file=sys.stderr)
-    print(table(joined(found)))
+    commit = subprocess.run(["git", "describe", "--always", "--dirty"], stdout=subprocess.PIPE, text=True).stdout.strip()
+    text = f"Measured at commit {commit}. {table(joined(found))}"
+    print(text)
+    if page:
+        page.write_text(written(page.read_text(), text))
 
 
 if __name__ == "__main__":
