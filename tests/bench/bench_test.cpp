@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Tests of the benchmark itself: layers of light through a device, scenes with layers through a
-// file, work on all cores.
+// file, judged photographs, work on all cores.
 #include <gtest/gtest.h>
 
 #include <array>
 #include <atomic>
 #include <cmath>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "tests/bench/methods/truth_clicks.hpp"
+#include "tests/bench/metrics/png_file.hpp"
 #include "tests/bench/peers/peer_despill.hpp"
 #include "tests/bench/support/device_session.hpp"
+#include "tests/bench/support/photographs.hpp"
 #include "tests/bench/support/scene.hpp"
 #include "tests/srgb.hpp"
 #include "tests/temporary_folder.hpp"
@@ -91,6 +94,74 @@ TEST(Scenes, ComeBackWithTheirLight) {
   EXPECT_FALSE(scenes[1].frames[0].direct.empty());
   EXPECT_TRUE(scenes[2].frames[0].direct.empty());
   EXPECT_TRUE(scenes[2].video);
+}
+
+/// Reflectance is the frame times a factor.
+class Times final : public Solver {
+ public:
+  explicit Times(float factor) : factor_(factor) {}
+  Decomposition run(const Image& frame, bool, Cost&) override {
+    Decomposition d{frame, {}};
+    for (float& v : d.reflectance.data) v *= factor_;
+    return d;
+  }
+
+ private:
+  float factor_;
+};
+
+Method times(const char* family, float factor) {
+  Method method{"times", family, "", {}, {}, {}};
+  const auto make = [factor](Size) { return std::make_unique<Times>(factor); };
+  method.settings.push_back({.curve = "only", .make = make, .effort = Setting::Effort::brief});
+  method.settings.push_back({.curve = "other", .make = make});
+  return method;
+}
+
+/// The left half has a fourth of the right half's light; the points are 1, 1 and 6, 2.
+class Photographs : public ::testing::Test {
+ protected:
+  void write(const std::string& x1, const std::string& darker) const {
+    Image picture(8, 4, 3, 0.8F);
+    for (int y = 0; y < 4; ++y)
+      for (int x = 0; x < 4; ++x)
+        for (int c = 0; c < 3; ++c) picture.at(x, y, c) = 0.2F;
+    write_png(folder_ / "a.png", picture);
+    folder_.write("pairs.json", R"({"a.png": [{"x1": )" + x1 + R"(, "y1": 1, "x2": 6, "y2": 2, )" +
+                                    R"("darker": ")" + darker + R"("}]})");
+  }
+  inverse::testing::TemporaryFolder folder_;
+};
+
+TEST_F(Photographs, HaveTheRatiosOfTheirPoints) {
+  constexpr double kCode = 0.02;  // of 8 bits
+  write("1", "1");
+  // Elements cut reflectance at 1: .4 and 1.6 become .4 and 1. Other methods' scales are free.
+  for (const auto& [family, ratio] : {std::pair{"peer", 0.25}, {"method", 0.4}}) {
+    const auto found =
+        nlohmann::json::parse(measure_photographs(folder_.path(), {times(family, 2)}, {}));
+    ASSERT_EQ(found["rows"].size(), 1U);
+    EXPECT_NEAR(found["rows"][0]["ratios"][0].get<double>(), ratio, kCode * ratio) << family;
+    EXPECT_EQ(found["pictures"][0]["darker"], "1");
+    EXPECT_NEAR(found["pictures"][0]["chroma"][0].get<double>(), 0, 0.1);
+  }
+}
+
+TEST_F(Photographs, AreRefusedWhereTheirPairsAreNoPairs) {
+  write("0", "1");
+  EXPECT_THROW(read_photographs(folder_.path()), std::runtime_error);
+  write("1", "3");
+  EXPECT_THROW(read_photographs(folder_.path()), std::runtime_error);
+  write("1", "E");
+  EXPECT_EQ(read_photographs(folder_.path()).front().pairs.front().darker,
+            Judgment::Darker::neither);
+}
+
+TEST(Photograph, ChromaIsThatOfTheMoreColorfulPoint) {
+  Image image(7, 3, 3, 0.5F);
+  for (int y = 0; y < 3; ++y)
+    for (int x = 0; x < 3; ++x) image.at(x, y, 0) = 1, image.at(x, y, 1) = image.at(x, y, 2) = 0;
+  EXPECT_NEAR(pair_chroma(image, {5, 1, 1, 1}), 104.55, 0.1);  // sRGB's red
 }
 
 Image pixel(float r, float g, float b) {

@@ -55,7 +55,8 @@ Method globalintrinsic(DeviceSession& session) {
   const struct {
     const char* part;
     void (*leave_out)(Params&);
-  } parts[] = {{"measured amount", [](Params& p) { p.amount = 0.5F; }},
+  } parts[] = {{"color of light", [](Params& p) { p.light.slope = 0; }},
+               {"measured amount", [](Params& p) { p.amount = 0.5F; }},
                {"residual", [](Params& p) { p.residual = 0; }},
                {"own-color exclusion", [](Params& p) { p.own = 0; }},
                {"neutrality", [](Params& p) { p.neutral = 0; }},
@@ -69,6 +70,7 @@ Method globalintrinsic(DeviceSession& session) {
               .order = order++,
               .parameters = {{"without", part}},
               .make = make(params),
+              .photographs = true,
               .effort = Effort::full};
     all.push_back(s);
     s.stills = false, s.video = true;

@@ -297,7 +297,7 @@ Method globalintrinsicthesis(DeviceSession& session) {
                              {"pcg-iterations", std::to_string(params.pcg_iterations)}}};
     for (const auto& [quality, name] : kQualities)
       if (table.top(quality) == k) s.preset = name;
-    s.base = k == table.top(Quality::medium);
+    s.base = s.photographs = k == table.top(Quality::medium);
     const bool base = s.base;
     add(std::move(s), params, {.reports = base});
   }

@@ -127,6 +127,7 @@ class Settings {
                      .make = make(params),
                      .stills = !video,
                      .video = video,
+                     .photographs = true,
                      .effort = Effort::full});
     }
   }

@@ -79,6 +79,7 @@ void add(Method& method, const char* name, double order, const Thresholds& thres
                              .make = without_memory([thresholds](const Image& frame) {
                                return retinex(frame, thresholds);
                              }),
+                             .photographs = true,
                              .effort = effort});
 }
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Prints the tables of docs/reference/accuracy.md from a results.json of `./dev bench --full`: held-out sets first, training sets apart.
+"""Prints the tables of docs/reference/accuracy.md from a results.json of `./dev bench --full`: photographs first, then held-out sets, training sets apart.
 
     tests/bench/report/accuracy.py out/report/results.json
 """
@@ -13,6 +13,7 @@ import ablations
 import intervals
 import summary
 import tables
+import whdr
 from tables import figure
 
 GIVEN = "diverse value, given"
@@ -107,6 +108,8 @@ def main():
     single = [r for r in rows if not r["video"]]
     if not any(r["curve"] == "weights" for r in single):
         sys.exit(f"{sys.argv[1]} is not of a --full run with given data")
+    if results.get("photographs"):
+        print(whdr.table(results["photographs"]))
     print(stills(single))
     print(paired(single))
     print(tables.without(ablations.stills(single, "intrinsicdecomp", summary.steady_time(results["device"]))))

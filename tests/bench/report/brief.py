@@ -179,7 +179,7 @@ and [figures.json](figures.json), from which `tests/bench/report/brief.py docs/r
 *Mean over the own stills. Left is faster, down is better; both axes are logarithmic. Circles: `quality` presets. Bars: quartiles of run time. Gray band: Pareto front. Of a peer's settings the one with the smallest error is shown.*
 
 {scenes(f)}
-{differences(f)} No method is best on all four. More data: [accuracy](../reference/accuracy.md).
+{differences(f)} No method is best on all four. More data: [accuracy](../reference/accuracy.md), first of all [on photographs](photographs.md).
 
 ![Layers](layers.jpg)
 

@@ -18,6 +18,18 @@ def bootstrap_mean(values, rounds=4000):
     return [means[int(0.025 * rounds)], statistics.fmean(values), means[int(0.975 * rounds) - 1]]
 
 
+def bootstrap_share(counts, rounds=4000):
+    """The same of sum over sum of (part, whole) that are drawn again together, one for each picture."""
+    counts = list(counts)
+    if len(counts) < 2:
+        return None
+    def share(drawn):
+        return sum(part for part, _ in drawn) / sum(whole for _, whole in drawn)
+    draw = random.Random(1)
+    shares = sorted(share(draw.choices(counts, k=len(counts))) for _ in range(rounds))
+    return [shares[int(0.025 * rounds)], share(counts), shares[int(0.975 * rounds) - 1]]
+
+
 def differences(ours, theirs):
     """Of errors by scene, ours minus theirs where both are known: their mean, its interval, in how many scenes ours is less,
     and whether zero lies outside the interval (None: too few scenes to tell)."""

@@ -8,6 +8,7 @@ import subprocess
 import time
 
 import summary
+import whdr
 
 
 class Failed(RuntimeError):
@@ -169,6 +170,15 @@ def measure_elements(parts, programs, environment, full):
             for place, some in element_parts(full).items()}
 
 
+def measure_photographs(parts, programs, folder, only):
+    """What each program writes about judged photographs, where there are some."""
+    if not (folder / "pairs.json").exists():
+        return []
+    found = [parts.measure(f"{name} photographs", programs / name, ["--photographs", folder, *only, "--out"], timeless=True)
+             for name in whdr.PROGRAMS if (programs / name).exists()]
+    return [f for f in found if f]
+
+
 def run(build, work, data, full, progress, only, resume=False):
     """Everything that is measured, as results.json has it."""
     programs = build / "tests" / "bench"
@@ -189,8 +199,8 @@ def run(build, work, data, full, progress, only, resume=False):
 
     passes = []
     options = ["--rounds", "2", "--converged", work / "converged", "--layers", work / "layers"] + (["--full"] if full else [])
-    for name in only:
-        options += ["--only", name]
+    only_options = [word for name in only for word in ("--only", name)]
+    options += only_options
     for name, program, folder, more in scene_parts(programs, own, given, videos, full):
         found = parts.measure(name, program, ["--data", folder, *options, *more, "--out"])
         if found:
@@ -204,10 +214,12 @@ def run(build, work, data, full, progress, only, resume=False):
 
     pictures = [*sorted(own.glob("*.f32")), *(sorted((data / "real_pairs").glob("*.png")) if full else [])]
     results["drift"] = parts.measure("drift", programs / "drift-bench", [*stills(pictures), "--json"], timeless=True)
+    judged = measure_photographs(parts, programs, data / "real_pairs", only_options) if full else []
+    results["photographs"] = whdr.joined(judged) if judged else None
     found = measure_elements(parts, programs, environment, full)
     results["elements"], results["by_colors"] = found["elements"], found["by_colors"]
     results["through_elements"] = summary.against_off(found["still"])
-    results["failures"] = parts.failures + [f for p in passes for f in p.get("failures", [])]
+    results["failures"] = parts.failures + [f for p in passes + judged for f in p.get("failures", [])]
     results["processor_seconds"] = {name: round(seconds, 1) for name, seconds in spent.items()}
     results["part_seconds"] = {name: round(seconds, 1) for name, seconds in took.items()}
     results["machine"]["load_after"] = os.getloadavg()[0]
@@ -222,7 +234,7 @@ def weights(full):
              "elements intrinsicdecompthesis": 2, "drift": 90, "adaptive": 4, "plots and page": 6}
     long = {**short, "data": 5, "drift": 600, "bench-methods scenes-own": 330, "bench-methods scenes-own 1": 8, "bench-peers scenes-own": 12,
             "bench-peers scenes-own 1": 2, "bench-methods scenes-given": 360, "bench-peers scenes-given": 45,
-            "bench-methods scenes-videos": 200, "bench-peers scenes-videos": 3, "elements intrinsicdecomp": 30,
+            "bench-methods scenes-videos": 200, "bench-peers scenes-videos": 3, "bench-methods photographs": 600, "bench-peers photographs": 60, "elements intrinsicdecomp": 30,
             "elements globalintrinsic": 45, "elements intrinsicdecomp quality=low": 13, "elements intrinsicdecompthesis": 90,
             "elements globalintrinsicthesis": 60, "base colors": 30, "adaptive intrinsicdecomp 640x480": 72, "adaptive intrinsicdecomp 1280x720": 41,
             "adaptive globalintrinsic 640x480": 25, "adaptive globalintrinsic 1280x720": 45}
@@ -236,7 +248,7 @@ def expected(full):
         for folder in ["own", "given", "videos"] if full and number == 0 else ["own", "given"] if number == 0 else ["own"]:
             parts += [f"{program} scenes-{folder} {number}" for program in ("bench-methods", "bench-peers")]
     parts += [name for some in element_parts(full).values() for name, _, _ in some]
-    return weights(full), parts + ["drift", "plots and page"]
+    return weights(full), parts + ["drift"] + [f"{name} photographs" for name in whdr.PROGRAMS if full] + ["plots and page"]
 
 
 def compact(value):

@@ -78,10 +78,10 @@ def by_regime(panels):
     return table(["LMSE (k = 20)"] + names, rows)
 
 
-def bracketed(mean, interval, sign=""):
+def bracketed(mean, interval, sign="", decimals=4):
     """.0401 [.0215, .0592]; with sign "+" differences; no brackets where too few scenes give no interval."""
     def text(value):
-        digits = figure(abs(value))
+        digits = figure(abs(value), decimals)
         return ("−" if value < 0 else sign) + digits if digits != "0" else digits
     return text(mean) + (f" [{text(interval[0])}, {text(interval[2])}]" if interval else "")
 

@@ -13,6 +13,7 @@ import brief
 import intervals
 import summary
 import tables
+import whdr
 
 
 def row(setting, times, error, scene="a", **more):
@@ -136,6 +137,56 @@ class Intervals(unittest.TestCase):
         self.assertEqual((entry["minus_baseline"]["better"], entry["minus_baseline"]["separated"]), (0, False))
         self.assertIsNone(found["other"]["interval"])
         self.assertNotIn("baseline", found["other"])
+
+
+class Photographs(unittest.TestCase):
+    """Two pictures: darker points 1, E and 2 in the first, E and 1 in the other; the pair with chroma 20 is chromatic."""
+    PICTURES = [{"picture": "a", "darker": "1E2", "chroma": [3, 3, 20]}, {"picture": "b", "darker": "E1", "chroma": [3, 16]}]
+
+    def found(self, ratios, **more):
+        return [{"method": "intrinsicdecomp", "curve": "quality", "setting": "4", "preset": "medium", "base": True, "picture": p, "ratios": r, **more}
+                for p, r in ratios.items()]
+
+    def pairs(self, a, b):
+        [found] = whdr.methods({"pictures": self.PICTURES, "rows": self.found({"a": a, "b": b})}).values()
+        return found
+
+    def test_counted_by_hand(self):
+        # 1: 1/.5 = 2, right. E: 1.2, wrong at .1 and right at .2. 2: .8, the other order. E: exact. 1: 1/.95 = 1.053, called equal at .1.
+        pairs = self.pairs([0.5, 1.2, 0.8], [1, 0.95])
+        self.assertAlmostEqual(whdr.whdr(pairs, 0.1), 3 / 5)
+        self.assertAlmostEqual(whdr.whdr(pairs, 0.2), 2 / 5)
+        self.assertAlmostEqual(whdr.whdr(pairs, 0.05), 2 / 5)
+        self.assertEqual([whdr.whdr(pairs, 0.1, g) for g in whdr.GROUPS], [1 / 2, 1 / 2, 1])
+        self.assertAlmostEqual(whdr.wrong_order(pairs), 1 / 3)
+        self.assertAlmostEqual(whdr.rms_of_equal(pairs), math.log(1.2) / math.sqrt(2))
+        self.assertEqual(whdr.by_picture(pairs, 0.1), {"a": (2, 3), "b": (1, 2)})
+        self.assertEqual(whdr.scores(pairs)["best"], 0.05)
+        self.assertEqual(whdr.scores(self.pairs([0.5, 1.2, 1.8], [1, 0.5]))["best"], 0.2)
+
+    def test_at_the_threshold_points_are_equal(self):
+        self.assertEqual([whdr.judgment(r, 0.25) for r in (1.25, 0.8, 1.26, 0.79)], ["E", "E", "2", "1"])
+
+    def test_what_misses_a_picture_is_left_out(self):
+        self.assertEqual(whdr.methods({"pictures": self.PICTURES, "rows": self.found({"a": [1, 1, 1]})}), {})
+
+    def test_interval_draws_whole_pictures(self):
+        self.assertEqual(intervals.bootstrap_share([(0, 1), (4, 4)]), [0, 0.8, 1])
+        self.assertIsNone(intervals.bootstrap_share([(1, 2)]))
+
+    def test_table(self):
+        other = self.found({"a": [1, 1, 1], "b": [1, 1]}, method="constant reflectance", curve="only", setting="", base=False, preset="")
+        found = {"pictures": self.PICTURES, "rows": self.found({"a": [0.5, 1.2, 0.8], "b": [1, 0.95]}) + other}
+        text = whdr.table(found)
+        self.assertIn("2 pictures, 5 pairs: 2 equal, 2 unequal achromatic, 1 unequal chromatic.", text)
+        self.assertIn("| intrinsicdecomp | .600 [.500 .667] | .500 / .500 / 1.000 | .400 [0 .667] at .05 | .500 / 0 / 1.000 | .333 | .129 |", text)
+        self.assertIn("| constant reflectance | 0 [0, 0] | −.200", text)
+        self.assertIn("at δ = .10: a 2 of 3, b 1 of 2.", text)
+
+    def test_the_tables_of_a_page_are_replaced(self):
+        page = "a\n<!-- photographs -->\nold\n<!-- end -->\nb\n"
+        self.assertEqual(whdr.written(page, "new\n"), page.replace("old", "new"))
+        self.assertRaises(ValueError, whdr.written, "a\n", "new\n")
 
 
 class Ablations(unittest.TestCase):

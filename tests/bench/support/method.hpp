@@ -70,6 +70,7 @@ struct Setting {
   bool layers_only = false;
   /// Scored by LMSE (k = 20) alone, on one pass, without times.
   bool lmse_only = false;
+  bool photographs = false;         ///< with `stills`: measured on photographs, as brief ones are
   std::set<std::string> sets = {};  ///< measured on these sets of scenes only; empty: on all
   /// A shorter video plays forwards and backwards up to this number of frames, and its last frames
   /// are scored, to show temporal convergence. 0: once.

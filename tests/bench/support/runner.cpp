@@ -13,6 +13,7 @@
 
 #include "json.hpp"
 #include "method.hpp"
+#include "photographs.hpp"
 #include "scene.hpp"
 #include "tests/bench/metrics/flat_file.hpp"
 #include "tests/bench/metrics/metrics.hpp"
@@ -22,13 +23,14 @@ namespace {
 
 constexpr const char* kUsage =
     "options: --data FOLDER (scenes as flat dumps) --out FILE.json [--full] [--rounds N]\n"
+    "  --photographs FOLDER     instead of --data: reflectance ratios of judged pairs of points\n"
     "  [--brief]                settings that every run has, and no scores: for more samples\n"
     "  [--only METHOD]…         some methods only\n"
     "  [--converged FOLDER]     keeps converged solutions there, and reads those of others\n"
     "  [--layers FOLDER]        writes the layers of scenes' first frames there, as flat dumps\n";
 
 struct Options {
-  std::string data, out, converged, layers;
+  std::string data, photographs, out, converged, layers;
   std::set<std::string> only;
   bool full = false, brief = false;
   int rounds = 2;
@@ -44,6 +46,8 @@ Options parse(int argc, char** argv) {
     };
     if (argument == "--data")
       options.data = value();
+    else if (argument == "--photographs")
+      options.photographs = value();
     else if (argument == "--out")
       options.out = value();
     else if (argument == "--converged")
@@ -61,7 +65,8 @@ Options parse(int argc, char** argv) {
     else
       throw std::runtime_error(argument + "?\n" + kUsage);
   }
-  if (options.data.empty() || options.out.empty()) throw std::runtime_error(kUsage);
+  if (options.data.empty() == options.photographs.empty() || options.out.empty())
+    throw std::runtime_error(kUsage);
   return options;
 }
 
@@ -422,7 +427,14 @@ class Bench {
 int run_bench(int argc, char** argv, const std::string& device,
               const std::vector<Method>& methods) {
   try {
-    Bench(parse(argc, argv), device, methods).run();
+    const Options options = parse(argc, argv);
+    if (options.photographs.empty()) {
+      Bench(options, device, methods).run();
+      return 0;
+    }
+    std::ofstream out(options.out);
+    out << measure_photographs(options.photographs, methods, options.only);
+    if (!out.flush()) throw std::runtime_error("cannot write " + options.out);
     return 0;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s: %s\n", argv[0], error.what());
