@@ -145,7 +145,7 @@ def score(model, data):
         return ((w * x).sum() / w.sum()).item()
 
     a, b = k - average(k), mean - average(mean)
-    used = mean * ((0.45 - sigma) / 0.2).clamp(0, 1)  # as decide.comp does
+    used = mean * ((0.6 - sigma) / 0.2).clamp(0, 1)  # as move.comp does
     return (
         f"rms k {average(k**2) ** 0.5:.3f}, rmse {average((k - mean) ** 2) ** 0.5:.3f}, with confidence {average((k - used) ** 2) ** 0.5:.3f}, "
         f"correlation {average(a * b) / (average(a * a) * average(b * b)) ** 0.5:.3f}, gain {average(k * used) / average(k * k):.2f}, "

@@ -10,7 +10,7 @@ PLANE_INOUT(0, light);
 const float kRate = 1.0 / 16.0;              // share of the newest frame in m of white light
 const float kNear = 0.05;                    // distance of k from its target up to which it stays
 const float kMove = 0.05, kMaxMove = 0.004;  // share of the rest a frame, and the most
-const float kUnsure = 0.45, kSure = 0.25;     // standard deviation of k from which on it is 0, and up to which it counts in full
+const float kUnsure = 0.6, kSure = 0.4;      // standard deviation of k from which on it is 0, and up to which it counts in full
 
 void main() {
   if (gl_GlobalInvocationID.x > 0u) return;

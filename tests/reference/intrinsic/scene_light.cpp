@@ -211,7 +211,7 @@ const SceneLight::State& SceneLight::update(const double* rgb, int width, int he
                                            : Did::reused;
   if (state_.did == Did::measured) measure(points_of(rgb, width, height, factor), cloud);
   if (state_.measurements > 0)
-    state_.confidence = std::clamp((0.45 - state_.spread) / 0.2, 0.0, 1.0);
+    state_.confidence = std::clamp((0.6 - state_.spread) / 0.2, 0.0, 1.0);
   const double aim = usable * state_.confidence * state_.target, off = aim - state_.slope;
   if (cut)
     state_.slope = aim;
