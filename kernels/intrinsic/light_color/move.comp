@@ -7,8 +7,8 @@
 // Moves what is in force toward what was measured: at once in a new scene, else slowly. One invocation.
 PLANE_INOUT(0, light);
 
-const float kRate = 1.0 / 16.0;              // share of the newest frame in m of white light
-const float kNear = 0.05;                    // distance of k from its target up to which it stays
+// k stays within this distance of its target, or within the target's standard deviation: less is no evidence.
+const float kNear = 0.05;
 const float kMove = 0.05, kMaxMove = 0.004;  // share of the rest a frame, and the most
 const float kUnsure = 0.6, kSure = 0.4;      // standard deviation of k from which on it is 0, and up to which it counts in full
 
@@ -19,8 +19,8 @@ void main() {
   now.z = measured ? clamp((kUnsure - target.y) / (kUnsure - kSure), 0.0, 1.0) : given ? 1.0 : 0.0;
   float aim = frame.x * now.z * target.x, off = aim - now.x;
   if (jumps) now.x = aim;
-  else if (frame.x == 0.0 || now.z > 0.0 && abs(off) > kNear) now.x += clamp(kMove * off, -kMaxMove, kMaxMove);
-  now.y = jumps ? frame.y : mix(now.y, frame.y, kRate);
+  else if (frame.x == 0.0 || now.z > 0.0 && abs(off) > max(kNear, target.y)) now.x += clamp(kMove * off, -kMaxMove, kMaxMove);
+  if (jumps) now.y = frame.y;
   now.w = 1.0;
   STORE(light, LIGHT_NOW, now);
   STORE(light, LIGHT_FRAME, vec4(frame.xy, 0.0, 0.0));

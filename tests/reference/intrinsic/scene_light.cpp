@@ -183,7 +183,7 @@ const SceneLight::State& SceneLight::update(const double* rgb, int width, int he
   cloud_ = cloud;
   const bool cut = first || !known_ || !(change < 0.5);
   known_ = true;
-  state_.reference = cut ? bright : state_.reference + (bright - state_.reference) / 16;
+  if (cut) state_.reference = bright;
   std::array<double, 3> mean{}, square{}, variance{};
   double all = 0;
   for (const auto& point : probe.points) {
@@ -215,7 +215,7 @@ const SceneLight::State& SceneLight::update(const double* rgb, int width, int he
   const double aim = usable * state_.confidence * state_.target, off = aim - state_.slope;
   if (cut)
     state_.slope = aim;
-  else if (usable == 0 || (state_.confidence > 0 && std::abs(off) > 0.05))
+  else if (usable == 0 || (state_.confidence > 0 && std::abs(off) > std::max(0.05, state_.spread)))
     state_.slope += std::clamp(0.05 * off, -0.004, 0.004);
   return state_;
 }
