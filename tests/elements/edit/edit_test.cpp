@@ -173,6 +173,7 @@ TEST(Recolor, PropertiesTakeEffectWhilePlaying) {
   const std::string caps = VideoHarness::caps("RGBA", width, height);
   const auto frame = two_colors(width, height, {210, 60, 50}, {60, 90, 200});
   VideoHarness harness(kChain, caps, caps);
+  g_object_set(harness.find("intrinsicdecomp"), "light-color-slope", "0", nullptr);
   GstElement* recolor = harness.find("intrinsicrecolor");
   GstElement* compose = harness.find("intrinsiccompose");
   g_object_set(recolor, "key", 0xffd23c32u, "target", 0xff32c83cu, nullptr);
