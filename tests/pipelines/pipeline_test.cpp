@@ -51,9 +51,6 @@ std::string raw_file(const std::string& path) {
 void expect_mosaic(const Image& frame) {
   EXPECT_GT(frame.variance(0, 0, .5, .5), 100) << "the input is flat";
   EXPECT_GT(frame.variance(.5, 0, 1, .5), 20) << "the reflectance is flat";
-  for (int channel = 1; channel < 3; ++channel)
-    EXPECT_NEAR(frame.mean(channel, 0, .5, .5, 1), frame.mean(0, 0, .5, .5, 1), 25)
-        << "the shading has more color than light has";
   EXPECT_GT(frame.mean(0, 0, .5, .5, 1), 16) << "the shading is black";
 }
 
