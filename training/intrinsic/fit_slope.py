@@ -81,8 +81,6 @@ def mixtures(path, count, seed):
     for i in range(count):
         rng = np.random.default_rng([seed, i, int(path.stem)])
         m = mix.mix(mix.repaint(scene, rng) if i % 3 else scene, seed * count + i, 2, bend=0.65)
-        if m["I"].shape[0] > m["I"].shape[1]:
-            m["I"] = m["I"].transpose(1, 0, 2)  # counts of steps stay
         a, b = features(m["I"].astype(np.float64))
         steps.append(a), points.append(b), slopes.append(m["k"]), spread.append(m["m_rms"])
     return [np.stack(v).astype(np.float32) for v in (steps, points, slopes, spread)]
