@@ -174,7 +174,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   evaluate_edges(commands, params);
   assemble(commands, params.anchor);
   solve(commands, params);
-  find_scale(commands, params);
+  find_scale(commands, params, info.light);
   const PlanePtr slope = info.light ? info.light->record_slope(commands, scale_.value()) : nullptr;
   const PlanePtr intrinsic = write_layers(commands, input, params, slope);
   record_report(commands, params, slope);
@@ -217,13 +217,14 @@ void IntrinsicDecomposition::evaluate_edges(gpu::Commands& commands, const Param
   commands.stage("prior");
 }
 
-void IntrinsicDecomposition::find_scale(gpu::Commands& commands, const Params& params) {
+void IntrinsicDecomposition::find_scale(gpu::Commands& commands, const Params& params,
+                                        const LightColor* light) {
   using History = OutputScale::History;
   scale_.record(commands, guide_, multigrid_.field(), anchor_.cut_decision(),
                 plan_.history                   ? History::decided
                 : has_history_ || start_layers_ ? History::taken
                                                 : History::none,
-                params.scale, plan_.tiles());
+                params.scale, plan_.tiles(), light ? light->state() : nullptr);
 }
 
 PlanePtr IntrinsicDecomposition::write_layers(gpu::Commands& commands, const PlanePtr& input,

@@ -119,7 +119,7 @@ class IntrinsicDecomposition {
   void solve(gpu::Commands& commands, const Params& params);
   PlanePtr write_layers(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                         const PlanePtr& slope);
-  void find_scale(gpu::Commands& commands, const Params& params);
+  void find_scale(gpu::Commands& commands, const Params& params, const LightColor* light);
   /// The plane for the layers: if only tiles are worked on, one that has the others.
   PlanePtr layers_plane(gpu::Commands& commands);
   void record_report(gpu::Commands& commands, const Params& params, const PlanePtr& slope);

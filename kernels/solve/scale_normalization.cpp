@@ -33,14 +33,15 @@ ScaleNormalization::ScaleNormalization(const std::shared_ptr<gpu::Device>& devic
   scale_ = buffer(Update::SCALE_SIZE);
   points_ = buffer(uint64_t{columns_} * rows_);
   moved_points_ = buffer(uint64_t{columns_} * rows_);
-  history_ = gpu::Buffer::create(device, gpu::Element::scalar,
-                                 uint64_t{columns_} * rows_ * Update::HISTORY_SPAN);
+  history_ = buffer(uint64_t{columns_} * rows_ * Update::HISTORY_SPAN);
+  gray_light_ = buffer(1);
   samples_ = buffer(uint64_t{columns_} * rows_ * Update::SAMPLE_STRIDE);
 }
 
 void ScaleNormalization::clear_once(gpu::Commands& commands) {
   if (!cleared_)
-    for (const auto& state : {scale_, points_, moved_points_, history_}) commands.fill(state);
+    for (const auto& state : {scale_, points_, moved_points_, history_, gray_light_})
+      commands.fill(state);
   cleared_ = true;
 }
 
@@ -54,6 +55,7 @@ void ScaleNormalization::record(gpu::Commands& commands, const Frame& frame) {
   clear_once(commands);
   const bool follows = followed_ && frame.history != History::none;
   const uint32_t points = columns_ * rows_;
+  const gpu::BufferPtr light = frame.light ? frame.light : gray_light_;
   commands.dispatch(smooth_, {.cells = input_, .smoothed = now_}, {.size = cells_},
                     line_of(cells_.pixels()));
   if (follows) {
@@ -65,7 +67,8 @@ void ScaleNormalization::record(gpu::Commands& commands, const Frame& frame) {
          .points = points_,
          .moved_points = moved_points_,
          .history = history_,
-         .samples = samples_},
+         .samples = samples_,
+         .light = light},
         {.size = cells_, .grid = {columns_, rows_}, .spacing = spacing_, .frame = frames_},
         {points});
     points_.swap(moved_points_);
@@ -75,7 +78,8 @@ void ScaleNormalization::record(gpu::Commands& commands, const Frame& frame) {
                      .points = points_,
                      .target = frame.target,
                      .decision = frame.decision ? frame.decision : frame.target,
-                     .scale = scale_},
+                     .scale = scale_,
+                     .light = light},
                     {.size = cells_,
                      .count = follows ? points : 0,
                      .log_white = std::log(frame.white_level),

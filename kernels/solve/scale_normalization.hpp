@@ -30,6 +30,9 @@ class ScaleNormalization {
     History history = History::none;
     float white_level = 1;  ///< of reflectance, > 0
     bool frozen = false;    ///< the scale stays that of the frame before
+    /// vec4: slope k of the color of light, m at which it is white, by which the cells' color was
+    /// corrected; null: it was not.
+    gpu::BufferPtr light;
   };
 
   /// `cells`: the size of the planes that points are followed on.
@@ -56,6 +59,7 @@ class ScaleNormalization {
   gpu::Program<shaders::solve_scale_track> track_;
   gpu::Program<shaders::solve_scale_update> update_;
   gpu::BufferPtr input_, before_, now_, scale_, points_, moved_points_, history_, samples_;
+  gpu::BufferPtr gray_light_;
   uint32_t frames_ = 0;  // that points were followed through
   bool cleared_ = false;
   bool followed_ = false;  // `before_` is of the frame before

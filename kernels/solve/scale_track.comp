@@ -14,8 +14,9 @@ PLANE_IN(1, now);
 PLANE_IN(2, scale);
 PLANE_IN(3, points);
 PLANE_OUT(4, moved_points);
-SCALAR_INOUT(5, history);
+PLANE_INOUT(5, history);
 PLANE_OUT(6, samples);
+PLANE_IN(7, light);  // .xy: k and m of white by which the color of `now` was corrected
 layout(push_constant) uniform Push {
   uvec2 size;     // of the cells
   uvec2 grid;     // of the points
@@ -30,6 +31,8 @@ const float kMismatch = 0.1;      // rms log units by which a window may change
 const float kSteep = 0.05;        // max share of the gradients' mean square that may remain
 const float kRenew = 0.003;       // share of the frame's own offset that a new point takes
 const float kBlack = -5.3;        // ln of .5 %: darker points do not count
+const float kGraySlope = 0.05;    // of light, that hardly tells whether its color changed
+const float kDim = 0.1;           // of full scale: darker points hardly have a color to tell by
 const uint kCandidates = 8u;      // places for a new point
 
 ivec2 last = ivec2(push.size) - 1;
@@ -77,7 +80,7 @@ vec2 sparse_place(uint i, uint count) {
 void main() {
   uint i = gl_GlobalInvocationID.x, count = push.grid.x * push.grid.y;
   if (i >= count) return;
-  vec4 scale_now = FETCH(scale, SCALE_NOW), state = FETCH(scale, SCALE_STATE);
+  vec4 scale_now = FETCH(scale, SCALE_NOW), state = FETCH(scale, SCALE_STATE), was_lit = FETCH(scale, SCALE_LIGHT);
   vec4 place = FETCH(points, int(i));
   float offset = scale_now.z;
   bool has_history = state.z > 0.0;
@@ -87,7 +90,9 @@ void main() {
     place.z = 0.0;
     offset = mix(scale_now.z, scale_now.w, kRenew);
   }
-  STORE(history, HISTORY_SPAN * i + push.frame % HISTORY_SPAN, before_between(place.xy).w + offset - state.x);
+  vec4 past = before_between(place.xy);
+  STORE(history, HISTORY_SPAN * i + push.frame % HISTORY_SPAN,
+        vec4(past.w + offset - state.x, past.x, seen_color(past, was_lit.yz), was_lit.x));
 
   // The window as it was, with a border for gradients.
   const int across = 2 * kReach + 3;
@@ -132,13 +137,19 @@ void main() {
   if (!(texture > 0.0)) texture = 0.0;  // or NaN
   place.z = found ? min(place.z + 1.0, 1e6) : -1.0;
   uint age = uint(clamp(place.z, 1.0, float(HISTORY_SPAN))), newest = max(age, HISTORY_OLDEST) - HISTORY_OLDEST + 1u;
-  float reference = 0.0;
+  vec4 reference = vec4(0.0);
   for (uint k = newest; k <= age; ++k)  // the last frame is 1 old
     reference += LOAD(history, HISTORY_SPAN * i + (push.frame + HISTORY_SPAN + 1u - k) % HISTORY_SPAN);
-  reference = reference / float(age - newest + 1u) + state.x;
+  reference = reference / float(age - newest + 1u) + vec4(state.x, 0.0, 0.0, 0.0);
+  // Along the line of light's color brightness changes with color; the exposure changes without.
+  vec2 line = FETCH(light, 0).xy;
+  float brighter = cell.x - reference.y, redder = seen_color(cell, line) - reference.z;
+  float light_now = exp(cell.x), trust = light_now / (light_now + kDim);
+  float along = redder * line.x / (line.x * line.x + kGraySlope * kGraySlope);
+  float exposure = reference.w + clamp(brighter - along, min(brighter, 0.0), max(brighter, 0.0));
   float weight = found && cell.x > kBlack ? float(age) / float(HISTORY_SPAN) : 0.0;
   STORE(moved_points, i, place);
   STORE(samples, SAMPLE_STRIDE * i + SAMPLE_OFFSET,
-        vec4(reference - cell.w, weight, texture, cell.x > kDarkest ? 1.0 : 0.0));
-  STORE(samples, SAMPLE_STRIDE * i + SAMPLE_MOTION, vec4(moved, weight > 0.0 ? 1.0 : 0.0, 0.0));
+        vec4(reference.x - cell.w, weight, texture, cell.x > kDarkest ? 1.0 : 0.0));
+  STORE(samples, SAMPLE_STRIDE * i + SAMPLE_MOTION, vec4(moved, weight > 0.0 ? trust * trust : 0.0, exposure));
 }

@@ -12,6 +12,7 @@ PLANE_IN(1, points);
 PLANE_IN(2, target);    // .x: offset that the frame alone would get, .y: 0 if all of it is dark, .z: its brightest light, ln
 PLANE_IN(3, decision);  // .y = 0 at a cut
 PLANE_INOUT(4, scale);
+PLANE_IN(5, light);     // as scale_track.comp has it
 layout(push_constant) uniform Push {
   uvec2 size;       // of the cells
   uint count;       // 0: none were followed
@@ -38,7 +39,7 @@ void main() {
   vec4 shares = vec4(0.0);  // of points: bright, found again; of their texture: found again, all
   for (uint i = lane; i < push.count; i += lanes) {
     vec4 sample_offset = FETCH(samples, int(SAMPLE_STRIDE * i) + SAMPLE_OFFSET);
-    float is_found = FETCH(samples, int(SAMPLE_STRIDE * i) + SAMPLE_MOTION).z;
+    float is_found = FETCH(samples, int(SAMPLE_STRIDE * i) + SAMPLE_MOTION).z > 0.0 ? 1.0 : 0.0;
     shares += vec4(sample_offset.w, is_found, is_found * sample_offset.z, sample_offset.z);
   }
   shares = workgroup_sum(shares);
@@ -47,27 +48,27 @@ void main() {
   bool cut = push.history == 1u && !(FETCH(decision, 0).y > 0.0) && !(shares.z > kSameScene * shares.w);
   bool known = push.history > 0u && !cut && now.y > 0.0;
 
-  float offset = now.z;
+  vec2 center_of = vec2(now.z, LOAD(scale, SCALE_LIGHT).x);  // offset, exposure
   for (int round = 0; round < kRounds; ++round) {
-    vec2 sum = vec2(0.0);
+    vec4 sum = vec4(0.0);
     vec4 means = vec4(0.0), squares = vec4(0.0);
     for (uint i = lane; i < push.count; i += lanes) {
       vec4 sample_offset = FETCH(samples, int(SAMPLE_STRIDE * i) + SAMPLE_OFFSET);
       vec4 sample_motion = FETCH(samples, int(SAMPLE_STRIDE * i) + SAMPLE_MOTION);
       if (!(sample_motion.z > 0.0)) continue;
-      float away = (sample_offset.x - offset) / kWidth;
-      float weight = sample_offset.y * inversesqrt(1.0 + away * away);
-      sum += weight * vec2(sample_offset.x, 1.0);
+      vec2 value = vec2(sample_offset.x, sample_motion.w), away = (value - center_of) / kWidth;
+      vec2 weight = sample_offset.y * vec2(1.0, sample_motion.z) * inversesqrt(1.0 + away * away);
+      sum += vec4(weight * value, weight);
       vec2 moved = sample_motion.xy, from = FETCH(points, int(i)).xy - moved - center;
       vec2 apart = moved - common_motion(motion, from);
       float steady = sample_offset.z / (1.0 + dot(apart, apart));
       means += steady * vec4(moved, from);
       squares += steady * vec4(dot(from, from), dot(from, moved), from.x * moved.y - from.y * moved.x, 1.0);
     }
-    sum = workgroup_sum(vec4(sum, 0.0, 0.0)).xy;
+    sum = workgroup_sum(sum);
     means = workgroup_sum(means);
     squares = workgroup_sum(squares);
-    if (sum.y > 1e-6) offset = sum.x / sum.y;
+    if (min(sum.z, sum.w) > 1e-6) center_of = sum.xy / sum.zw;
     if (squares.w > 1e-6) {  // the similarity of least squares
       means /= squares.w;
       vec2 products = squares.yz - squares.w * vec2(dot(means.zw, means.xy), means.z * means.y - means.w * means.x);
@@ -76,7 +77,12 @@ void main() {
     }
   }
   if (lane > 0u) return;
-  float before = state.y;
+  float before = state.y, offset = center_of.x, exposure = LOAD(scale, SCALE_LIGHT).x;
+
+  bool tracked = known && found > kMinFound;
+  float shift = 0.0, brighter = tracked && goal.y > 0.0 && push.frozen == 0u ? center_of.y - exposure : 0.0;
+  float white = state.w + brighter;
+  STORE(scale, SCALE_LIGHT, vec4(exposure + brighter, FETCH(light, 0).xy, brighter));
 
   // A dark frame changes nothing; if no scale is known, the solver's own stays.
   if (goal.y == 0.0) {
@@ -85,8 +91,6 @@ void main() {
     STORE(scale, SCALE_STATE, vec4(0.0, before, 0.0, known ? state.w : 0.0));
     return;
   }
-  bool tracked = known && found > kMinFound;
-  float shift = 0.0, white = state.w;
   if (!known) {
     offset = goal.x;
     white = goal.z - offset;

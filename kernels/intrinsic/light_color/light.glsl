@@ -5,9 +5,14 @@
 // Of the scene, vec4s:
 #define LIGHT_NOW 0     // k; m at which the guide takes light as white; confidence of k, 0...1; 1 once a frame was seen
 #define LIGHT_TARGET 1  // k as measured; its standard deviation; measurements since a cut; LIGHT_… below
-#define LIGHT_FRAME 2   // share of k that is used, by the frame's color; m of white light; 1 if LIGHT_NOW takes all of it at once; -
+#define LIGHT_FRAME 2   // share of k that is used, by the frame's color; m of white light; what LIGHT_NOW takes at once (below);
+                        // change of the exposure (solve/scale.glsl) that LIGHT_NOW has not taken
 #define LIGHT_VOTES 3   // for the candidates, averaged over measurements
 #define LIGHT_SIZE 11
+
+// Nothing; k, as it is given; k and white light.
+#define LIGHT_GIVEN 1.0
+#define LIGHT_NEW_SCENE 2.0
 
 // What was done in a frame.
 #define LIGHT_MEASURED 0

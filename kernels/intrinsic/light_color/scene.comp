@@ -81,8 +81,9 @@ void main() {
     if (cut) target = vec4(0.0);
     if (did == LIGHT_MEASURED && !cut && push.due == 0u) did = LIGHT_REUSED;
   }
-  bool jumps = cut || push.automatic == 0u || LOAD(light, LIGHT_FRAME).z > 0.0;
-  STORE(light, LIGHT_FRAME, vec4(usable, bright, jumps ? 1.0 : 0.0, 0.0));
+  vec4 before = LOAD(light, LIGHT_FRAME);
+  float jump = cut ? LIGHT_NEW_SCENE : push.automatic == 0u ? LIGHT_GIVEN : 0.0;
+  STORE(light, LIGHT_FRAME, vec4(usable, bright, max(jump, before.z), before.w));
   target.w = float(did);
   STORE(light, LIGHT_TARGET, target);
   uint measures = did == uint(LIGHT_MEASURED) ? 1u : 0u;

@@ -5,17 +5,19 @@
 #include "light.glsl"
 #include "solve/scale.glsl"
 
-// What a frame's layers have to carry of the color of light: Role::slope. One invocation.
-PLANE_IN(0, light);
+// What a frame's layers have to carry of the color of light: Role::slope. And for the next frame, how the exposure changed. One
+// invocation.
+PLANE_INOUT(0, light);
 PLANE_IN(1, scale);
 PLANE_OUT(2, slope);
 
 void main() {
   if (gl_GlobalInvocationID.x > 0u) return;
-  vec4 now = FETCH(light, LIGHT_NOW), carried = vec4(0.0);
+  LOAD(light, LIGHT_FRAME).w += FETCH(scale, SCALE_LIGHT).w;
+  vec4 now = LOAD(light, LIGHT_NOW), carried = vec4(0.0);
   carried[SLOPE_K] = now.x;
   carried[SLOPE_WHITE] = FETCH(scale, SCALE_STATE).w - (FETCH(scale, SCALE_NOW).x - FETCH(scale, SCALE_NOW).z);
   carried[SLOPE_CONFIDENCE] = now.z;
-  carried.w = FETCH(light, LIGHT_TARGET).w;
+  carried.w = LOAD(light, LIGHT_TARGET).w;
   STORE(slope, 0, carried);
 }

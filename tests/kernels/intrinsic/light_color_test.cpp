@@ -3,12 +3,14 @@
 #include "kernels/intrinsic/light_color/light_color.hpp"
 
 #include "intrinsic_fixture.hpp"
+#include "kernels/solve/scale_normalization.hpp"
 #include "tests/reference/intrinsic/scene_light.hpp"
 
 namespace inverse::testing {
 namespace {
 
 using State = shaders::intrinsic_light_color_scene;
+using Scale = shaders::solve_scale_update;
 
 /// The scene with light of this slope: brighter light is redder if it is positive.
 Pixels in_light(Extent extent, unsigned seed, float slope) {
@@ -29,13 +31,17 @@ Pixels in_light(Extent extent, unsigned seed, float slope) {
 
 class LightColorTest : public IntrinsicTest {
  protected:
-  /// LIGHT_… of a frame.
+  /// LIGHT_… of a frame. `brighter`: how its exposure changes, as ScaleNormalization finds it.
   Pixels record(LightColor& light, Extent extent, const Pixels& pixels, bool first,
-                std::optional<float> slope = {}) {
+                std::optional<float> slope = {}, float brighter = 0) {
     const Plane frame = plane(extent, pixels);
+    Pixels scale(4 * Scale::SCALE_SIZE);
+    scale[4 * Scale::SCALE_LIGHT + 3] = brighter;
+    const auto uploaded = upload(scale);
     run([&](gpu::Commands& commands) {
       light.record(commands, frame.buffer, {slope}, first);
       light.record_move(commands);
+      light.record_slope(commands, uploaded);
     });
     return download(light.state());
   }
@@ -53,7 +59,8 @@ TEST_F(LightColorTest, AgreesWithReference) {
       if (k == 15)
         for (size_t i = 0; i < pixels.size(); i += 7) pixels[i] = i % 2 ? kNan : 1e9F;
       const bool first = k == 0 || k == 18;
-      const Pixels got = record(light, extent, pixels, first);
+      const float brighter = k % 3 == 0 ? 0.015F : k == 7 ? -0.4F : 0;
+      const Pixels got = record(light, extent, pixels, first, {}, brighter);
       const auto& want = expected.update(
           rgb_of(pixels).data(), int(extent.width), int(extent.height), first,
           first || k % LightColor::kPeriod == 0 || (k > 18 && (k - 18) % LightColor::kPeriod == 0));
@@ -64,6 +71,7 @@ TEST_F(LightColorTest, AgreesWithReference) {
       EXPECT_NEAR(got[2], want.confidence, 1e-2) << what;
       EXPECT_NEAR(got[4], want.target, 8e-3) << what;
       EXPECT_EQ(int(got[6]), want.measurements) << what;
+      expected.expose(static_cast<double>(brighter));
     }
   }
 }
@@ -71,10 +79,14 @@ TEST_F(LightColorTest, AgreesWithReference) {
 TEST_F(LightColorTest, AGivenSlopeIsInForceAtOnce) {
   const Extent extent{64, 48};
   LightColor light(device, extent);
+  const Pixels first = record(light, extent, scene(extent, 1), true, 0.2F);
   for (const float slope : {0.7F, -1.5F, 5.0F}) {
-    const Pixels got = record(light, extent, scene(extent, 1), slope == 0.7F, slope);
+    Pixels pixels = scene(extent, 1);
+    for (float& v : pixels) v *= 0.9F;
+    const Pixels got = record(light, extent, pixels, false, slope);
     EXPECT_EQ(got[0], std::min(slope, LightColor::kMaxSlope));
     EXPECT_EQ(got[2], 1);
+    EXPECT_EQ(got[1], first[1]) << "white light is that of the scene";
   }
 }
 

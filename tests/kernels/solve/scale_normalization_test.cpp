@@ -14,6 +14,8 @@ namespace inverse::testing {
 namespace {
 
 using reference::ScaleCell;
+using Light = reference::LightColor;
+using State = shaders::solve_scale_update;
 
 /// A plane without borders: smooth paint and light, waves of 6 to 20 cells.
 ScaleCell world(double x, double y) {
@@ -28,6 +30,7 @@ struct View {
   double x = 0, y = 0;      ///< of its upper left cell
   double brighter = 0;      ///< ln of a factor on all light
   double solver_scale = 0;  ///< added to all log reflectance, as a solver's own scale may be
+  double redder = 0;        ///< added to ln R/B
 };
 
 class ScaleNormalizationTest : public GpuTest {
@@ -39,28 +42,37 @@ class ScaleNormalizationTest : public GpuTest {
         ScaleCell cell = world(x + view.x, y + view.y);
         cell[0] += view.brighter;
         cell[3] += view.solver_scale;
+        cell[1] += std::sqrt(3.0) / 2 * view.redder / 2;
+        cell[2] += 0.75 * view.redder;
         cells.push_back(cell);
       }
     return cells;
   }
 
-  /// ln c on the device.
-  float record(ScaleNormalization& scale, const std::vector<ScaleCell>& cells,
-               const reference::ScaleNormalization::ScaleTarget& target, bool carries,
-               float white_level = 0.9F, bool frozen = false) {
+  /// SCALE_… on the device, ln c first.
+  Pixels record_state(ScaleNormalization& scale, const std::vector<ScaleCell>& cells,
+                      const reference::ScaleNormalization::ScaleTarget& target, bool carries,
+                      float white_level, bool frozen, const Light& light) {
     std::vector<float> numbers;
     for (const ScaleCell& cell : cells)
       for (const double v : cell) numbers.push_back(static_cast<float>(v));
     const auto uploaded = upload(numbers);
-    const auto requested =
-        upload({static_cast<float>(target.offset), target.dark ? 0.0F : 1.0F, 0, 0});
+    const auto requested = upload({static_cast<float>(target.offset), target.dark ? 0.0F : 1.0F,
+                                   static_cast<float>(target.brightest), 0});
+    const auto lit =
+        upload({static_cast<float>(light.slope), static_cast<float>(light.reference), 0, 0});
     const auto decided = upload({0, carries ? 1.0F : 0.0F, 0, 0});
     run([&](gpu::Commands& commands) {
       commands.copy(uploaded, scale.cells(), uploaded->bytes());
-      scale.record(commands,
-                   {requested, decided, ScaleNormalization::History::decided, white_level, frozen});
+      scale.record(commands, {requested, decided, ScaleNormalization::History::decided, white_level,
+                              frozen, lit});
     });
-    return download(scale.value())[0];
+    return download(scale.value());
+  }
+  float record(ScaleNormalization& scale, const std::vector<ScaleCell>& cells,
+               const reference::ScaleNormalization::ScaleTarget& target, bool carries,
+               float white_level = 0.9F, bool frozen = false) {
+    return record_state(scale, cells, target, carries, white_level, frozen, {})[0];
   }
 };
 
@@ -71,16 +83,21 @@ TEST_F(ScaleNormalizationTest, AgreesWithReference) {
                                            static_cast<int>(extent.height));
     for (int k = 0; k < 24; ++k) {
       // A pan that gathers speed, light that changes, a cut, a dark frame, frozen ones.
-      View view{0.02 * k * k, 0.3 * k, 0.02 * k, 0.01 * k};
+      View view{0.02 * k * k, 0.3 * k, 0.02 * k, 0.01 * k, 0.004 * k};
+      const Light light{0.02 * (k % 7), -0.3 + 0.01 * k};
       if (k >= 12) view.x += 500;
       const bool carries = k != 12, frozen = k == 7 || k == 8;
-      const reference::ScaleNormalization::ScaleTarget target{-0.2 - 0.03 * k, k == 18};
+      const reference::ScaleNormalization::ScaleTarget target{-0.2 - 0.03 * k, k == 18, 0.1 * k};
       const float white = k < 20 ? 0.9F : 0.5F;
       const auto cells = cells_of(extent, view);
-      const float got = record(scale, cells, target, carries, white, frozen);
+      const Pixels got = record_state(scale, cells, target, carries, white, frozen, light);
       const double want =
-          expected.update(cells, target, carries, static_cast<double>(white), frozen);
-      ASSERT_NEAR(got, want, 1e-4) << name_of(extent) << ", frame " << k;
+          expected.update(cells, target, carries, static_cast<double>(white), frozen, light);
+      ASSERT_NEAR(got[0], want, 1e-4) << name_of(extent) << ", frame " << k;
+      ASSERT_NEAR(got[4 * State::SCALE_LIGHT], expected.exposure(), 1e-4)
+          << name_of(extent) << ", frame " << k;
+      ASSERT_NEAR(got[4 * State::SCALE_STATE + 3] - got[0] + got[2], expected.white(), 2e-4)
+          << name_of(extent) << ", frame " << k;
       if (extent.width > 100 && carries && k > 0 && k != 19) {
         EXPECT_GT(expected.found(), 0.8) << "frame " << k;
       }
@@ -121,6 +138,34 @@ TEST_F(ScaleNormalizationTest, WhatStaysInViewKeepsItsReflectance) {
       update_max(worst, std::abs(brightness - first));
     }
     EXPECT_LT(worst, 0.02) << shot.name;
+  }
+}
+
+TEST_F(ScaleNormalizationTest, WhiteLightFollowsTheExposure) {
+  // A camera that opens its iris leaves colors as they are; a lamp that is dimmed changes them as
+  // shadows do.
+  const Extent extent{120, 67};
+  const Light light{0.5, -0.5};
+  const struct {
+    const char* name;
+    double redder;   ///< for ln brightness
+    double follows;  ///< share of the change that is of the exposure
+  } shots[] = {{"exposure", 0, 1}, {"light", light.slope, 0}, {"opposite color", -light.slope, 1}};
+  for (const auto& shot : shots) {
+    ScaleNormalization scale(device, extent);
+    Pixels first, last;
+    double brighter = 0;
+    for (int k = 0; k < 90; ++k) {
+      brighter = 0.7 * std::clamp((k - 10) / 20.0, 0.0, 1.0);
+      // As the guide has them: corrected by the color of light of their brightness.
+      View view{0.4 * k, 0, brighter, 0, (shot.redder - light.slope) * brighter};
+      last = record_state(scale, cells_of(extent, view), {-0.1, false, 0.2}, k > 0, 1.0F, false,
+                          light);
+      if (k == 0) first = last;
+    }
+    const size_t white = 4 * State::SCALE_STATE + 3, exposure = 4 * State::SCALE_LIGHT;
+    EXPECT_NEAR(last[exposure] - first[exposure], shot.follows * brighter, 0.02) << shot.name;
+    EXPECT_NEAR(last[white] - first[white], shot.follows * brighter, 0.02) << shot.name;
   }
 }
 

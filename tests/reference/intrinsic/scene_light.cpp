@@ -183,7 +183,9 @@ const SceneLight::State& SceneLight::update(const double* rgb, int width, int he
   cloud_ = cloud;
   const bool cut = first || !known_ || !(change < 0.5);
   known_ = true;
-  if (cut) state_.reference = bright;
+  const double lag = cut ? 0 : std::clamp(exposure_, -0.02, 0.02);
+  state_.reference = cut ? bright : state_.reference + exposure_ - lag;
+  exposure_ = lag;
   std::array<double, 3> mean{}, square{}, variance{};
   double all = 0;
   for (const auto& point : probe.points) {

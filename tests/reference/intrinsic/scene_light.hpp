@@ -43,6 +43,9 @@ class SceneLight {
   const State& update(const double* rgb, int width, int height, bool first, bool due,
                       std::optional<double> given = {});
 
+  /// The exposure of the frame changed: the next one has its white light there.
+  void expose(double step) { exposure_ += step; }
+
   // The parts.
   /// Cells of `factor` pixels.
   static PointLevel points_of(const double* rgb, int width, int height, int factor);
@@ -60,6 +63,7 @@ class SceneLight {
   std::vector<double> weights_;
   State state_;
   bool known_ = false;
+  double exposure_ = 0;  ///< change that state_.reference has not taken
   std::vector<double> cloud_;
   std::array<double, kCandidates> votes_{};
 };

@@ -19,7 +19,15 @@ constexpr int kRounds = 10;
 constexpr double kWidth = 0.02, kNoZoom = 0.1, kMinFound = 0.05, kSameScene = 0.5, kFollow = 0.1,
                  kMoreLight = 0.25, kMeanRate = 1.0 / 64;
 
+constexpr double kGraySlope = 0.05;  // of light, that hardly tells whether its color changed
+constexpr double kDim = 0.1;         // darker points hardly have a color to tell by
+
 double mix(double a, double b, double share) { return a + share * (b - a); }
+
+/// ln R/B of a cell before its color was corrected.
+double seen_color(const ScaleCell& cell, const LightColor& light) {
+  return cell[2] + cell[1] / std::sqrt(3.0) + light.slope * (cell[0] - light.reference);
+}
 }  // namespace
 
 ScaleNormalization::ScaleNormalization(int width, int height)
@@ -86,7 +94,8 @@ std::array<double, 2> ScaleNormalization::sparse_place(uint32_t index,
 
 ScaleNormalization::Sample ScaleNormalization::track(Point& point, uint32_t index,
                                                      const std::vector<Point>& others,
-                                                     const std::vector<ScaleCell>& cells) const {
+                                                     const std::vector<ScaleCell>& cells,
+                                                     const LightColor& light) const {
   double offset = offset_;
   if (!has_history_ || point.history.empty()) {
     const auto columns = static_cast<uint32_t>(columns_);
@@ -98,7 +107,8 @@ ScaleNormalization::Sample ScaleNormalization::track(Point& point, uint32_t inde
     point = {place[0], place[1], {}};
     offset = mix(offset_, target_, kRenew);
   }
-  point.history.push_back(between(before_, point.x, point.y)[3] + offset);
+  const ScaleCell past = between(before_, point.x, point.y);
+  point.history.push_back({past[3] + offset, past[0], seen_color(past, light_), exposure_});
   if (point.history.size() > kSpan) point.history.pop_front();
 
   // Lucas and Kanade, the means of the windows removed.
@@ -158,11 +168,19 @@ ScaleNormalization::Sample ScaleNormalization::track(Point& point, uint32_t inde
   const double difference = (xx - yy) / 2, texture = (xx + yy) / 2 - std::hypot(difference, xy);
   sample.texture = texture > 0 ? texture : 0;
   const std::size_t count = std::min(point.history.size(), kOldest);
-  double reference = 0;
+  Past mean{};
   for (std::size_t k = 0; k < count; ++k)
-    reference += point.history[k] / static_cast<double>(count);
-  sample.offset = reference - cell[3];
+    for (std::size_t j = 0; j < mean.size(); ++j)
+      mean[j] += point.history[k][j] / static_cast<double>(count);
+  sample.offset = mean[0] - cell[3];
+  // Along the line of light's color brightness changes with color; the exposure changes without.
+  const double brighter = cell[0] - mean[1], redder = seen_color(cell, light) - mean[2];
+  const double along = redder * light.slope / (light.slope * light.slope + kGraySlope * kGraySlope);
+  sample.exposure =
+      mean[3] + std::clamp(brighter - along, std::min(brighter, 0.0), std::max(brighter, 0.0));
   sample.weight = sample.found ? static_cast<double>(point.history.size()) / kSpan : 0;
+  const double seen = std::exp(cell[0]);
+  sample.exposure_weight = sample.weight * std::pow(seen / (seen + kDim), 2);
   if (!found) point.history.clear();
   return sample;
 }
@@ -195,14 +213,15 @@ void ScaleNormalization::fit(Motion& motion, const std::vector<Sample>& samples,
 }
 
 double ScaleNormalization::update(const std::vector<ScaleCell>& input, const ScaleTarget& target,
-                                  bool carries, double white_level, bool frozen) {
+                                  bool carries, double white_level, bool frozen,
+                                  const LightColor& light) {
   const double log_white = log_white_ = std::log(white_level);
   const std::vector<ScaleCell> cells = smoothed(input);
   std::vector<Sample> samples;
   if (!before_.empty()) {
     const std::vector<Point> others = points_;
     for (std::size_t i = 0; i < points_.size(); ++i)
-      samples.push_back(track(points_[i], static_cast<uint32_t>(i), others, cells));
+      samples.push_back(track(points_[i], static_cast<uint32_t>(i), others, cells, light));
     ++frames_;
   }
   double bright = 0, found_texture = 0, texture = 0;
@@ -217,22 +236,27 @@ double ScaleNormalization::update(const std::vector<ScaleCell>& input, const Sca
   found_ /= static_cast<double>(points_.size());
   const bool known = known_ && (carries || found_texture > kSameScene * texture);
 
-  // A pseudo-Huber mean of the offsets, and the common motion.
-  double offset = offset_;
+  // Pseudo-Huber means of the offsets and exposures, and the common motion.
+  double offset = offset_, exposure = exposure_;
   Motion motion = motion_;
   const double center = ((width_ - 1.0) * (width_ - 1) + (height_ - 1.0) * (height_ - 1)) / 4;
   for (int round = 0; round < kRounds; ++round) {
-    double sum = 0, weights = 0;
-    for (const Sample& sample : samples) {
-      if (!sample.found) continue;
-      const double weight = sample.weight / std::hypot(1, (sample.offset - offset) / kWidth);
-      sum += weight * sample.offset;
-      weights += weight;
-    }
-    if (weights > 1e-6) offset = sum / weights;
+    const auto center_on = [&](double& mean, double Sample::*value, double Sample::*weights_of) {
+      double sum = 0, weights = 0;
+      for (const Sample& sample : samples) {
+        if (!sample.found) continue;
+        const double weight = sample.*weights_of / std::hypot(1, (sample.*value - mean) / kWidth);
+        sum += weight * sample.*value;
+        weights += weight;
+      }
+      if (weights > 1e-6) mean = sum / weights;
+    };
+    center_on(offset, &Sample::offset, &Sample::weight);
+    center_on(exposure, &Sample::exposure, &Sample::exposure_weight);
     fit(motion, samples, kNoZoom * center);
   }
   before_ = cells;
+  light_ = light;
   if (target.dark) {
     if (!known) offset_ = white_ = 0;
     known_ = known;
@@ -242,6 +266,10 @@ double ScaleNormalization::update(const std::vector<ScaleCell>& input, const Sca
     return known ? log_white + offset_ : 0;
   }
   const bool tracked = known && found_ > kMinFound;
+  if (tracked && !frozen) {
+    white_ += exposure - exposure_;
+    exposure_ = exposure;
+  }
   if (!known) {
     offset = target.offset;
     white_ = target.brightest - offset;
@@ -256,7 +284,7 @@ double ScaleNormalization::update(const std::vector<ScaleCell>& input, const Sca
     offset += shift;
     white_ = mix(white_, target.brightest - offset, kFollow * growth);
     for (Point& point : points_)
-      for (double& value : point.history) value += shift;
+      for (Past& past : point.history) past[0] += shift;
   }
   bright_ = known && bright_ > 0 ? mix(bright_, bright, kMeanRate) : bright;
   motion_ = tracked ? motion : Motion{};

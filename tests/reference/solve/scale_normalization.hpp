@@ -8,6 +8,8 @@
 #include <deque>
 #include <vector>
 
+#include "tests/reference/image/light_color.hpp"
+
 namespace inverse::reference {
 
 /// Of a cell: mean log intensity, two log ratios of its color, mean log reflectance.
@@ -25,22 +27,27 @@ class ScaleNormalization {
     bool dark = false;
     double brightest = 0;
   };
-  /// ln c of a frame. `carries`: it continues the one before. `frozen`: the scale stays.
+  /// ln c of a frame. `carries`: it continues the one before. `frozen`: the scale stays. `light`:
+  /// by which the color of the cells was corrected.
   double update(const std::vector<ScaleCell>& cells, const ScaleTarget& target, bool carries,
-                double white_level, bool frozen = false);
-  /// Log shading, in the output, of the brightest light of the scene's first frame; it rises if the
-  /// scene lights up.
+                double white_level, bool frozen = false, const LightColor& light = {});
+  /// Log shading, in the output, of the brightest light of the scene's first frame; it follows the
+  /// exposure, and rises if the scene lights up.
   double white() const { return white_ - log_white_; }
+  /// Common change of m since the first frame that does not go with a change of light's color.
+  double exposure() const { return exposure_; }
   /// Share of the points that were found again.
   double found() const { return found_; }
 
  private:
+  /// Of a point in a past frame: log reflectance in the output; m; ln R/B as it is seen; exposure.
+  using Past = std::array<double, 4>;
   struct Point {
     double x = 0, y = 0;
-    std::deque<double> history;  // of log reflectance in the output, the oldest first; empty: lost
+    std::deque<Past> history;  // the oldest first; empty: lost
   };
   struct Sample {
-    double offset, weight, texture, from[2], motion[2];
+    double offset, weight, exposure, exposure_weight, texture, from[2], motion[2];
     bool bright, found;
   };
   struct Motion {
@@ -55,7 +62,7 @@ class ScaleNormalization {
   ScaleCell between(const std::vector<ScaleCell>& cells, double x, double y) const;
   std::array<double, 2> sparse_place(uint32_t index, const std::vector<Point>& others) const;
   Sample track(Point& point, uint32_t index, const std::vector<Point>& others,
-               const std::vector<ScaleCell>& cells) const;
+               const std::vector<ScaleCell>& cells, const LightColor& light) const;
   /// Takes one step of least squares from `motion`, with robust weights.
   static void fit(Motion& motion, const std::vector<Sample>& samples, double weight_of_none);
 
@@ -67,7 +74,8 @@ class ScaleNormalization {
   Motion motion_;
   uint32_t frames_ = 0;  // that points were followed through
   double offset_ = 0, target_ = 0, bright_ = 0, found_ = 0;
-  double white_ = 0, log_white_ = 0;
+  double white_ = 0, log_white_ = 0, exposure_ = 0;
+  LightColor light_;  // of the frame before
 };
 
 }  // namespace inverse::reference
