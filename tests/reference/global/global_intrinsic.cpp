@@ -208,10 +208,8 @@ GlobalResult decompose_global(const double* input, int width, int height,
   const std::vector<double> lamps = rgb;
   const LightColor& color_of_light = params.solve.light;
   for (std::size_t i = 0; i < n; ++i) {
-    double m = 0;
-    for (std::size_t c = 0; c < 3; ++c) m += std::log(lamps[3 * i + c] + kIntensityFloor) / 3;
-    const auto color = light_color(color_of_light, m - color_of_light.reference);
-    for (std::size_t c = 0; c < 3; ++c) rgb[3 * i + c] /= color[c];
+    const auto white = in_white_light({rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]}, color_of_light);
+    std::copy(white.begin(), white.end(), rgb.begin() + std::ptrdiff_t(3 * i));
   }
   const std::vector<double> shading =
       guess_shading(rgb, params, warm && !result.cut ? state : nullptr);

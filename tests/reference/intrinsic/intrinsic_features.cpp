@@ -90,6 +90,14 @@ std::size_t GuideLevel::index(int x, int y) const {
          std::size_t(std::clamp(x, 0, width - 1));
 }
 
+std::array<double, 3> in_white_light(const std::array<double, 3>& rgb, const LightColor& light) {
+  double m = 0;
+  for (const double v : rgb) m += std::log(v + kIntensityFloor) / 3;
+  std::array<double, 3> white = light_color(light, m - light.reference);
+  for (std::size_t c = 0; c < 3; ++c) white[c] = rgb[c] / white[c];
+  return white;
+}
+
 Guide make_guide(const double* rgb, int width, int height, const LightColor& light) {
   Guide g;
   GuideLevel& l = g.level[0];
@@ -98,15 +106,11 @@ Guide make_guide(const double* rgb, int width, int height, const LightColor& lig
   for (auto* plane : {&l.m, &l.c0, &l.c1, &l.u, &l.gm, &l.gc}) plane->resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     std::array<double, 3> v{}, f{}, k{};
-    double m = 0;
+    for (std::size_t c = 0; c < 3; ++c) v[c] = sanitize_linear(rgb[3 * i + c]);
+    v = in_white_light(v, light);
     for (std::size_t c = 0; c < 3; ++c) {
-      v[c] = sanitize_linear(rgb[3 * i + c]);
-      m += std::log(v[c] + kIntensityFloor) / 3;
-    }
-    const std::array<double, 3> color = light_color(light, m - light.reference);
-    for (std::size_t c = 0; c < 3; ++c) {
-      f[c] = std::log(v[c] / color[c] + kIntensityFloor);
-      k[c] = std::log(v[c] / color[c] + kChromaFloor);
+      f[c] = std::log(v[c] + kIntensityFloor);
+      k[c] = std::log(v[c] + kChromaFloor);
     }
     l.m[i] = (f[0] + f[1] + f[2]) / 3;
     l.u[i] = std::max({f[0], f[1], f[2]}) - l.m[i];

@@ -40,9 +40,12 @@ double sanitize_linear(double v);
 
 inline constexpr double kIntensityFloor = 2e-3;  ///< Added to light before its logarithm is taken.
 
-/// Builds the guide of an interleaved linear RGB image (3 x width x height values, any finite or
-/// non-finite value; see sanitize_linear): of I_c divided by the color that light of brightness m
-/// has, m = mean_c ln(I_c + kIntensityFloor).
+/// A pixel as it were in white light: I_c divided by the color that light of brightness m has,
+/// m = mean_c ln(I_c + kIntensityFloor).
+std::array<double, 3> in_white_light(const std::array<double, 3>& rgb, const LightColor& light);
+
+/// Builds the guide of an interleaved linear RGB image in white light (3 x width x height values,
+/// any finite or non-finite value; see sanitize_linear).
 Guide make_guide(const double* rgb, int width, int height, const LightColor& light = {});
 
 /// Cues of the edge between pixel (x, y) and its right (down = false) or lower neighbor.
