@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// How the brightness of what stays in view changes while a camera zooms and pans.
+// How the brightness and color of what stays in view change while a camera zooms and pans, its
+// exposure or its white balance changes, and a hand enters.
 //
 //   drift-bench PICTURE… [--json FILE]
 //
 // PICTURE is a PNG file or a scene as ./dev bench keeps it, of which the first frame is taken. A
 // view of it, 320 pixels wide at most, zooms in (1 to 1.9), and one of half the picture's width
-// pans by half its own, 120 frames each; methods run at their defaults. Prints the common drift
-// over 60 frames of reflectance and input. The first five frames of a shot do not count.
+// pans by half its own; before a still one the exposure falls by half (ln -.7), the white balance
+// moves by .2 of ln R/B, or a hand comes in front of a third; 120 frames each. Methods run at their
+// defaults, intrinsicdecomp also with gray light. Prints the common drift over 60 frames of
+// reflectance and input: of brightness, and of ln R/B. The first five frames of a shot do not
+// count. The thesis is shown the moving camera only.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -58,6 +62,51 @@ Camera pan(int k, Size view, const Image& picture) {
           0.5 * (picture.height - step * view.height), step};
 }
 
+Camera still(int /*k*/, Size view, const Image& picture) { return zoom(0, view, picture); }
+
+void none(int /*k*/, Image& /*view*/) {}
+
+/// From 0 in frame 20 to 1 in frame 50.
+float ramp(int k) { return std::clamp(float(k - 20) / 30, 0.0F, 1.0F); }
+
+void scale(Image& view, const std::array<float, 3>& factors) {
+  for (std::size_t i = 0; i < view.data.size(); ++i) view.data[i] *= factors[i % 3];
+}
+
+void exposure(int k, Image& view) {
+  const float factor = std::exp(-0.7F * ramp(k));
+  scale(view, {factor, factor, factor});
+}
+
+void white_balance(int k, Image& view) {
+  const float red = std::exp(0.1F * ramp(k));
+  scale(view, {red, 1, 1 / red});
+}
+
+/// A round thing the color of skin, as high as the view, from the right.
+void hand(int k, Image& view) {
+  const float radius = 0.5F * float(view.height),
+              center = float(view.width) + radius - ramp(k) * float(view.width) / 3 - radius / 4;
+  for (int y = 0; y < view.height; ++y)
+    for (int x = 0; x < view.width; ++x) {
+      const float u = (float(x) - center) / radius, v = float(y) / radius - 1;
+      const float height = 1 - u * u - v * v;
+      if (height <= 0) continue;
+      const float light = 0.3F + 0.7F * std::sqrt(height);
+      constexpr std::array<float, 3> kSkin{0.55F, 0.32F, 0.22F};
+      for (int c = 0; c < 3; ++c) view.at(x, y, c) = light * kSkin[std::size_t(c)];
+    }
+}
+
+/// R/B, one channel.
+Image warmth(const Image& image) {
+  constexpr float kFloor = 1e-3F;
+  Image out(image.width, image.height, 1);
+  for (std::size_t i = 0; i < out.data.size(); ++i)
+    out.data[i] = (image.data[3 * i] + kFloor) / (image.data[3 * i + 2] + kFloor);
+  return out;
+}
+
 /// Clamped to the image.
 float bilinear(const Image& image, double x, double y, int c) {
   const double u = std::clamp(x, 0.0, image.width - 1.0),
@@ -69,7 +118,7 @@ float bilinear(const Image& image, double x, double y, int c) {
          fy * ((1 - fx) * image.at(x0, y1, c) + fx * image.at(x1, y1, c));
 }
 
-/// Means of 4 x 4 bilinear samples a pixel, through 8-bit sRGB.
+/// Means of 4 x 4 bilinear samples a pixel.
 Image view_of(const Image& picture, const Camera& camera, Size size) {
   constexpr int kSamples = 4;
   Image view(size.width, size.height, 3);
@@ -81,7 +130,7 @@ Image view_of(const Image& picture, const Camera& camera, Size size) {
         for (int c = 0; c < 3; ++c)
           view.at(x, y, c) += bilinear(picture, u, v, c) / (kSamples * kSamples);
       }
-  return through_8_bits(view);
+  return view;
 }
 
 /// Of points on a grid over the picture.
@@ -108,10 +157,17 @@ Image picture_of(const std::filesystem::path& path) {
                                     : read_scene(path.string()).frames.front().input;
 }
 
-const Setting& at_default(const Method& method) {
+const Setting& setting_of(const Method& method, bool gray_light) {
   for (const Setting& setting : method.settings)
-    if (setting.base) return setting;
-  throw std::runtime_error(method.name + " has no default setting");
+    if (gray_light ? setting.name == "color of light" : setting.base) return setting;
+  throw std::runtime_error(method.name + " lacks a setting");
+}
+
+/// Common drift of brightness, and of color.
+std::array<double, 2> drift_of(const std::vector<Image>& images, const std::vector<Track>& points) {
+  std::vector<Image> color;
+  for (const Image& image : images) color.push_back(warmth(image));
+  return {common_drift(images, points, kSpan), common_drift(color, points, kSpan)};
 }
 
 void run(int argc, char** argv) {
@@ -127,14 +183,25 @@ void run(int argc, char** argv) {
   }
   if (pictures.empty()) throw std::runtime_error("usage: drift-bench PICTURE… [--json FILE]");
   DeviceSession session("");
-  const Method methods[] = {intrinsicdecomp(session), globalintrinsic(session),
-                            thesis(session, ThesisParams::Solver::pcg)};
+  const Method own = intrinsicdecomp(session), global = globalintrinsic(session),
+               printed = thesis(session, ThesisParams::Solver::pcg);
+  const std::pair<std::string, const Setting*> methods[] = {
+      {own.name, &setting_of(own, false)},
+      {own.name + ", gray light", &setting_of(own, true)},
+      {global.name, &setting_of(global, false)},
+      {printed.name, &setting_of(printed, false)}};
   const struct {
     const char* name;
     Camera (*camera)(int, Size, const Image&);
-  } motions[] = {{"zoom", zoom}, {"pan", pan}};
+    void (*change)(int, Image&);
+  } motions[] = {{"zoom", zoom, none},
+                 {"pan", pan, none},
+                 {"exposure", still, exposure},
+                 {"white balance", still, white_balance},
+                 {"hand", still, hand}};
   std::string json;
-  std::printf("%-16s %-6s %-22s %8s %8s\n", "picture", "motion", "method", "drift", "input");
+  std::printf("%-16s %-14s %-28s %8s %8s %8s %8s\n", "picture", "motion", "method", "drift",
+              "input", "color", "input");
   for (std::size_t p = 0; p < pictures.size(); ++p) {
     const Image picture = picture_of(pictures[p]);
     const Size size = view_size(picture);
@@ -143,34 +210,40 @@ void run(int argc, char** argv) {
       std::vector<Image> views;
       for (int k = 0; k < kFrames; ++k) {
         const Camera camera = motion.camera(k, size, picture);
-        views.push_back(view_of(picture, camera, size));
+        Image view = view_of(picture, camera, size);
+        motion.change(k, view);
+        views.push_back(through_8_bits(view));
         if (k >= kFirst) cameras.push_back(camera);
       }
       const std::vector<Track> points = tracks(picture, cameras, size);
-      const double input = common_drift({views.begin() + kFirst, views.end()}, points, kSpan);
-      for (const Method& method : methods) {
-        const auto solver = at_default(method).make(size);
+      const auto input = drift_of({views.begin() + kFirst, views.end()}, points);
+      for (const auto& [method, setting] : methods) {
+        if (motion.change != none && method == printed.name) continue;
+        const auto solver = setting->make(size);
         std::vector<Image> reflectance;
         Cost cost;
         for (int k = 0; k < kFrames; ++k) {
           Image found = solver->run(views[std::size_t(k)], k > 0, cost).reflectance;
           if (k >= kFirst) reflectance.push_back(std::move(found));
         }
-        const double drift = common_drift(reflectance, points, kSpan);
-        std::printf("%-16s %-6s %-22s %8.4f %8.4f\n", pictures[p].stem().c_str(), motion.name,
-                    method.name.c_str(), drift, input);
+        const auto drift = drift_of(reflectance, points);
+        std::printf("%-16s %-14s %-28s %8.4f %8.4f %8.4f %8.4f\n", pictures[p].stem().c_str(),
+                    motion.name, method.c_str(), drift[0], input[0], drift[1], input[1]);
         std::fflush(stdout);
         json += (json.empty() ? "" : ",\n ") +
                 json::Object()
                     .add("picture", json::text(pictures[p].stem().string()))
                     .add("motion", json::text(motion.name))
-                    .add("method", json::text(method.name))
-                    .add("drift", json::number(drift))
-                    .add("input", json::number(input))
+                    .add("method", json::text(method))
+                    .add("drift", json::number(drift[0]))
+                    .add("input", json::number(input[0]))
+                    .add("color", json::number(drift[1]))
+                    .add("input_color", json::number(input[1]))
                     .str();
       }
       std::fprintf(stderr, "@progress %.3f %s %s\n",
-                   double(2 * p + (&motion - motions) + 1) / double(2 * pictures.size()),
+                   double(std::size(motions) * p + std::size_t(&motion - motions) + 1) /
+                       double(std::size(motions) * pictures.size()),
                    pictures[p].stem().c_str(), motion.name);
     }
   }
