@@ -9,7 +9,7 @@
 // alone. One workgroup.
 PLANE_IN(0, samples);
 PLANE_IN(1, points);
-PLANE_IN(2, target);    // .x: offset that the frame alone would get, .y: 0 if all of it is dark, .z: its brightest light, ln
+PLANE_IN(2, target);    // .x: offset that the frame alone would get, .y: 0 if all of it is dark, .z: light of what is brightest, ln
 PLANE_IN(3, decision);  // .y = 0 at a cut
 PLANE_INOUT(4, scale);
 PLANE_IN(5, light);     // as scale_track.comp has it

@@ -12,6 +12,7 @@ PLANE_IN(0, cells);
 PLANE_IN(1, shading);
 WORD_INOUT(2, counts);
 PLANE_OUT(3, scale_cells);
+PLANE_IN(4, light);  // .y: m at which the guide takes light as white
 layout(push_constant) uniform Push { uvec2 size; } push;
 
 void main() {
@@ -33,5 +34,6 @@ void main() {
   float brightest = guide.x + guide.w;
   if (brightest <= kDarkest) return;
   atomicAdd(counts_data[brightness_bin(brightest - mean)], 1u);
-  atomicAdd(counts_data[kBrightnessBins + brightness_bin(mean)], 1u);
+  uint weight = white_weight(guide.x - FETCH(light, 0).y);
+  if (weight > 0u) atomicAdd(counts_data[kBrightnessBins + brightness_bin(mean)], weight);
 }

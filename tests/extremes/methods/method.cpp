@@ -110,10 +110,13 @@ Output Method::decompose(const Pixels& frame, std::span<const uint8_t> changed) 
   const auto download = [&](Role role) {
     return layers[role] ? lab_.download(layers[role]->buffer) : Pixels();
   };
-  Output got{download(Role::intrinsic), download(Role::light), {}, download(Role::bases)};
+  Output got{.intrinsic = download(Role::intrinsic),
+             .slope = download(Role::slope),
+             .light = download(Role::light),
+             .bases = download(Role::bases)};
   for (uint32_t n = 0; n < kIndirectPlanes; ++n)
     if (layers[indirect_role(n)]) got.shares.push_back(download(indirect_role(n)));
-  if (layers[Role::slope]) tint(got.intrinsic, download(Role::slope));
+  if (!got.slope.empty()) tint(got.intrinsic, got.slope);
   return got;
 }
 

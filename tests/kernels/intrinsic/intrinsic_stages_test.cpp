@@ -233,6 +233,9 @@ TEST_F(IntrinsicTest, OutputScaleAgreesWithReference) {
     wanted.quantile = params.white_quantile = 0.83F;  // of no count of cells a whole number
     reference::OutputScale expected(wanted);
     using History = OutputScale::History;
+    using State = shaders::solve_scale_update;
+    const reference::LightColor light{0.4, -0.8};
+    const auto lit = upload({0.4F, -0.8F, 1, 1});
     const struct {
       History history;
       float same;  // the decision: 1 if the frame continues the one before
@@ -257,13 +260,20 @@ TEST_F(IntrinsicTest, OutputScaleAgreesWithReference) {
       const auto input = plane(extent, pixels);
       const auto field = upload(packs), judged = upload({0, frame.same, 0, 0});
       run([&](gpu::Commands& commands) {
-        guide.record(commands, input.buffer, nullptr);
-        scale.record(commands, guide, field, judged, frame.history, params);
+        guide.record(commands, input.buffer, lit);
+        scale.record(commands, guide, field, judged, frame.history, params, false, lit);
       });
       const bool carries =
           frame.history == History::taken || (frame.history == History::decided && frame.same > 0);
-      const double want = expected.update(guide_of(extent, pixels), shading, carries);
-      EXPECT_NEAR(download(scale.value())[0], want, 0.5 / 32 + 1e-3)  // half a bin
+      const double want =
+          expected.update(reference::make_guide(rgb_of(pixels).data(), int(extent.width),
+                                                int(extent.height), light),
+                          shading, carries, light);
+      const Pixels got = download(scale.value());
+      EXPECT_NEAR(got[0], want, 0.5 / 32 + 1e-3)  // half a bin
+          << name_of(extent) << ", frame " << seed - 21;
+      EXPECT_NEAR(got[4 * State::SCALE_STATE + 3] - (got[0] - got[2]), expected.white(),
+                  1.0 / 32 + 2e-3)
           << name_of(extent) << ", frame " << seed - 21;
     }
   }

@@ -39,17 +39,21 @@ double bright_end(std::vector<double> values, double quantile) {
 
 }  // namespace
 
-double OutputScale::update(const Guide& guide, const std::vector<double>& log_shading,
-                           bool carries) {
+double OutputScale::update(const Guide& guide, const std::vector<double>& log_shading, bool carries,
+                           const LightColor& light) {
   const GuideLevel& cells = guide.level[kCellLevel];
   std::vector<double> mean = log_shading;
   for (int level = 0; level < kCellLevel; ++level)
     mean = halved(mean, guide.level[std::size_t(level)], guide.level[std::size_t(level) + 1]);
-  std::vector<double> brightest, shading;  // ln max_c R, ln S
+  std::vector<double> brightest;  // ln max_c R
+  double white = 0, weights = 0;  // ln S of the brightest cells
   for (std::size_t i = 0; i < cells.m.size(); ++i)
-    if (const double light = cells.m[i] + cells.u[i]; light > kDarkest) {
-      brightest.push_back(std::clamp(light - mean[i], -kBrightnessReach, kBrightnessReach));
-      shading.push_back(std::clamp(mean[i], -kBrightnessReach, kBrightnessReach));
+    if (const double seen = cells.m[i] + cells.u[i]; seen > kDarkest) {
+      brightest.push_back(std::clamp(seen - mean[i], -kBrightnessReach, kBrightnessReach));
+      const double steep = std::exp(8 * (cells.m[i] - light.reference));
+      const double weight = std::floor(256 * std::min(steep, 1.0) + 0.5);
+      white += weight * std::clamp(mean[i], -kBrightnessReach, kBrightnessReach);
+      weights += weight;
     }
   std::vector<ScaleCell> states;
   for (std::size_t i = 0; i < cells.m.size(); ++i) {
@@ -63,9 +67,8 @@ double OutputScale::update(const Guide& guide, const std::vector<double>& log_sh
   if (!normalization_) normalization_.emplace(cells.width, cells.height);
   target_ = {0, brightest.empty()};
   if (!target_.dark)
-    target_ = {-bright_end(brightest, params_.quantile), false,
-               bright_end(shading, params_.quantile)};
-  return normalization_->update(states, target_, carries, params_.white_level);
+    target_ = {-bright_end(brightest, params_.quantile), false, weights > 0 ? white / weights : 0};
+  return normalization_->update(states, target_, carries, params_.white_level, false, light);
 }
 
 }  // namespace inverse::reference

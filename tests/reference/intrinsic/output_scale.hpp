@@ -26,7 +26,9 @@ class OutputScale {
 
   /// ln c of a frame with this guide and log shading (of its pixels). Alone, a frame asks for what
   /// brings the mean of ln max_c R around its quantile over the cells to the white level.
-  double update(const Guide& guide, const std::vector<double>& log_shading, bool carries);
+  /// White light is that of the brightest cells, weighted by exp(8 (m - light.reference)) up to 1.
+  double update(const Guide& guide, const std::vector<double>& log_shading, bool carries,
+                const LightColor& light = {});
   /// Log shading of white light in the output, as ScaleNormalization::white.
   double white() const { return normalization_ ? normalization_->white() : 0; }
   /// ln c less ln(white level) that the last frame asks for.

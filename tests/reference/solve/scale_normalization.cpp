@@ -258,7 +258,7 @@ double ScaleNormalization::update(const std::vector<ScaleCell>& input, const Sca
   before_ = cells;
   light_ = light;
   if (target.dark) {
-    if (!known) offset_ = white_ = 0;
+    if (!known) offset_ = white_ = log_white_ = 0;
     known_ = known;
     target_ = offset_;
     motion_ = {};
