@@ -88,6 +88,23 @@ def check_mixture():
     expect(off < 1e-3, f"{len(bent)} mixtures of a given slope ({off:.0e})")
 
 
+def check_weather():
+    """A wall that goes off to 500 m under a strip of sky."""
+    s = synthetic(3)
+    s["Z"] = np.tile(np.linspace(2, 500, s["Z"].shape[1], dtype=np.float32), (s["Z"].shape[0], 1))
+    s["Z"][:8], s["mask"][:8], s["R"][:8] = 6e4, 0, 1
+    hazy, worst = 0, 0.0
+    for seed in range(40):
+        m = mix.mix(s, seed)
+        kept = m["mask"][8:].mean()
+        hazy += kept < 1
+        near = (m["weight"] > 0) & (m["I"].min(-1) > 0.1) & (m["I"].max(-1) < 0.9)
+        worst = max(worst, np.median(np.abs(np.log(m["I"][near] / (m["R"] * m["E"])[near]))) if near.any() else 0)
+        if kept < 0.45:
+            expect(False, f"picture {seed} keeps {kept:.0%} of its surfaces")
+    expect(5 < hazy < 35 and worst < 0.12, f"{hazy} of 40 pictures have haze; where it is thin I is R E ({worst:.3f})")
+
+
 def check_files():
     s = synthetic(5)
     with tempfile.TemporaryDirectory() as folder:
@@ -156,6 +173,7 @@ def main():
     check_colors()
     check_slope()
     check_mixture()
+    check_weather()
     check_files()
     check_denoise()
     if args.folder:

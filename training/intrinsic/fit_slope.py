@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Fits the estimator of the color slope of light (kernels/intrinsic/light_color) on mixtures of path-traced samples.
+"""Fits the estimator of the color slope of light (kernels/intrinsic/light_color) on mixtures of path-traced samples and on procedural scenes.
 
-    fit_slope.py --samples DIR --out weights.f16 [--mixtures 24] [--steps 3000] [--seed 1]
+    fit_slope.py --samples DIR --scenes DIR --out weights.f16 [--mixtures 24] [--share 0.25] [--steps 3000] [--seed 1] [--start FILE]
 
 The estimator sees counts of steps between neighboring points, not pictures: features() gives what points.comp and steps.comp give for a
-176 × 132 picture. Every fifth seed of the samples is held out. Prints errors on held-out mixtures: rmse, correlation, and rms of the
+176 × 132 picture. Every fifth seed of either source is held out. Prints errors on what is held out: rmse, correlation, and rms of the
 error over the predicted deviation (1 if the estimator is as sure as it may be). Needs PyTorch; features are cached in --cache."""
 import argparse
 import concurrent.futures
@@ -86,17 +86,28 @@ def mixtures(path, count, seed):
     return [np.stack(v).astype(np.float32) for v in (steps, points, slopes, spread)]
 
 
-def load(args):
-    """Two lists of arrays: to fit, and held out. Samples that the cache has are not mixed again."""
+def procedural(path, *_):
+    """The same of one procedural scene (training/edges/scene_files.hpp)."""
+    data = path.read_bytes()
+    width, height = np.frombuffer(data, "<i4", 2)
+    x = np.frombuffer(data, "<f4", offset=8).reshape(height, width, 10).astype(np.float64)
+    picture, light, weight = x[..., :3], x[..., 6:9] + 1e-6, (x[..., 9] > 0.5) & (x[..., :3].max(-1) < 1) & (x[..., :3].max(-1) > 0.004)
+    truth = mix.slope(light, weight.astype(np.float64)) if weight.any() else {"k": 0.0, "m_rms": 0.0}
+    steps, points = features(picture)
+    return [np.array([v], np.float32) for v in (steps, points, truth["k"], truth["m_rms"])]
+
+
+def load(args, paths, count, of_one):
+    """Two lists of arrays: to fit, and held out. What the cache has is not made again."""
     args.cache.mkdir(parents=True, exist_ok=True)
-    paths = sorted(args.samples.glob("*.npz"), key=lambda p: int(p.stem))
+    paths = sorted(paths, key=lambda p: int(p.stem))
 
     def one(path):
-        return args.cache / f"{path.stem}-{args.mixtures}.npz"
+        return args.cache / f"{of_one.__name__}-{path.stem}-{count}.npz"
 
     with concurrent.futures.ProcessPoolExecutor() as pool:
         missing = [p for p in paths if not one(p).exists()]
-        for path, arrays in zip(missing, pool.map(mixtures, missing, [args.mixtures] * len(missing), [0] * len(missing))):
+        for path, arrays in zip(missing, pool.map(of_one, missing, [count] * len(missing), [0] * len(missing), chunksize=4)):
             np.savez(one(path), *[a.astype(np.float16 if a.ndim > 1 else np.float32) for a in arrays])
     parts = [[], []]
     for path in paths:
@@ -151,16 +162,45 @@ def score(model, data):
     )
 
 
-def fit(data, held, args):
+ORDER = ("a", "b", "c", "d", "cloud", "e")  # as votes.comp reads them
+
+
+def parameters(model):
+    return [model.state_dict()[f"{n}.{part}"] for n in ORDER for part in ("weight", "bias")]
+
+
+def load_weights(model, path):
+    values = torch.tensor(np.fromfile(path, "<f2").astype(np.float32))
+    for p, part in zip(parameters(model), values.split([p.numel() for p in parameters(model)])):
+        p.copy_(part.view_as(p))
+
+
+def show(title, model, held):
+    print(title)
+    for name, part in held.items():
+        print(f"  held out, {name}: {score(model, part)}", flush=True)
+
+
+def fit(sources, held, args):
+    """`sources`, `held`: by name, traced first."""
     torch.manual_seed(args.seed)
+    data = [torch.cat(a) for a in zip(*sources.values())]
+    first = len(sources["traced"][2])
     model = Votes()
+    if args.start:
+        load_weights(model, args.start)
+        show("start", model.eval(), held)
+        model.train()
     optimizer = torch.optim.AdamW(model.parameters(), args.rate, weight_decay=args.decay)
     schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, args.steps)
     average = {k: v.clone() for k, v in model.state_dict().items()}
     target = torch.softmax(-0.5 * ((CANDIDATES - data[2][:, None].clamp(-1.4, 1.4)) / 0.06) ** 2, 1)
     weight = (data[3] / 0.4).clamp(max=1)
     for step in range(1, args.steps + 1):
-        j = torch.randint(len(target), (64,))
+        j = torch.randint(first, (64,))
+        if first < len(target):
+            other = torch.rand(64) < args.share
+            j[other] = torch.randint(first, len(target), (int(other.sum()),))
         loss = (weight[j] * -(target[j] * model(data[0][j], data[1][j]).log_softmax(1)).sum(1)).mean()
         optimizer.zero_grad()
         loss.backward()
@@ -173,13 +213,15 @@ def fit(data, held, args):
             shown = Votes()
             shown.load_state_dict(average)
             shown.eval()
-            print(f"step {step}, fit: {score(shown, [d[:2000] for d in data])}\n  held out: {score(shown, held)}", flush=True)
+            show(f"step {step}, fit: {score(shown, [d[:2000] for d in data])}", shown, held)
     return shown
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--samples", type=pathlib.Path, required=True, help="folder of SEED.npz")
+    parser.add_argument("--scenes", type=pathlib.Path, help="folder of procedural scenes, SEED.scene (training/edges/write_scenes)")
+    parser.add_argument("--share", type=float, default=0.25, help="of procedural scenes in a batch")
     parser.add_argument("--cache", type=pathlib.Path, default=pathlib.Path("out/slope"))
     parser.add_argument("--out", type=pathlib.Path, required=True)
     parser.add_argument("--mixtures", type=int, default=24, help="photographs of each sample")
@@ -187,13 +229,18 @@ def main():
     parser.add_argument("--rate", type=float, default=2e-3)
     parser.add_argument("--decay", type=float, default=1e-2)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--start", type=pathlib.Path, help="weights to go on from")
     args = parser.parse_args()
-    data, held = load(args)
-    print(f"{len(data[2])} photographs to fit, {len(held[2])} held out")
-    model = fit(data, held, args)
-    order = ("a", "b", "c", "d", "cloud", "e")  # as votes.comp reads them
-    values = [model.state_dict()[f"{n}.{part}"].numpy().ravel() for n in order for part in ("weight", "bias")]
-    args.out.write_bytes(np.concatenate(values).astype("<f2").tobytes())
+    traced = load(args, args.samples.glob("*.npz"), args.mixtures, mixtures)
+    sources, held = {"traced": traced[0]}, {"traced": traced[1]}
+    if args.scenes:
+        sources["procedural"], held["procedural"] = load(args, args.scenes.glob("*.scene"), 1, procedural)
+        gray = held["procedural"][2].abs() < 0.05
+        held["procedural, gray light"] = [a[gray] for a in held["procedural"]]
+    for name, part in sources.items():
+        print(f"{name}: {len(part[2])} photographs to fit, {len(held[name][2])} held out")
+    model = fit(sources, held, args)
+    args.out.write_bytes(torch.cat([p.flatten() for p in parameters(model)]).numpy().astype("<f2").tobytes())
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Photographs from samples: colors and strengths of the lights, white balance, exposure, blur, noise, 8 bits.
+"""Photographs from samples: colors and strengths of the lights, white balance, exposure, haze, blur, noise, 8 bits.
 
 Light of channel c is E_c, so I_c = R_c E_c; white balance and exposure belong to E. With m = mean_c ln E_c and b = ln E_R - ln E_B,
 the slope k of b over m says how light's color depends on its brightness; d = (1/2, 0, -1/2) is the axis along which it changes."""
@@ -8,6 +8,7 @@ import numpy as np
 import sample as samples
 
 AXIS = np.array([0.5, 0, -0.5], np.float32)
+OUTDOORS = ("street", "yard", "country")
 TEMPERATURES = {"sun": (4500, 6000), "sky": (8000, 20000), "lamp": (2700, 4000), "window": (6000, 15000)}  # K
 
 
@@ -127,6 +128,28 @@ def strengths(kinds, rng):
     return flux
 
 
+CLEAR = 0.9  # transmission from which on R and E are true
+
+
+def weather(picture, sample, color, rng):
+    """An outdoor picture with a sky that is bluer above than at the horizon, and with haze of about its color. `color`: of the sky's
+    light. Returns the picture and the share of light that haze lets through."""
+    sky = sample["Z"] > 1e4
+    blue = np.log(color) - np.log(color).mean()
+    if rng.random() < 0.7:
+        above, below = rng.uniform(0, 1.5), rng.uniform(-0.8, 0.3)
+        more = np.linspace(above, below, len(sky))[:, None, None] * blue
+        picture = np.where(sky[..., None], picture * np.exp(more), picture)
+    if rng.random() < 0.3:
+        return picture, np.ones(sky.shape, np.float32)
+    near = np.median(sample["Z"][sample["mask"] > 0])  # stays clear
+    reach = max(np.exp(rng.uniform(np.log(60), np.log(4000))), near / -np.log(CLEAR))  # m
+    clear = np.where(sky, 1, np.exp(-np.minimum(sample["Z"], 1e4) / reach)).astype(np.float32)
+    seen = picture[sky] if sky.mean() > 0.02 else picture[sample["mask"] > 0]
+    air = np.median(seen.mean(-1)) * rng.uniform(0.5, 1.1) * np.exp(rng.uniform(0, 1.3) * blue)
+    return picture * clear[..., None] + air * (1 - clear[..., None]), clear
+
+
 def expose(picture, mask, rng):
     """The factor that puts a high percentile of the surfaces near white, and sometimes far from it."""
     level = np.percentile(picture.max(-1)[mask > 0], rng.uniform(93, 99.7))
@@ -150,8 +173,8 @@ def mix(sample, seed, size=1, k=None, bend=0.4):
     photographs is bent to a slope drawn as real ones are distributed, wider than lights and bounces alone make them. Returns a dict of
     image   height × width × 3, 8-bit sRGB
     I       the same, linear 0…1, as a program gets it
-    R, E    reflectance and light, linear: I = R E before blur, noise, clipping and rounding, also where mask is 0
-    mask    1 where R and E are true
+    R, E    reflectance and light, linear: I = R E before haze, blur, noise, clipping and rounding, also where mask is 0
+    mask    1 where R and E are true, and haze is thin
     weight  of pixels in the slope: true, and neither clipped nor black
     k, m_rms, axis, g   of slope();  bent, kelvin, flux, balance   what was drawn"""
     rng = np.random.default_rng([seed, sample["meta"]["seed"]])
@@ -173,6 +196,9 @@ def mix(sample, seed, size=1, k=None, bend=0.4):
         light = with_slope(light, mask.astype(np.float32), k)
     light *= expose(reflectance * light, mask, rng)
     picture = reflectance * light
+    if "sky" in kinds and flux[kinds.index("sky")] > 0 and sample["meta"]["kind"] in OUTDOORS:
+        picture, clear = weather(picture, sample, color[kinds.index("sky")] * balance, rng)
+        mask = mask * (clear > CLEAR)
     weight = ((mask > 0) & (picture.max(-1) < 1) & (picture.max(-1) > 0.004)).astype(np.float32)
     if weight.sum() < 0.3 * weight.size:
         weight = mask.astype(np.float32)

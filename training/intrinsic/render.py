@@ -49,7 +49,7 @@ def main():
     parser.add_argument("--assets", type=pathlib.Path, help="folder with textures/ and models/ (README.md); without it all is procedural")
     parser.add_argument("--first", type=int, default=0, help="first seed")
     parser.add_argument("--count", type=int, default=300)
-    parser.add_argument("--kind", help="only this kind: room, hall, desk, shelf, street or yard")
+    parser.add_argument("--kind", help="only this kind: room, hall, desk, shelf, street, yard or country")
     parser.add_argument("--samples", type=int, default=14, help="a pixel, of each of the two renderings, outdoors; indoors 2.5 times as many")
     parser.add_argument("--threads", type=int, default=1, help="of each Blender")
     parser.add_argument("--jobs", type=int, default=1, help="Blenders at a time")

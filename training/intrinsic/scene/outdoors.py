@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Streets and yards under sun and sky. Each function builds a scene and returns a function that draws a camera."""
+"""Streets, yards and open country under sun and sky. Each function builds a scene and returns a function that draws a camera."""
 import math
 
 import numpy as np
@@ -326,6 +326,68 @@ def yard(s, m, t):
             max(0.25, target[2] + distance * math.sin(e)),
         )
         return eye, target, s.uniform(24, 55)
+
+    return camera
+
+
+def country(s, m, t):
+    """A meadow, field or beach with things on it; ridges behind, the last ones kilometers away; a low horizon of sky."""
+    kind = s.pick(["meadow", "field", "sand", "rock"], [4, 2, 1, 2])
+    near = {
+        "meadow": lambda: (m.photo("ground") if s.chance(0.4) else None) or m.mottled((s.uniform(0.06, 0.2), s.uniform(0.12, 0.3), 0.04), 0.4, s.uniform(0.5, 8)),
+        "field": lambda: m.mottled((s.uniform(0.2, 0.5), s.uniform(0.15, 0.4), s.uniform(0.04, 0.15)), 0.3, s.uniform(0.5, 8), bump=0.01),
+        "sand": lambda: m.mottled(np.array([0.6, 0.5, 0.37]) * s.uniform(0.5, 1.2), 0.12, 3, bump=0.004),
+        "rock": lambda: m.photo("ground") or m.mottled(m.gray(0.1, 0.5), 0.4, 3, bump=0.01),
+    }[kind]()
+    a, b, height = s.uniform(0.02, 0.08), s.uniform(0, 6), s.uniform(0.1, 1.2)
+
+    def ground(x, y):
+        return height * (np.sin(a * x + b) + np.sin(1.3 * a * y + 2 * b) + 0.3 * np.sin(4 * a * (x + y))) * np.clip((np.hypot(x, y) - 3) / 20, 0, 1)
+
+    s.cloth(240, 240, near, ground, 96)
+    if kind == "meadow":
+        grass(s, m, 4, 4, (0, 0, 0))
+    if s.chance(0.5):  # a path or a wall
+        bend, width = s.uniform(-0.02, 0.02), s.uniform(0.8, 2.5)
+        y = np.linspace(-20, 80, 60)
+        x = s.uniform(-2, 2) + bend * y * y * 0.5 + s.uniform(-0.3, 0.3) * y
+        sides = np.stack([np.stack([x + k * width / 2, y, ground(x, y) + 0.03], 1) for k in (-1, 1)], 1).reshape(-1, 3)
+        faces = [(2 * i, 2 * i + 1, 2 * i + 3, 2 * i + 2) for i in range(59)]
+        s.mesh(sides, faces, m.photo("asphalt") or m.mottled(m.gray(0.15, 0.6), 0.2, 5))
+    # ridges: forest, heather, rock, snow
+    distance, rise = s.uniform(60, 140), s.uniform(4, 14)
+    for _ in range(int(s.rng.integers(2, 6))):
+        color = s.pick([(0.05, 0.1, 0.03), (0.1, 0.16, 0.05), (0.2, 0.13, 0.07), (0.22, 0.21, 0.2), (0.7, 0.7, 0.72), (0.25, 0.26, 0.1)], [4, 3, 2, 2, 0.7, 2])
+        paint = m.mottled(np.array(color) * s.uniform(0.7, 1.5), s.uniform(0.2, 0.5), s.uniform(4, 20) / distance)
+        waves = [(s.uniform(1, 12) / distance, s.uniform(0, 6), s.uniform(0.2, 1)) for _ in range(6)]
+        x, v = np.meshgrid(np.linspace(-2.5, 2.5, 160) * distance, np.linspace(0, 1, 14))
+        crest = rise * (0.7 + 0.3 * sum(c * np.sin(q * x + p) for q, p, c in waves) / 2)
+        rough = 0.06 * rise * (np.sin(29 * x / distance + 7 * v) + np.sin(51 * x / distance - 13 * v)) * np.sin(math.pi * v)
+        z = np.maximum(crest, 0.2 * rise) * np.sin(0.5 * math.pi * v) + rough - 1.5
+        ridge = np.stack([x, distance + 0.5 * distance * v, z], -1).reshape(-1, 3)
+        s.mesh(ridge, [(j * 160 + i, j * 160 + i + 1, (j + 1) * 160 + i + 1, (j + 1) * 160 + i) for j in range(13) for i in range(159)], paint, True)
+        distance *= s.uniform(1.7, 3)
+        rise *= s.uniform(1.3, 2.6)
+    daylight(s, m)
+    for _ in range(int(s.rng.integers(4, 14))):
+        kind = s.pick(["tree", "bush", "stone", "fence", "person", "sign", "house", "bench", "car"], [4, 3, 3, 1, 1, 0.7, 0.8, 0.6, 0.4])
+        y = s.uniform(3, 30) if kind not in ("tree", "house") else s.uniform(7, 60)
+        x = s.uniform(-0.5, 0.5) * y
+        if kind == "stone":
+            r = s.uniform(0.2, 1.2)
+            items = [s.ball(r, m.mottled(m.gray(0.1, 0.5), 0.3), (0, 0, r * 0.3), (1, s.uniform(0.6, 1.3), 0.6))]
+        elif kind == "house":
+            items = facade(s, m, t, s.uniform(6, 12), s.uniform(3, 6))
+            items.append(s.box((s.uniform(6, 12), 5, 3), m.wall(), (0, 3, 1.5)))
+        elif kind == "fence":
+            items = t.fence(s.uniform(4, 14), s.uniform(0.9, 1.4))
+        else:
+            items = getattr(t, kind)()
+        s.place(items, (x, y, float(ground(x, y))), s.uniform(-0.8, 0.8))
+
+    def camera():
+        eye = (s.uniform(-1, 1), s.uniform(-3, 0), s.uniform(1.2, 3))
+        return eye, (eye[0] + s.uniform(-3, 3), 12, eye[2] + s.uniform(-3.2, 0.6)), s.uniform(24, 60)
 
     return camera
 
