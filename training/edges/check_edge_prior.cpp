@@ -3,10 +3,13 @@
 //
 //   check_edge_prior [--scenes 100] [--scenes-dir DIR] weights.txt …
 //
-// Prints for each file of weights the loss of the fit and the rms error of log shading (without its
-// mean), with the slope of light given, and with gray light assumed.
+// Prints for each file of weights the loss of the fit, the rms error of log shading (without its
+// mean) and the share of wrong judgments of reflectance (WHDR, Bell et al. 2014, δ = .1) over pairs
+// of points of which a third has the same paint; with the slope of light given, and with gray
+// light.
 #include <cmath>
 #include <cstdio>
+#include <random>
 #include <stdexcept>
 #include <string>
 
@@ -20,9 +23,43 @@ namespace inverse::training {
 namespace {
 
 constexpr int kFirstSeed = 50000000;
+constexpr int kPairs = 120;  // of a scene
 struct Score {
-  double loss = 0, error = 0;
+  double loss = 0, error = 0, wrong = 0, judged = 0;
 };
+
+/// 1 if the first of two reflectances is darker, 2 if the second is, 0 if they are equal.
+int judgment(double ratio) { return ratio > 1.1 ? 2 : 1 / ratio > 1.1 ? 1 : 0; }
+
+/// Adds the judgments of pairs of points, the same ones for all weights.
+void judge(const Example& e, const Plane& s, Score& out) {
+  std::mt19937 engine{1};
+  const auto brightness = [&](const bench::Image& image, std::size_t i) {
+    return std::max(1e-5F, image.data[3 * i] + image.data[3 * i + 1] + image.data[3 * i + 2]);
+  };
+  int equal = 0, unequal = 0;
+  for (int trial = 0; trial < 100 * kPairs && equal + unequal < kPairs; ++trial) {
+    const std::size_t i = engine() % s.size(), j = engine() % s.size();
+    if (e.mask.data[i] < 0.5F || e.mask.data[j] < 0.5F) continue;
+    double chroma = 0;
+    for (std::size_t c = 0; c < 3; ++c)
+      chroma = std::max(
+          chroma,
+          std::abs(
+              std::log((e.reflectance.data[3 * i + c] + 1e-3) / brightness(e.reflectance, i)) -
+              std::log((e.reflectance.data[3 * j + c] + 1e-3) / brightness(e.reflectance, j))));
+    const double truth = brightness(e.reflectance, i) / double(brightness(e.reflectance, j));
+    const bool same = std::abs(std::log(truth)) < 0.04 && chroma < 0.05;
+    if (!same && std::abs(std::log(truth)) < 0.2) continue;
+    int& kind = same ? equal : unequal;
+    if (kind >= (same ? kPairs / 3 : 2 * kPairs / 3)) continue;
+    ++kind;
+    const double found = brightness(e.input, i) / double(brightness(e.input, j)) *
+                         std::exp(double(s[j]) - double(s[i]));
+    out.wrong += judgment(found) != (same ? 0 : judgment(truth));
+    ++out.judged;
+  }
+}
 
 Score score(const Model& model, const std::vector<float>& weights, const Example& e) {
   Solution solution;
@@ -35,6 +72,7 @@ Score score(const Model& model, const std::vector<float>& weights, const Example
     n += 1, sum += d, squares += d * d;
   }
   out.error = std::sqrt(std::max(0.0, squares / n - sum * sum / (n * n)));
+  judge(e, solution.s, out);
   return out;
 }
 
@@ -59,13 +97,16 @@ void check(const std::vector<std::string>& weight_files, int scenes, const std::
         const Score s = score(model, w.values, e);
         Score& sum = given ? sums[j].given : sums[j].gray;
         sum.loss += s.loss / count, sum.error += s.error / count;
+        sum.wrong += s.wrong, sum.judged += s.judged;
       }
     }
   }
-  std::printf("%d scenes\nslope given: loss, rms | gray: loss, rms\n", count);
-  for (std::size_t j = 0; j < sums.size(); ++j)
-    std::printf("%.4f %.4f | %.4f %.4f  %s\n", sums[j].given.loss, sums[j].given.error,
-                sums[j].gray.loss, sums[j].gray.error, weight_files[j].c_str());
+  std::printf("%d scenes\nslope given: loss, rms, WHDR | gray: loss, rms, WHDR\n", count);
+  for (std::size_t j = 0; j < sums.size(); ++j) {
+    for (const Score& s : {sums[j].given, sums[j].gray})
+      std::printf("%.4f %.4f %.4f | ", s.loss, s.error, s.wrong / std::max(1.0, s.judged));
+    std::printf("%s\n", weight_files[j].c_str());
+  }
 }
 
 }  // namespace

@@ -230,6 +230,33 @@ void windowed(const Example& e, const Plane& estimate, const bench::Image& truth
     }
 }
 
+/// Mean error of log shading less its mean, as a pseudo-Huber distance, and adds its derivative:
+/// what is dark counts here, too.
+double log_error(const Example& e, const Plane& s, Plane& gradient) {
+  constexpr double kWeight = 0.4, kNear = 0.1, kDark = 0.02;
+  const std::size_t n = s.size();
+  Plane weight(n, 0), off(n, 0), pull(n, 0);
+  double all = 1e-9, mean = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const float truth = e.shading.data[i];
+    if (e.mask.data[i] < 0.5F || truth < 1e-4F) continue;
+    const double light = std::exp(double(e.m[i]));
+    weight[i] = float(light / (light + kDark));
+    off[i] = s[i] - std::log(truth);
+    all += weight[i], mean += weight[i] * off[i];
+  }
+  double error = 0, sum = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (weight[i] == 0) continue;
+    const double d = off[i] - mean / all, root = std::sqrt(d * d + kNear * kNear);
+    error += kWeight * weight[i] * (root - kNear) / all;
+    pull[i] = float(kWeight * weight[i] * d / (root * all));
+    sum += pull[i];
+  }
+  for (std::size_t i = 0; i < n; ++i) gradient[i] += float(pull[i] - sum * weight[i] / all);
+  return error;
+}
+
 double window_energy(const Example& e, const bench::Image& truth, int k, int step) {
   double sum = 0;
   for (int y0 = 0; y0 == 0 || y0 + k <= e.height; y0 += step)
@@ -325,7 +352,7 @@ double loss(const Example& e, const Plane& s, Plane& gradient) {
     gradient[i] = d_shading[i] * shading[i];
     for (std::size_t c = 0; c < 3; ++c) gradient[i] -= d_reflectance[c][i] * reflectance[c][i];
   }
-  return error;
+  return error + log_error(e, s, gradient);
 }
 
 double evaluate(const Model& model, const std::vector<float>& parameters, const Example& e,

@@ -41,7 +41,7 @@ struct Solution {
 };
 
 /// Windowed scale-invariant error of reflectance and shading (k = 20, k = 60, whole frame), which
-/// is LMSE at three scales; `gradient` receives its derivative by s.
+/// is LMSE at three scales, plus the error of log shading; `gradient` receives its derivative by s.
 double loss(const Example& example, const Plane& s, Plane& gradient);
 
 /// Solves one example with the given parameters and returns the loss; adds the gradient by implicit
