@@ -7,6 +7,8 @@
 // mean) and the share of wrong judgments of reflectance (WHDR, Bell et al. 2014, δ = .1) over pairs
 // of points of which a third has the same paint; with the slope of light given, and with gray
 // light.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <random>
@@ -23,7 +25,8 @@ namespace inverse::training {
 namespace {
 
 constexpr int kFirstSeed = 50000000;
-constexpr int kPairs = 120;  // of a scene
+constexpr double kSlopeError = 0.2;  // rms
+constexpr int kPairs = 120;          // of a scene
 struct Score {
   double loss = 0, error = 0, wrong = 0, judged = 0;
 };
@@ -76,36 +79,56 @@ Score score(const Model& model, const std::vector<float>& weights, const Example
   return out;
 }
 
+/// What a score is kept of: the kind of scene, and what is assumed of the slope of light.
+constexpr std::array<const char*, 3> kKinds{"objects on black", "gray light", "colored light"};
+constexpr std::array<const char*, 3> kSlopes{"given", "estimated", "gray"};
+
+std::size_t kind_of(const Scene& scene, double slope) {
+  const auto& mask = scene.mask.data;
+  const auto black = std::count_if(mask.begin(), mask.end(), [](float v) { return v < 0.5F; });
+  return double(black) > 0.1 * double(mask.size()) ? 0 : std::abs(slope) < 0.05 ? 1 : 2;
+}
+
 void check(const std::vector<std::string>& weight_files, int scenes, const std::string& directory) {
   const std::vector<std::string> files =
       directory.empty() ? std::vector<std::string>() : scene_files(directory);
   const int count = directory.empty() ? scenes : int(files.size());
-  struct Sum {
-    Score given, gray;
-  };
-  std::vector<Sum> sums(weight_files.size());
+  std::vector<Weights> weights;
+  for (const std::string& file : weight_files) weights.push_back(load_weights(file));
+  std::vector<std::array<std::array<Score, kSlopes.size()>, kKinds.size()>> sums(weights.size());
+  std::array<int, kKinds.size()> counts{};
+  std::mt19937 engine{1};
+  std::normal_distribution<double> error(0, kSlopeError);
   for (int k = 0; k < count; ++k) {
     const Scene scene = directory.empty() ? make_scene(std::uint32_t(kFirstSeed + k), 176, 132)
                                           : load_scene(files[std::size_t(k)]);
-    for (const bool given : {true, false}) {
-      const Example e = make_example(scene, given ? light_slope(scene) : 0);
+    const double slope = light_slope(scene);
+    const std::size_t kind = kind_of(scene, slope);
+    ++counts[kind];
+    const std::array<double, kSlopes.size()> assumed{slope, slope + error(engine), 0};
+    for (std::size_t n = 0; n < assumed.size(); ++n) {
+      const Example e = make_example(scene, assumed[n]);
       for (std::size_t j = 0; j < sums.size(); ++j) {
-        const Weights w = load_weights(weight_files[j]);
-        const Model model(w.edge_hidden, w.cell_hidden);
-        if (w.values.size() != std::size_t(model.count()))
+        const Model model(weights[j].edge_hidden, weights[j].cell_hidden);
+        if (weights[j].values.size() != std::size_t(model.count()))
           throw std::runtime_error(weight_files[j] + " holds no weights of this model");
-        const Score s = score(model, w.values, e);
-        Score& sum = given ? sums[j].given : sums[j].gray;
-        sum.loss += s.loss / count, sum.error += s.error / count;
-        sum.wrong += s.wrong, sum.judged += s.judged;
+        const Score s = score(model, weights[j].values, e);
+        Score& sum = sums[j][kind][n];
+        sum.loss += s.loss, sum.error += s.error, sum.wrong += s.wrong, sum.judged += s.judged;
       }
     }
   }
-  std::printf("%d scenes\nslope given: loss, rms, WHDR | gray: loss, rms, WHDR\n", count);
-  for (std::size_t j = 0; j < sums.size(); ++j) {
-    for (const Score& s : {sums[j].given, sums[j].gray})
-      std::printf("%.4f %.4f %.4f | ", s.loss, s.error, s.wrong / std::max(1.0, s.judged));
-    std::printf("%s\n", weight_files[j].c_str());
+  std::printf("loss, rms, WHDR by slope:");
+  for (const char* name : kSlopes) std::printf(" %s |", name);
+  for (std::size_t kind = 0; kind < kKinds.size(); ++kind) {
+    if (counts[kind] == 0) continue;
+    std::printf("\n%s, %d scenes\n", kKinds[kind], counts[kind]);
+    for (std::size_t j = 0; j < sums.size(); ++j) {
+      for (const Score& s : sums[j][kind])
+        std::printf("%.4f %.4f %.4f | ", s.loss / counts[kind], s.error / counts[kind],
+                    s.wrong / std::max(1.0, s.judged));
+      std::printf("%s\n", weight_files[j].c_str());
+    }
   }
 }
 

@@ -310,6 +310,7 @@ std::vector<Vec> wide_blur(std::vector<Vec> v, int w, int h, int radius) {
 // --- colored light -------------------------------------------------------------------------------
 
 constexpr double kColoredShare = 0.7, kMinApart = 0.2, kMaxApart = 1.4;
+constexpr double kColoredStudio = 0.3;  // of objects on black: mostly lit by lamps of one kind
 
 /// Colors of direct light, of fill light, and of what bounces off surroundings that are not in
 /// view; `slope` comes on top: the logarithm of channel c gains slope d_c times its mean.
@@ -324,9 +325,9 @@ Vec light_color(Random& r, double blue_yellow) {
   return {std::exp(0.5 * blue_yellow), std::exp(0.04 * r.normal()), std::exp(-0.5 * blue_yellow)};
 }
 
-Lights draw_lights(Random& r) {
+Lights draw_lights(Random& r, double colored_share) {
   Lights l;
-  l.colored = r.chance(kColoredShare);
+  l.colored = r.chance(colored_share);
   if (!l.colored) return l;
   const double apart = r.uniform(kMinApart, kMaxApart) * (r.chance(0.5) ? 1 : -1);
   l.direct = light_color(r, 0), l.fill = light_color(r, -apart);
@@ -382,7 +383,7 @@ Scene make_scene(std::uint32_t seed, int width, int height) {
   double ambient_level = 0.1;
   const bool object = r.chance(0.25);
   object ? render_object(r, b, ambient_level) : render_room(r, b, ambient_level);
-  const Lights lights = draw_lights(r);
+  const Lights lights = draw_lights(r, object ? kColoredStudio : kColoredShare);
   std::vector<double> open(n);  // to ambient light
   for (std::size_t i = 0; i < n; ++i) open[i] = b.ambient[i][0];
   std::vector<Vec> radiance(n);

@@ -132,13 +132,14 @@ CLEAR = 0.9  # transmission from which on R and E are true
 
 
 def weather(picture, sample, color, rng):
-    """An outdoor picture with a sky that is bluer above than at the horizon, and with haze of about its color. `color`: of the sky's
+    """An outdoor picture with a sky that is bluer and darker above than at the horizon, and with haze of about its color. `color`: of the sky's
     light. Returns the picture and the share of light that haze lets through."""
     sky = sample["Z"] > 1e4
     blue = np.log(color) - np.log(color).mean()
     if rng.random() < 0.7:
         above, below = rng.uniform(0, 1.5), rng.uniform(-0.8, 0.3)
         more = np.linspace(above, below, len(sky))[:, None, None] * blue
+        more = more + np.linspace(np.log(rng.uniform(0.25, 1)), 0, len(sky))[:, None, None]
         picture = np.where(sky[..., None], picture * np.exp(more), picture)
     if rng.random() < 0.3:
         return picture, np.ones(sky.shape, np.float32)
