@@ -45,6 +45,12 @@ void ScaleNormalization::clear_once(gpu::Commands& commands) {
   cleared_ = true;
 }
 
+const gpu::BufferPtr& ScaleNormalization::light_of(gpu::Commands& commands,
+                                                   const gpu::BufferPtr& light) {
+  clear_once(commands);
+  return light ? light : gray_light_;
+}
+
 void ScaleNormalization::take(gpu::Commands& commands, const ScaleNormalization& other) {
   clear_once(commands);
   commands.copy(other.scale_, scale_, scale_->bytes());
@@ -52,10 +58,9 @@ void ScaleNormalization::take(gpu::Commands& commands, const ScaleNormalization&
 }
 
 void ScaleNormalization::record(gpu::Commands& commands, const Frame& frame) {
-  clear_once(commands);
+  const gpu::BufferPtr& light = light_of(commands, frame.light);
   const bool follows = followed_ && frame.history != History::none;
   const uint32_t points = columns_ * rows_;
-  const gpu::BufferPtr light = frame.light ? frame.light : gray_light_;
   commands.dispatch(smooth_, {.cells = input_, .smoothed = now_}, {.size = cells_},
                     line_of(cells_.pixels()));
   if (follows) {

@@ -48,8 +48,8 @@ class ScaleNormalization {
   /// vec4: ln c; 1 once it is known; ln c less ln(white level), of the output and of the last frame
   /// alone.
   const gpu::BufferPtr& value() const { return scale_; }
-  /// `Frame::light` of gray light; not cleared before the first record().
-  const gpu::BufferPtr& gray_light() const { return gray_light_; }
+  /// What `Frame::light` stands for: itself, or gray light if it is null.
+  const gpu::BufferPtr& light_of(gpu::Commands& commands, const gpu::BufferPtr& light);
 
  private:
   void clear_once(gpu::Commands& commands);

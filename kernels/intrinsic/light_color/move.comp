@@ -4,13 +4,14 @@
 #include "gpu/common.glsl"
 #include "light.glsl"
 
-// Moves what is in force toward what was measured: at once in a new scene, else slowly; and white light with the exposure. One invocation.
+// Moves what is in force toward what was measured: at once in a new scene, else slowly; and white light with the exposure. One
+// invocation.
 PLANE_INOUT(0, light);
 
 // k stays within this distance of its target, or within the target's standard deviation: less is no evidence.
 const float kNear = 0.05;
 const float kMove = 0.05, kMaxMove = 0.004;  // share of the rest a frame, and the most
-const float kSameExposure = 0.02;  // by which m of white light may lag behind
+const float kSameExposure = 0.02;            // by which m of white light may lag behind
 const float kUnsure = 0.6, kSure = 0.4;      // standard deviation of k from which on it is 0, and up to which it counts in full
 
 void main() {

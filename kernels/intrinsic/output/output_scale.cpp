@@ -2,7 +2,6 @@
 #include "output_scale.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace inverse {
 namespace {
@@ -24,16 +23,14 @@ void OutputScale::take(gpu::Commands& commands, const OutputScale& other) {
 void OutputScale::record(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& shading,
                          const gpu::BufferPtr& decision, History history, const Params& params,
                          bool frozen, const gpu::BufferPtr& light) {
-  if (!std::exchange(cleared_, true)) {
-    commands.fill(counts_);
-    commands.fill(normalization_.gray_light());
-  }
+  if (!cleared_) commands.fill(counts_);
+  cleared_ = true;
   commands.dispatch(count_,
                     {.cells = guide.cells(),
                      .shading = shading,
                      .counts = counts_,
                      .scale_cells = normalization_.cells(),
-                     .light = light ? light : normalization_.gray_light()},
+                     .light = normalization_.light_of(commands, light)},
                     {.size = guide.extent()}, line_of(guide.cell_extent().pixels()));
   commands.dispatch(target_kernel_, {.counts = counts_, .target = target_},
                     {.quantile = std::clamp(params.white_quantile, 0.0F, 1.0F)}, {});
