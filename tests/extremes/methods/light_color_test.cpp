@@ -19,7 +19,7 @@ constexpr Extent kExtent{96, 72};
 constexpr Solver kSolvers[] = {Solver::multigrid, Solver::global};
 
 /// White, red, black, blue and gray side by side; their lower halves lie in a shadow. Light has
-/// slope .5.
+/// this slope.
 Pixels scene(float slope = 0.5F) {
   Pixels pixels = walls(kExtent,
                         {{0.9F, 0.9F, 0.9F},

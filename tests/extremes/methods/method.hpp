@@ -13,8 +13,8 @@
 
 namespace inverse::extremes {
 
-/// The layers of a frame, as an editor receives them. All but `intrinsic` are those of methods that
-/// find direct and indirect light.
+/// The layers of a frame, as an editor receives them. All but `intrinsic` and `slope` are those of
+/// methods that find direct and indirect light.
 struct Output {
   Pixels intrinsic;            ///< R.rgb times the color of light, S
   Pixels slope;                ///< of the color of light (Role::slope), if it is not gray
