@@ -5,8 +5,8 @@
 //
 // Prints for each file of weights the loss of the fit, the rms error of log shading (without its
 // mean) and the share of wrong judgments of reflectance (WHDR, Bell et al. 2014, δ = .1) over pairs
-// of points of which a third has the same paint; with the slope of light given, and with gray
-// light.
+// of points of which a third has the same paint, by kind of scene; with the slope of light given,
+// given with an error, and with gray light assumed.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,8 +25,7 @@ namespace inverse::training {
 namespace {
 
 constexpr int kFirstSeed = 50000000;
-constexpr double kSlopeError = 0.2;  // rms
-constexpr int kPairs = 120;          // of a scene
+constexpr int kPairs = 120;  // of a scene
 struct Score {
   double loss = 0, error = 0, wrong = 0, judged = 0;
 };

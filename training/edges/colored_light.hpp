@@ -7,6 +7,9 @@
 
 namespace inverse::training {
 
+/// Rms error of an estimated slope on scenes that its fit has not seen (training/intrinsic).
+inline constexpr double kSlopeError = 0.2;
+
 /// The least-squares slope of a scene's irradiance.
 double light_slope(const Scene& scene);
 

@@ -31,7 +31,6 @@ namespace {
 
 constexpr int kCellHidden = 8, kBatch = 8, kThreads = 2;
 constexpr double kObjectShare = 0.35, kDiverseShare = 0.5, kDecay = 3e-5;
-constexpr double kSlopeError = 0.2;  // rms, as fit_slope.py has on scenes that it has not seen
 
 struct Options {
   std::string out, from, scenes_dir;

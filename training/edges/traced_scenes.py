@@ -8,11 +8,11 @@ import sys
 
 import numpy as np
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "intrinsic"))
+TRAINING = pathlib.Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(TRAINING), str(TRAINING / "intrinsic")]
 import mix
 import sample
-
-HELD_OUT = 5
+import scene_file
 
 
 def main():
@@ -23,7 +23,7 @@ def main():
     parser.add_argument("--size", type=int, default=2, help="divides the resolution: 1, 2 or 4")
     args = parser.parse_args()
     for path in sorted(args.samples.glob("*.npz"), key=lambda p: int(p.stem)):
-        folder = args.out / ("held-out" if int(path.stem) % HELD_OUT == 0 else "fit")
+        folder = args.out / ("held-out" if int(path.stem) % sample.HELD_OUT == 0 else "fit")
         folder.mkdir(parents=True, exist_ok=True)
         for seed in range(args.mixes):
             out = folder / f"{int(path.stem):06d}-{seed}.scene"
@@ -33,8 +33,7 @@ def main():
             if seed % 2:
                 scene = mix.repaint(scene, np.random.default_rng([seed, int(path.stem)]))
             m = mix.mix(scene, seed, args.size)
-            values = np.concatenate([m["I"], m["R"], m["E"], m["mask"][..., None]], -1)
-            out.write_bytes(np.array(values.shape[1::-1], "<i4").tobytes() + values.astype("<f4").tobytes())
+            scene_file.write(out, m["I"], m["R"], m["E"], m["mask"])
 
 
 if __name__ == "__main__":

@@ -5,23 +5,26 @@
     fit_slope.py --samples DIR --scenes DIR --out weights.f16 [--mixtures 24] [--share 0.25] [--steps 3000] [--seed 1] [--start FILE]
 
 The estimator sees counts of steps between neighboring points, not pictures: features() gives what points.comp and steps.comp give for a
-176 × 132 picture. Every fifth seed of either source is held out. Prints errors on what is held out: rmse, correlation, and rms of the
-error over the predicted deviation (1 if the estimator is as sure as it may be). Needs PyTorch; features are cached in --cache."""
+176 × 132 picture. Every fifth seed of either source is held out. Prints errors on what is held out, whole and by kind of scene: rmse,
+correlation, and rms of the error over the predicted deviation (1 if the estimator is as sure as it may be). Needs PyTorch; features are
+cached in --cache."""
 import argparse
 import concurrent.futures
 import pathlib
+import sys
 
 import numpy as np
 import torch
 from torch import nn
 from torch.nn import functional
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
 import mix
 import sample as samples
+import scene_file
 
 LEVELS, HUES, SIZES, RATIOS = 4, 3, 10, 43  # counts: by resolution, |step of g|, step of m, ratio of steps b / m
 CANDIDATES = torch.linspace(-1.4, 1.4, 29)
-HELD_OUT = 5
 WIDTH, DENSE = 16, 12
 
 
@@ -74,46 +77,54 @@ def features(rgb):
     return step_counts(x), scene_counts(x)
 
 
-def mixtures(path, count, seed):
+def mixtures(path, count):
     """Features, slopes and rms of ln light of count photographs of one sample; two of three have other paint."""
     scene = samples.read(path)
     steps, points, slopes, spread = [], [], [], []
     for i in range(count):
-        rng = np.random.default_rng([seed, i, int(path.stem)])
-        m = mix.mix(mix.repaint(scene, rng) if i % 3 else scene, seed * count + i, 2, bend=0.65)
+        rng = np.random.default_rng([0, i, int(path.stem)])
+        m = mix.mix(mix.repaint(scene, rng) if i % 3 else scene, i, 2, bend=0.65)
         a, b = features(m["I"].astype(np.float64))
         steps.append(a), points.append(b), slopes.append(m["k"]), spread.append(m["m_rms"])
     return [np.stack(v).astype(np.float32) for v in (steps, points, slopes, spread)]
 
 
-def procedural(path, *_):
-    """The same of one procedural scene (training/edges/scene_files.hpp)."""
-    data = path.read_bytes()
-    width, height = np.frombuffer(data, "<i4", 2)
-    x = np.frombuffer(data, "<f4", offset=8).reshape(height, width, 10).astype(np.float64)
-    picture, light, weight = x[..., :3], x[..., 6:9] + 1e-6, (x[..., 9] > 0.5) & (x[..., :3].max(-1) < 1) & (x[..., :3].max(-1) > 0.004)
-    truth = mix.slope(light, weight.astype(np.float64)) if weight.any() else {"k": 0.0, "m_rms": 0.0}
+def procedural(path, _count):
+    """The same of one procedural scene."""
+    picture, _, light, mask = scene_file.read(path)
+    weight = (mask > 0.5) & (picture.max(-1) < 1) & (picture.max(-1) > 0.004)
+    truth = mix.slope(light + 1e-6, weight.astype(np.float64)) if weight.any() else {"k": 0.0, "m_rms": 0.0}
     steps, points = features(picture)
     return [np.array([v], np.float32) for v in (steps, points, truth["k"], truth["m_rms"])]
 
 
-def load(args, paths, count, of_one):
-    """Two lists of arrays: to fit, and held out. What the cache has is not made again."""
-    args.cache.mkdir(parents=True, exist_ok=True)
+def load(cache, paths, count, of_one):
+    """[(path, arrays)] in the order of the seeds. What the cache has is not made again."""
+    cache.mkdir(parents=True, exist_ok=True)
     paths = sorted(paths, key=lambda p: int(p.stem))
 
     def one(path):
-        return args.cache / f"{of_one.__name__}-{path.stem}-{count}.npz"
+        return cache / f"{of_one.__name__}-{path.stem}-{count}.npz"
 
     with concurrent.futures.ProcessPoolExecutor() as pool:
         missing = [p for p in paths if not one(p).exists()]
-        for path, arrays in zip(missing, pool.map(of_one, missing, [count] * len(missing), [0] * len(missing), chunksize=4)):
+        for path, arrays in zip(missing, pool.map(of_one, missing, [count] * len(missing), chunksize=4)):
             np.savez(one(path), *[a.astype(np.float16 if a.ndim > 1 else np.float32) for a in arrays])
-    parts = [[], []]
+    result = []
     for path in paths:
         with np.load(one(path)) as f:
-            parts[int(path.stem) % HELD_OUT == 0].append([torch.tensor(f[n].astype(np.float32)) for n in f.files])
-    return [[torch.cat(a) for a in zip(*p)] for p in parts]
+            result.append((path, [torch.tensor(f[n].astype(np.float32)) for n in f.files]))
+    return result
+
+
+def joined(parts):
+    return [torch.cat(a) for a in zip(*parts)]
+
+
+def split(loaded):
+    """What is fitted, as arrays, and what is held out, as load() returns it."""
+    held = [entry for entry in loaded if int(entry[0].stem) % samples.HELD_OUT == 0]
+    return joined(arrays for path, arrays in loaded if int(path.stem) % samples.HELD_OUT), held
 
 
 class Votes(nn.Module):
@@ -182,7 +193,7 @@ def show(title, model, held):
 
 
 def fit(sources, held, args):
-    """`sources`, `held`: by name, traced first."""
+    """`sources`: what is fitted, by name, traced first; `held`: what is held out."""
     torch.manual_seed(args.seed)
     data = [torch.cat(a) for a in zip(*sources.values())]
     first = len(sources["traced"][2])
@@ -231,10 +242,14 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--start", type=pathlib.Path, help="weights to go on from")
     args = parser.parse_args()
-    traced = load(args, args.samples.glob("*.npz"), args.mixtures, mixtures)
-    sources, held = {"traced": traced[0]}, {"traced": traced[1]}
+    traced, unseen = split(load(args.cache, args.samples.glob("*.npz"), args.mixtures, mixtures))
+    sources, held = {"traced": traced}, {"traced": joined(arrays for _, arrays in unseen)}
+    kinds = [samples.kind(path) for path, _ in unseen]
+    for kind in sorted(set(kinds)):
+        held[f"traced, {kind}"] = joined(arrays for of, (_, arrays) in zip(kinds, unseen) if of == kind)
     if args.scenes:
-        sources["procedural"], held["procedural"] = load(args, args.scenes.glob("*.scene"), 1, procedural)
+        sources["procedural"], unseen = split(load(args.cache, args.scenes.glob("*.scene"), 1, procedural))
+        held["procedural"] = joined(arrays for _, arrays in unseen)
         gray = held["procedural"][2].abs() < 0.05
         held["procedural, gray light"] = [a[gray] for a in held["procedural"]]
     for name, part in sources.items():

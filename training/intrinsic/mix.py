@@ -8,7 +8,6 @@ import numpy as np
 import sample as samples
 
 AXIS = np.array([0.5, 0, -0.5], np.float32)
-OUTDOORS = ("street", "yard", "country")
 TEMPERATURES = {"sun": (4500, 6000), "sky": (8000, 20000), "lamp": (2700, 4000), "window": (6000, 15000)}  # K
 
 
@@ -197,7 +196,7 @@ def mix(sample, seed, size=1, k=None, bend=0.4):
         light = with_slope(light, mask.astype(np.float32), k)
     light *= expose(reflectance * light, mask, rng)
     picture = reflectance * light
-    if "sky" in kinds and flux[kinds.index("sky")] > 0 and sample["meta"]["kind"] in OUTDOORS:
+    if "sky" in kinds and flux[kinds.index("sky")] > 0:
         picture, clear = weather(picture, sample, color[kinds.index("sky")] * balance, rng)
         mask = mask * (clear > CLEAR)
     weight = ((mask > 0) & (picture.max(-1) < 1) & (picture.max(-1) > 0.004)).astype(np.float32)

@@ -15,6 +15,7 @@ import numpy as np
 import exr
 from denoise import denoise
 
+HELD_OUT = 5  # every fifth seed is in no fit
 NOISIEST = 0.2  # of a light that is kept
 DARKEST = 0.015  # below this, R is not divided by
 
@@ -126,6 +127,12 @@ def write(path, sample):
             meta=np.array(json.dumps(sample["meta"])),
         )
     os.replace(part, path)
+
+
+def kind(path):
+    """Its kind of scene."""
+    with np.load(path) as file:
+        return json.loads(str(file["meta"]))["kind"]
 
 
 def read(path):

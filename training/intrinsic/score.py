@@ -18,7 +18,6 @@ import numpy as np
 
 import mix
 import sample as samples
-from fit_slope import HELD_OUT
 
 DELTA, PAIRS, WINDOW = 0.1, 120, 20
 MAX_SLOPE = 2.0
@@ -95,7 +94,7 @@ def main():
     Gst.init(None)
     rows = collections.defaultdict(list)
     for path in sorted(args.folder.glob("*.npz"), key=lambda p: int(p.stem)):
-        if int(path.stem) % HELD_OUT:
+        if int(path.stem) % samples.HELD_OUT:
             continue
         scene = samples.read(path)
         for seed in range(args.mixtures):

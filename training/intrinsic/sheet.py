@@ -40,22 +40,21 @@ def main():
     parser.add_argument("--columns", type=int, default=1)
     parser.add_argument("--slopes", action="store_true")
     args = parser.parse_args()
-    rows = [row(samples.read(f)) for f in args.files]
+    read = [samples.read(f) for f in args.files]
+    rows = [row(s) for s in read]
     while len(rows) % args.columns:
         rows.append(np.zeros_like(rows[0]))
     grid = np.concatenate([np.concatenate(rows[i :: args.columns]) for i in range(args.columns)], 1)
     cv2.imwrite(args.out, np.round(255 * grid[..., ::-1]))
     if args.slopes:
-        for kind in ("room", "hall", "desk", "shelf", "street", "yard"):
-            found = [s for s in map(samples.read, args.files) if s["meta"]["kind"] == kind]
+        for kind in sorted({s["meta"]["kind"] for s in read}):
+            found = [s for s in read if s["meta"]["kind"] == kind]
             slopes = [mix.mix(s, seed, 2) for s in found for seed in range(8)]
-            if slopes:
-                k = np.array([m["k"] for m in slopes])
-                print(
-                    f"{kind:7} {len(found):4} scenes, k at 5 25 50 75 95 %:",
-                    *(f"{v:+.2f}" for v in np.percentile(k, [5, 25, 50, 75, 95])),
-                    *(f"| {n} {np.median([m[n] for m in slopes]):.2f}" for n in ("m_rms", "axis", "g")),
-                )
+            print(
+                f"{kind:7} {len(found):4} scenes, k at 5 25 50 75 95 %:",
+                *(f"{v:+.2f}" for v in np.percentile([m["k"] for m in slopes], [5, 25, 50, 75, 95])),
+                *(f"| {n} {np.median([m[n] for m in slopes]):.2f}" for n in ("m_rms", "axis", "g")),
+            )
 
 
 if __name__ == "__main__":
