@@ -235,7 +235,7 @@ class Training(unittest.TestCase):
 class Drift(unittest.TestCase):
     def test_pictures_count_once_a_method_and_motion(self):
         def row(picture, drift):
-            return {"picture": picture, "motion": "pan", "method": "m", "drift": drift, "input": 0.01}
+            return {"picture": picture, "motion": "pan", "method": "m", "drift": drift, "input": 0.01, "color": drift, "input_color": 0.0}
         own, photographs = brief.drift_of([row("own-a", 0.02), row("own-b", 0.04), row("c", 0.5)])
         self.assertEqual((own["count"], own["missed"], own["worst"]), (2, ["own-b"], 0.04))
         self.assertAlmostEqual(own["mean"], 0.03)
