@@ -5,7 +5,8 @@
     score.py FOLDER [--element intrinsicdecomp] [--mixtures 2]
 
 Prints by kind of scene: LMSE of reflectance (Grosse et al. 2009, windows of 20 pixels), WHDR (Bell et al. 2014, δ = .1) over pairs of
-which a third has one paint, rms error of log reflectance, and of the slope. Needs python3-gi and GST_PLUGIN_PATH, INVERSE_MODELS."""
+which a third has one paint, rms error of log reflectance, and of the slope. "several" are photographs whose light no one slope describes: it
+leaves more than .15 (rms) of ln R/B of the light. Needs python3-gi and GST_PLUGIN_PATH, INVERSE_MODELS."""
 import argparse
 import collections
 import pathlib
@@ -20,7 +21,7 @@ import mix
 import sample as samples
 
 DELTA, PAIRS, WINDOW = 0.1, 120, 20
-MAX_SLOPE = 2.0
+MAX_SLOPE, SEVERAL = 2.0, 0.15
 
 
 def reflectance(picture, element, slope):
@@ -104,7 +105,7 @@ def main():
             for name, slope in (("found", "auto"), ("given", true), ("gray", 0)):
                 found, k = reflectance(m["image"], args.element, slope)
                 row = {**errors(found, m["R"], m["mask"], pairs), "k": k - true}
-                for kind in (scene["meta"]["kind"], "all"):
+                for kind in (scene["meta"]["kind"], "all", *["several"] * (m["axis"] > SEVERAL)):
                     rows[kind, name].append(row)
     print("kind, slope: photographs, LMSE, WHDR, rms ln R, rms error of slope")
     for (kind, name), of in sorted(rows.items()):
