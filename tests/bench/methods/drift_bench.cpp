@@ -189,6 +189,7 @@ void run(int argc, char** argv) {
       {own.name, &setting_of(own, false)},
       {own.name + ", gray light", &setting_of(own, true)},
       {global.name, &setting_of(global, false)},
+      {global.name + ", gray light", &setting_of(global, true)},
       {printed.name, &setting_of(printed, false)}};
   const struct {
     const char* name;
