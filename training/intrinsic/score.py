@@ -24,28 +24,33 @@ DELTA, PAIRS, WINDOW = 0.1, 120, 20
 MAX_SLOPE, SEVERAL = 2.0, 0.15
 
 
-def reflectance(picture, element, slope):
-    """Linear reflectance of 8-bit RGB, and the slope in force. slope: a number or "auto"."""
-    height, width = picture.shape[:2]
+def reflectances(pictures, element, slope):
+    """Linear reflectance of the 8-bit RGB frames of a shot, and the slope in force in the last one. slope: a number or "auto"."""
+    height, width = pictures[0].shape[:2]
     caps = f"video/x-raw,format=RGBA,width={width},height={height},framerate=0/1"
     pipeline = Gst.parse_launch(
         f"appsrc name=in format=time caps={caps} ! {element} name=method light-color-slope={slope} ! intrinsicsplit name=split encoding=linear "
         "split.reflectance ! queue ! video/x-raw,format=RGBA64_LE ! appsink name=out sync=false"
     )
-    rgba = np.concatenate([picture, np.full((height, width, 1), 255, np.uint8)], -1)
     pipeline.set_state(Gst.State.PLAYING)
     try:
-        pipeline.get_by_name("in").emit("push-buffer", Gst.Buffer.new_wrapped(rgba.tobytes()))
-        pipeline.get_by_name("in").emit("end-of-stream")
-        pulled = pipeline.get_by_name("out").emit("pull-sample")
-        if pulled is None:
-            error = pipeline.get_bus().pop_filtered(Gst.MessageType.ERROR)
-            raise RuntimeError(error.parse_error()[0].message if error else "no frame")
+        source, sink = pipeline.get_by_name("in"), pipeline.get_by_name("out")
+        for picture in pictures:
+            rgba = np.concatenate([picture, np.full((height, width, 1), 255, np.uint8)], -1)
+            source.emit("push-buffer", Gst.Buffer.new_wrapped(rgba.tobytes()))
+        source.emit("end-of-stream")
+        found = []
+        for _ in pictures:
+            pulled = sink.emit("pull-sample")
+            if pulled is None:
+                error = pipeline.get_bus().pop_filtered(Gst.MessageType.ERROR)
+                raise RuntimeError(error.parse_error()[0].message if error else "no frame")
+            buffer = pulled.get_buffer()
+            data = np.frombuffer(buffer.extract_dup(0, buffer.get_size()), "<u2").reshape(height, width, 4)
+            found.append(data[..., :3] / 65535.0)
         pipeline.get_bus().timed_pop_filtered(10 * Gst.SECOND, Gst.MessageType.EOS)  # stats are of completed frames
         ok, slope = pipeline.get_by_name("method").get_property("stats").get_double("light-color-slope")
-        buffer = pulled.get_buffer()
-        data = np.frombuffer(buffer.extract_dup(0, buffer.get_size()), "<u2").reshape(height, width, 4)
-        return data[..., :3] / 65535.0, slope if ok else 0.0
+        return found, slope if ok else 0.0
     finally:
         pipeline.set_state(Gst.State.NULL)
 
@@ -103,7 +108,7 @@ def main():
             pairs = pairs_of(m["R"], m["mask"], seed)
             true = float(np.clip(m["k"], -MAX_SLOPE, MAX_SLOPE))
             for name, slope in (("found", "auto"), ("given", true), ("gray", 0)):
-                found, k = reflectance(m["image"], args.element, slope)
+                (found,), k = reflectances([m["image"]], args.element, slope)
                 row = {**errors(found, m["R"], m["mask"], pairs), "k": k - true}
                 for kind in (scene["meta"]["kind"], "all", *["several"] * (m["axis"] > SEVERAL)):
                     rows[kind, name].append(row)
