@@ -10,13 +10,32 @@ WORD_IN(0, weights);
 WORD_INOUT(1, totals);
 SCALAR_OUT(2, means);
 
-void main() {
-  int i = int(gl_GlobalInvocationID.x), weight = 0, total = 0;
-  if (i >= kBins * kBins) return;
-  for (int table = 0; table < kTables; ++table) {
-    weight += int(FETCH1(weights, i * kTables + table));
-    total += int(LOAD(totals, i * kTables + table));
-    STORE(totals, i * kTables + table, 0u);
+// Low and high word.
+void add(inout uvec2 sum, uvec2 more) {
+  uint carry;
+  sum.x = uaddCarry(sum.x, more.x, carry);
+  sum.y += more.y + carry;
+}
+float value(uvec2 sum) {
+  bool negative = int(sum.y) < 0;
+  if (negative) {
+    sum = ~sum;
+    add(sum, uvec2(1u, 0u));
   }
-  STORE(means, uint(i), weight > 0 ? kMaxReflectance * float(total) / float(weight) : kEmptyBin);
+  float size = 4294967296.0 * float(sum.y) + float(sum.x);
+  return negative ? -size : size;
+}
+
+void main() {
+  int i = int(gl_GlobalInvocationID.x);
+  if (i >= kBins * kBins) return;
+  uvec2 weight = uvec2(0u), total = uvec2(0u);
+  for (int table = 0; table < kTables; ++table) {
+    int low = i * kTables + table, high = low + kBins * kBins * kTables;
+    add(weight, uvec2(FETCH1(weights, low), FETCH1(weights, high)));
+    add(total, uvec2(LOAD(totals, low), LOAD(totals, high)));
+    STORE(totals, low, 0u);
+    STORE(totals, high, 0u);
+  }
+  STORE(means, uint(i), weight == uvec2(0u) ? kEmptyBin : kMaxReflectance * (value(total) / value(weight)));
 }

@@ -16,17 +16,28 @@ PLANE_IN(0, cells);
 PLANE_IN(1, terms);
 PLANE_IN(2, mean);        // s'
 PLANE_IN(3, correction);
-WORD_INOUT(4, sums);      // kBins x kBins x kTables, signed fixed point, starts at 0
+WORD_INOUT(4, sums);      // kTables tables, interleaved; signed, start at 0
 layout(push_constant) uniform Push {
   uvec2 size;  // of level 2
   float scale;
 } push;
 
 void add(uint bin, int share) {
+  uint low = bin, high = bin + uint(kBins * kBins), more = uint(share), before;
+  if (kTables > 1u) {
+    low = low * kTables + gl_GlobalInvocationID.x;
+    high = high * kTables + gl_GlobalInvocationID.x;
+    before = LOAD(sums, low);
+    STORE(sums, low, before + more);
+  } else {
+    before = atomicAdd(LOAD(sums, low), more);
+  }
+  int carry = int(before + more < before) - int(share < 0);
+  if (carry == 0) return;
   if (kTables > 1u)
-    LOAD(sums, bin * kTables + gl_GlobalInvocationID.x) += uint(share);
+    LOAD(sums, high) += uint(carry);
   else
-    atomicAdd(LOAD(sums, bin), uint(share));
+    atomicAdd(LOAD(sums, high), uint(carry));
 }
 
 void main() {

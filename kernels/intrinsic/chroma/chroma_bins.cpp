@@ -10,6 +10,7 @@ namespace {
 
 constexpr uint32_t kBins =
     shaders::intrinsic_chroma_bin_means::kBins * shaders::intrinsic_chroma_bin_means::kBins;
+constexpr uint32_t kWords = 2;       // of a sum
 constexpr uint32_t kTables = 16;     // copies of the bins without atomics
 constexpr uint32_t kTableLanes = 8;  // invocations that one processor advances together
 
@@ -26,8 +27,8 @@ ChromaBins::ChromaBins(const std::shared_ptr<gpu::Device>& device, Extent cells)
       source_term_(device),
       measuring_source_term_(device, {.measure = true}),
       total_(device),
-      weights_(gpu::Buffer::create(device, gpu::Element::word, kBins * tables_)),
-      totals_(gpu::Buffer::create(device, gpu::Element::word, kBins * tables_)),
+      weights_(gpu::Buffer::create(device, gpu::Element::word, kWords * kBins * tables_)),
+      totals_(gpu::Buffer::create(device, gpu::Element::word, kWords * kBins * tables_)),
       means_(gpu::Buffer::create(device, gpu::Element::scalar, kBins)),
       target_(gpu::Buffer::create(device, gpu::Element::vec4, pack4_count(cells))),
       sums_(gpu::Buffer::create(
@@ -43,8 +44,8 @@ void ChromaBins::record_weights(gpu::Commands& commands, const Guide& guide,
                                 const gpu::BufferPtr& terms, float max_weight) {
   on_ = max_weight > 0;
   if (!on_) return;
-  // The largest for which a frame of one chroma does not overflow 31 bits.
-  scale_ = 2.0e9F / std::max(static_cast<float>(cells_.pixels()) * max_weight, 1e-20F);
+  // The largest for which no cell overflows 31 bits.
+  scale_ = 2.0e9F / std::max(max_weight, 1e-20F);
   commands.fill(weights_);
   commands.fill(totals_);
   commands.dispatch(weigh_,

@@ -45,9 +45,7 @@ TEST_F(IntrinsicTest, WholeSolveAgreesWithReference) {
       if (i % 4 < 3) {
         ASSERT_NEAR(got[i] * got[i | 3], pixels[i], 1e-5) << "R S must be I";
       }
-    // Bins are in fixed point.
-    EXPECT_LT(max_difference(log_shading_of(got), expected), 0.03) << name_of(extent);
-    EXPECT_LT(rms_difference(log_shading_of(got), expected), 3e-3) << name_of(extent);
+    EXPECT_LT(max_difference(log_shading_of(got), expected), 2e-4) << name_of(extent);
   }
 }
 
@@ -70,21 +68,16 @@ TEST_F(IntrinsicTest, ColoredLightAgreesWithReference) {
       params.light = {double(slope), double(download(light.state())[1]),
                       double(carried[1]) + scale};
       const auto expected = expected_of(extent, pixels, params);
-      double worst = 0, squares = 0;
+      double worst = 0;
       for (size_t i = 0; i < extent.pixels(); ++i) {
         const double shading = std::log(double(got[4 * i + 3]));
         const auto color = reference::light_color(params.light, shading - double(carried[1]));
-        const double off = shading + scale - expected.log_shading[i];
-        worst = std::max(worst, std::abs(off));
-        squares += off * off;
+        worst = std::max(worst, std::abs(shading + scale - expected.log_shading[i]));
         for (size_t c = 0; c < 3; ++c)
           ASSERT_NEAR(double(got[4 * i + c] * got[4 * i + 3]) * color[c], pixels[4 * i + c], 1e-5)
               << "reflectance in colored light must be the frame";
       }
-      EXPECT_LT(worst, 0.03) << name_of(extent) << ", slope " << slope;
-      // Bins are in fixed point, and a large slope spreads chroma over more of them.
-      EXPECT_LT(std::sqrt(squares / double(extent.pixels())), 8e-3)
-          << name_of(extent) << ", slope " << slope;
+      EXPECT_LT(worst, 0.015) << name_of(extent) << ", slope " << slope;
     }
 }
 
