@@ -136,7 +136,8 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
          .conditional = plan_.stops() && cycle > 0,
          .tolerance = plan_.cycle_tolerance},
         [&] { bins_.record(commands, guide_, state); },
-        [&] { bins_.record_source_term(commands, state, plan_.measures_bins); }, list());
+        [&] { bins_.record_source_term(commands, state, plan_.measures_bins); },
+        {list(), plan_.tiles() ? &active_.around() : nullptr});
 }
 
 void IntrinsicDecomposition::make_plan(const Params& params, const FrameInfo& info) {
@@ -193,7 +194,7 @@ void IntrinsicDecomposition::list_tiles(gpu::Commands& commands, const Params& p
   if (!plan_.tiles()) return;
   active_.record_list(commands, multigrid_.cell_correction(),
                       plan_.all_tiles ? kAllTiles : plan_.tile_tolerance, params.anchor.hold);
-  multigrid_.record_residual(commands, active_.list_before());
+  multigrid_.record_residual(commands, active_.around_before());
   commands.stage("tiles");
 }
 

@@ -146,8 +146,8 @@ void Multigrid::record_operators(gpu::Commands& commands, const Params& params,
                     {.size = last.extent, .scale = params.scale}, {});
 }
 
-void Multigrid::record_residual(gpu::Commands& commands, const TileList* listed) const {
-  for (size_t i = 0; i < kCells; ++i) restrict_to(commands, i, listed);
+void Multigrid::record_residual(gpu::Commands& commands, const TileList* around) const {
+  for (size_t i = 0; i < kCells; ++i) restrict_to(commands, i, around);
 }
 
 void Multigrid::cell_cycle(gpu::Commands& commands, const Params& params) const {
@@ -193,7 +193,8 @@ void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k,
 
 void Multigrid::record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,
                              const Progress& progress, const std::function<void()>& before,
-                             const std::function<void()>& after, const TileList* listed) {
+                             const std::function<void()>& after, const Tiles& tiles) {
+  const TileList* listed = tiles.listed;
   const bool from_start = params.slowest > 0 || progress.measured;
   if (from_start && listed)
     copy_tiles_.dispatch(
@@ -204,7 +205,7 @@ void Multigrid::record_cycle(gpu::Commands& commands, const Params& params, uint
   const auto cycle = [&] {
     for (size_t i = 0; i < kCells; ++i) {
       smooth(commands, i, listed);
-      restrict_to(commands, i, listed);
+      restrict_to(commands, i, tiles.around);
     }
     commands.stage("descend");
     for (uint32_t inner = 0; inner < params.cell_cycles; ++inner) {

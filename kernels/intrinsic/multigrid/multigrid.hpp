@@ -68,20 +68,25 @@ class Multigrid {
   const gpu::BufferPtr& cell_residual() const { return cell_residual_; }
   const gpu::BufferPtr& cell_system() const { return levels_[2].system; }
 
-  /// With `listed` not null, levels 0 and 1 of a frame are recorded for its tiles only. Levels from
-  /// the cells on are always solved as a whole: for other tiles they use the last residual of
-  /// `record_residual`, and corrections do not reach these tiles.
-  ///
+  /// Of a frame that is not worked on as a whole: its tiles, and these and all beside them; else
+  /// null. Levels 0 and 1 are solved for the listed ones only. Levels from the cells on are always
+  /// solved as a whole: for tiles that are not `around` they use the last residual, and corrections
+  /// reach listed tiles only. The residuals of two tiles must agree about what flows between them,
+  /// or patches that hold together run away.
+  struct Tiles {
+    const TileList *listed, *around;
+  };
   /// Records the coarse operators, once a frame, from `system` and `cell_source_term`.
   void record_operators(gpu::Commands& commands, const Params& params,
                         const TileList* listed = nullptr) const;
-  /// Records the residual of pixels for cells whose tiles the next cycles do not list.
-  void record_residual(gpu::Commands& commands, const TileList* listed) const;
+  /// Records the residual of pixels for cells, due before a frame of tiles: of those around the
+  /// tiles of the frame before, or of all.
+  void record_residual(gpu::Commands& commands, const TileList* around) const;
   /// Records cycle number `k` of a frame, from 0; `before` records the cells' right-hand side,
   /// `after` their source term after the last correction.
   void record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,
                     const Progress& progress, const std::function<void()>& before,
-                    const std::function<void()>& after, const TileList* listed = nullptr);
+                    const std::function<void()>& after, const Tiles& tiles = {});
   /// One vec4, of the last measured cycle (convergence.comp), log units².
   const gpu::BufferPtr& progress() const { return progress_; }
   /// How many levels there are, the single pixel included.

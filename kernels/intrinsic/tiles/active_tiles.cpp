@@ -12,9 +12,11 @@ namespace inverse {
 ActiveTiles::ActiveTiles(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : extent_(extent),
       lists_{TileList(device, extent), TileList(device, extent)},
+      around_{TileList(device, extent), TileList(device, extent)},
       drawn_(device, extent),
       active_(device),
-      dilate_tiles_(device),
+      dilate_(device),
+      dilate_drawn_(device, {.drawn = true}),
       measure_activity_(device, {}, 1, 1),
       activity_(gpu::Buffer::create(device, gpu::Element::vec4, tiles())),
       moving_(gpu::Buffer::create(device, gpu::Element::word, 1)) {
@@ -50,9 +52,13 @@ void ActiveTiles::record_list(gpu::Commands& commands, const gpu::BufferPtr& cor
                      .hold = hold},
                     line_of(tiles()));
   list.record(commands);
-  commands.dispatch(dilate_tiles_, {.flags = list.flags(), .drawn = drawn_.flags()},
-                    {.tiles = {list.columns(), list.rows()}}, line_of(tiles()));
-  drawn_.record(commands);
+  const auto dilate = [&](const auto& kernel, const TileList& to) {
+    commands.dispatch(kernel, {.flags = list.flags(), .dilated = to.flags()},
+                      {.tiles = {list.columns(), list.rows()}}, line_of(tiles()));
+    to.record(commands);
+  };
+  dilate(dilate_, around_[now_]);
+  dilate(dilate_drawn_, drawn_);
 }
 
 void ActiveTiles::record_activity(gpu::Commands& commands, const gpu::BufferPtr& before,

@@ -31,11 +31,13 @@ class ActiveTiles {
                    float hold);
   /// A vec4 a tile (activity.glsl).
   const gpu::BufferPtr& activity() const { return activity_; }
-  /// After `record_list`: the tiles of this frame; those where a drawing of it differs from one of
-  /// the frame before; and the list of the frame before, null if that was worked on as a whole.
+  /// After `record_list`: the tiles of this frame; these and all beside them; those where a drawing
+  /// of it differs from one of the frame before; and `around` of the frame before, null if that was
+  /// worked on as a whole.
   const TileList& list() const { return lists_[now_]; }
+  const TileList& around() const { return around_[now_]; }
   const TileList& drawn() const { return drawn_; }
-  const TileList* list_before() const { return listed_before_ ? &lists_[1 - now_] : nullptr; }
+  const TileList* around_before() const { return listed_before_ ? &around_[1 - now_] : nullptr; }
   /// Records how much the tiles have moved by this frame, from TemporalAnchor's memories of the
   /// frame `before` and of this one.
   void record_activity(gpu::Commands& commands, const gpu::BufferPtr& before,
@@ -47,12 +49,12 @@ class ActiveTiles {
 
  private:
   Extent extent_;
-  std::array<TileList, 2> lists_;
+  std::array<TileList, 2> lists_, around_;
   TileList drawn_;
   size_t now_ = 0;
   bool listed_before_ = false;
   gpu::Program<shaders::intrinsic_tiles_active> active_;
-  gpu::Program<shaders::intrinsic_tiles_dilate_tiles> dilate_tiles_;
+  gpu::Program<shaders::intrinsic_tiles_dilate_tiles> dilate_, dilate_drawn_;
   TileProgram<shaders::intrinsic_tiles_activity> measure_activity_;
   gpu::FrameRing<gpu::BufferPtr> changed_;
   uint64_t frame_ = 0;

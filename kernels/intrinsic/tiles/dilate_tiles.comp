@@ -4,18 +4,19 @@
 #include "gpu/common.glsl"
 #include "image/pack4.glsl"
 
-// Flags the tiles whose picture differs if the flagged ones do: those themselves and, as chroma is averaged with pixels to
-// the left and above, those to the right and below. One tile an invocation.
+// Flags the flagged tiles and those beside them: of solutions, which share edges with all eight neighbors; of pictures (kDrawn) those
+// to the right and below only, as chroma is averaged with pixels to the left and above. One tile an invocation.
+layout(constant_id = 1) const bool kDrawn = false;
 WORD_IN(0, flags);
-WORD_OUT(1, drawn);
+WORD_OUT(1, dilated);
 layout(push_constant) uniform Push { uvec2 tiles; } push;
 
 void main() {
   uvec2 tile = grid_position(push.tiles.x);
   if (tile.y >= push.tiles.y) return;
-  uvec2 before = max(tile, uvec2(1u)) - 1u;
-  int row = int(tile.y * push.tiles.x), above = int(before.y * push.tiles.x);
-  uint any = FETCH1(flags, row + int(tile.x)) | FETCH1(flags, row + int(before.x)) | FETCH1(flags, above + int(tile.x)) |
-             FETCH1(flags, above + int(before.x));
-  STORE(drawn, uint(row) + tile.x, any);
+  uvec2 first = max(tile, uvec2(1u)) - 1u, last = kDrawn ? tile : min(tile + 1u, push.tiles - 1u);
+  uint any = 0u;
+  for (uint y = first.y; y <= last.y; ++y)
+    for (uint x = first.x; x <= last.x; ++x) any |= FETCH1(flags, int(y * push.tiles.x + x));
+  STORE(dilated, tile.y * push.tiles.x + tile.x, any);
 }

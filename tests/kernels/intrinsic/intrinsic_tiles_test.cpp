@@ -129,7 +129,7 @@ TEST_F(IntrinsicTilesTest, KernelsOverAllTilesDoWhatTheyDoOverTheFrame) {
                 commands.fill(grid.cell_system());
                 grid.record_operators(commands, {}, list);
               },
-              [] {}, list);
+              [] {}, {list, list});
       });
     same(grids[0].system(), grids[1].system(), "system");
     same(grids[0].cell_residual(), grids[1].cell_residual(), "what is left to the cells");
@@ -180,6 +180,32 @@ TEST_F(IntrinsicTilesTest, AStaticBackgroundIsReusedAndStaysNearTheWholeSolve) {
       "%u of 30 frames by tiles, log shading at most %.4f rms from the whole solve, its scale "
       "%.4f\n",
       listed_frames, worst, worst_scale);
+}
+
+// What a listed tile changes pulls at the tiles beside it. If their residuals do not tell so, patches
+// that hold together firmly run away.
+TEST_F(IntrinsicTilesTest, FirmPatchesDoNotRunAway) {
+  const Extent extent{240, 176};
+  IntrinsicDecomposition::Params params, all;
+  params.prior.reflectance_weight = all.prior.reflectance_weight = 1e3F;
+  params.tolerances.half = 0;
+  all.adaptive = false;
+  for (const unsigned seed : {12U, 21U, 22U}) {
+    const Pixels background = scene(extent, seed);
+    IntrinsicDecomposition some(device, extent), whole(device, extent);
+    Video video(extent);
+    unsigned by_tiles = 0;
+    double worst = 0;
+    for (size_t k = 0; k < 30; ++k) {
+      const Pixels frame = with_patch(background, extent, 36 + k % 5, 68);
+      const Pixels got = pixels_of(next(some, extent, frame, video.changed(frame), params));
+      const Pixels want = pixels_of(next(whole, extent, frame, {}, all));
+      by_tiles += listed(some);
+      update_max(worst, shading_distance(got, want));
+    }
+    EXPECT_GT(by_tiles, 20U);
+    EXPECT_LT(worst, 0.1) << "scene " << seed;
+  }
 }
 
 // What moves leaves shading behind that is wrong for what it uncovers, and that fades for as long
