@@ -91,8 +91,8 @@ class GlobalTruth : public GpuTest {
     double split;     ///< the same of direct and indirect light at one scale, summed
     double tint;      ///< of the light's color, log units
   };
-  /// What is allowed: 5 % above 0.01169, 0.0882, 0.2878 and 0.1304, which were reached.
-  static constexpr Errors kMaxErrors{0.01227, 0.0926, 0.302, 0.137};
+  /// What is allowed: 5 % above 0.01714, 0.0895, 0.2946 and 0.1297, which were reached.
+  static constexpr Errors kMaxErrors{0.018, 0.094, 0.3093, 0.1362};
   /// Of a first frame.
   Errors errors(const GlobalIntrinsic::Params& params) {
     const Extent extent{kWidth, kHeight};

@@ -207,7 +207,7 @@ std::optional<std::string> wrong_layers(const Case& one, uint32_t frame, const P
   for (size_t i = 0; i < got.intrinsic.size(); ++i) {
     const float value = got.intrinsic[i];
     const bool tame = one.solver == Solver::multigrid || one.knobs == 0;
-    if (i % 4 == 3 && tame && !(value > 1e-13F && value < 1e13F))
+    if (i % 4 == 3 && tame && !(value > 1e-15F && value < 1e15F))
       return at("shading out of all proportion", frame, i, static_cast<double>(value));
     if (i % 4 == 3 || one.solver != Solver::multigrid) continue;
     const float light = finite_light(input[i], max_light(one.solver));

@@ -8,7 +8,7 @@ namespace inverse::testing {
 TEST_F(IntrinsicTest, ScaleBringsBrightReflectanceToTheWhiteLevel) {
   const Extent extent{128, 96};
   IntrinsicDecomposition method(device, extent);
-  IntrinsicDecomposition::Params params;
+  IntrinsicDecomposition::Params params{.cycles = 16, .warm_cycles = 16};
   const auto bright_end = [&](const Pixels& pixels) {
     std::vector<float> brightest;
     for (size_t i = 0; i < pixels.size(); i += 4)
@@ -268,7 +268,7 @@ TEST_F(IntrinsicTest, AbsurdParametersStayFinite) {
 }
 
 // Skipped cycles must show in the stats, and cost no more than the tolerance
-// bounds: a cycle leaves up to 85 % of an error, so six times what the last one changed.
+// bounds: a cycle leaves up to 88 % of an error, so eight times what the last one changed.
 TEST_F(IntrinsicTest, CyclesEndWhenLittleChanges) {
   constexpr uint32_t kMaxCycles = 16;
   const bool skips = device->variant().conditional;
@@ -291,12 +291,12 @@ TEST_F(IntrinsicTest, CyclesEndWhenLittleChanges) {
     const double distance = shading_distance(got, complete);
     std::printf("tolerance %g: %u of %u cycles, %.4f from all\n", static_cast<double>(tolerance),
                 cycles, kMaxCycles, distance);
-    EXPECT_LT(distance, 6 * tolerance);
+    EXPECT_LT(distance, 8 * tolerance);
   }
   EXPECT_LT(smallest_count, skips ? 5 : kMaxCycles + 1);
   // A static scene converges: one cycle a frame.
   params.tolerances.cycle = 0.01F;
-  for (int k = 0; k < 5; ++k) decompose(ending, still, params, false);
+  for (int k = 0; k < 12; ++k) decompose(ending, still, params, false);
   EXPECT_EQ(ending.findings().cycles, skips ? 1 : kMaxCycles);
   // 0 asks for all of them.
   params.tolerances.cycle = 0;

@@ -182,8 +182,8 @@ TEST_F(IntrinsicTilesTest, AStaticBackgroundIsReusedAndStaysNearTheWholeSolve) {
       listed_frames, worst, worst_scale);
 }
 
-// What a listed tile changes pulls at the tiles beside it. If their residuals do not tell so, patches
-// that hold together firmly run away.
+// What a listed tile changes pulls at the tiles beside it. If their residuals do not tell so,
+// patches that hold together firmly run away.
 TEST_F(IntrinsicTilesTest, FirmPatchesDoNotRunAway) {
   const Extent extent{240, 176};
   IntrinsicDecomposition::Params params, all;
