@@ -32,9 +32,9 @@ def options():
 
 
 def summarize(results):
-    rows = results["rows"] = summary.marked(results["rows"])
+    rows = results["rows"]
     own = summary.points(rows, sets={"own"}, device=results["device"])
-    names = sorted(dict.fromkeys(r["regime"] for r in rows if not r["video"]), key=lambda n: n.endswith(summary.MARK))
+    names = dict.fromkeys(r["regime"] for r in rows if not r["video"])
     videos = summary.points([r for r in rows if r["curve"] == "video quality"], video=True, sets={"own"})
     results["summary"] = {
         "own": own,

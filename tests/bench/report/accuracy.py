@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Prints the tables of docs/reference/accuracy.md from a results.json of `./dev bench --full`: photographs first, then held-out sets, training sets apart.
+"""Prints the tables of docs/reference/accuracy.md from a results.json of `./dev bench --full`.
 
     tests/bench/report/accuracy.py out/report/results.json
 """
@@ -17,16 +17,16 @@ import whdr
 from tables import figure
 
 GIVEN = "diverse value, given"
-REGIMES = ["own stills", "MIT objects", GIVEN, "near-constant value" + summary.MARK, "hard shadow" + summary.MARK]
+REGIMES = ["own stills", "MIT objects", GIVEN, "near-constant value", "hard shadow"]
 BASELINES = [("constant shading", "constant shading", ""), ("constant reflectance", "constant reflectance", ""),
              ("R = I / max_c I", "R = I / max_c I", ""), ("gray Retinex .1", "gray Retinex", "t .1"),
              ("color Retinex .5 .1", "color Retinex", "t .5, c .1"), ("color Retinex, chroma", "color Retinex", "c .1")]
 
 
 def grouped(rows):
-    """Rows with the project's own scenes as one regime and training sets apart."""
+    """Rows with the project's own scenes as one regime."""
     names = {"diverse value": GIVEN}
-    return [{**r, "regime": "own stills" if r["set"] == "own" else names.get(r["regime"], r["regime"])} for r in summary.marked(rows)]
+    return [{**r, "regime": "own stills" if r["set"] == "own" else names.get(r["regime"], r["regime"])} for r in rows]
 
 
 def by_scene(rows, method, setting=None):
@@ -92,14 +92,14 @@ def sequences(rows):
         light = (s[0], "slow light") in scenes  # made of sequences where nothing but the light changes
         if s[0] == "own":
             return s[1]
-        return f"{summary.mark(s[0])}, " + (s[1] if s[1] != "video" else "moving light" if light else "things move")
+        return f"{s[0]}, " + (s[1] if s[1] != "video" else "moving light" if light else "things move")
     out = [[name(s), title, "" if title == "input" else figure(r["lmse20"]),
             figure(r["flicker"]), figure(r["jitter"])]
            for s in still for title, *key in VIDEOS for r in [rows[(*s, *key)]]]
     text = tables.table(["sequence", "", "LMSE", "flicker", "jitter"], out)
     moving = [s for s in scenes if s not in still]
     lines = [[title] + [figure(rows[(*s, *key)]["lmse20"]) for s in moving] for title, *key in VIDEOS[1:]]
-    return text + "\nThe camera moves, LMSE:\n\n" + tables.table([""] + [s[1] if s[0] == "own" else summary.mark(s[0]) for s in moving], lines)
+    return text + "\nThe camera moves, LMSE:\n\n" + tables.table([""] + [s[1] if s[0] == "own" else s[0] for s in moving], lines)
 
 
 def main():
@@ -115,7 +115,7 @@ def main():
     print(tables.without(ablations.stills(single, "intrinsicdecomp", summary.steady_time(results["device"]))))
     alone = ablations.leave_one_out(single)
     print(tables.left_out(alone), alone["picks"], sep="\n", end="\n\n")
-    print(sequences(sorted(rows, key=lambda r: (r["set"] != "own", r["set"] in summary.TRAINING))))
+    print(sequences(sorted(rows, key=lambda r: r["set"] != "own")))
 
 
 main()

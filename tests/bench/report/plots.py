@@ -269,7 +269,7 @@ def fronts(videos, regimes, time, folder):
     """What presets buy that LMSE of single stills does not show."""
     ours = ("intrinsicdecomp", "globalintrinsic")
     panels = [("Flicker, own videos", [p for p in videos if p["method"] in ours], "flicker", "flicker: standard deviation of ln R over time")]
-    for regime, heading in (("MIT objects", "Real objects (MIT)"), ("hard shadow" + summary.MARK, "Hard shadows" + summary.MARK)):
+    for regime, heading in (("MIT objects", "Real objects (MIT)"), ("hard shadow", "Hard shadows")):
         panels.append((heading, [p for p in regimes.get(regime, []) if p["method"] in ours and p["curve"] == "quality"], "lmse20", LMSE))
     panels = [panel for panel in panels if len(usable(panel[1], panel[2], time)) > 2]
     if not panels:

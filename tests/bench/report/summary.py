@@ -12,19 +12,6 @@ ERRORS = ["lmse20", "lmse10", "mse", "dssim", "ms_ssim", "psnr", "whdr", "ind", 
 # What a method tells of a frame beside its layers: errors of base colors, clicks, how many layers there are.
 FIGURES = ["base_before", "base_after", "clicks", "clicks_right", "misclustered", "refining_frames", "layers"]
 TIMES = ["wall_ms", "processor_ms", "device_ms"]
-# Sets on whose frames constants of intrinsicdecomp were fitted (docs/reference/methods/intrinsicdecomp.md, 11), and their mark in tables.
-TRAINING = {"cornell", "room", "desk_rgbd", "lightchange", "courtyard"}
-MARK = " †"
-
-
-def mark(name):
-    """The name of a set, marked if it is a training set."""
-    return name + MARK if name in TRAINING else name
-
-
-def marked(rows):
-    """Rows with the regimes of training sets apart from the others, so that no mean is over both; again changes nothing."""
-    return [{**r, "regime": r["regime"].removesuffix(MARK) + (MARK if r["set"] in TRAINING else "")} for r in rows]
 
 
 def quartiles(samples):

@@ -224,14 +224,6 @@ class Ablations(unittest.TestCase):
         self.assertIn("| r (3) | .3000 | .3667 | .2000 |", tables.left_out(found))
 
 
-class Training(unittest.TestCase):
-    def test_training_sets_are_marked_once(self):
-        rows = [{"set": "room", "regime": "r"}, {"set": "mit", "regime": "r"}]
-        once = summary.marked(rows)
-        self.assertEqual([r["regime"] for r in once], ["r †", "r"])
-        self.assertEqual(summary.marked(once), once)
-
-
 class Drift(unittest.TestCase):
     def test_pictures_count_once_a_method_and_motion(self):
         def row(picture, drift):
@@ -248,11 +240,6 @@ class Brief(unittest.TestCase):
     def test_the_committed_page_is_that_of_its_figures(self):
         found = json.loads((self.FOLDER / "figures.json").read_text())
         self.assertEqual(brief.page(found), (self.FOLDER / "README.md").read_text())
-
-    def test_training_sets_are_apart(self):
-        found = json.loads((self.FOLDER / "figures.json").read_text())
-        self.assertIn("hard shadow †", found["regimes"])
-        self.assertEqual(set(found["by_scene"]), {"patches", "sculptures", "still life", "toys"})
 
 
 class Page(unittest.TestCase):
