@@ -34,7 +34,7 @@ struct Distance {
 
 // With tiles skipped or light reused; and at resolutions that change, once a scene has stayed for
 // kKnown frames, as what it needs is only known some frames after it came.
-constexpr Distance kMaxByTiles{0.15, 0.012, 0.02}, kMaxAcross{0.3, 0.012, 0.02};
+constexpr Distance kMaxByTiles{0.15, 0.015, 0.02}, kMaxAcross{0.3, 0.015, 0.02};
 constexpr uint32_t kScene = 9, kKnown = 6;
 
 struct Counts {

@@ -106,7 +106,7 @@ class GlobalTest : public IntrinsicTest {
   /// Light's color and direct share, base colors and reflectance against the specification.
   static void expect_agreement(const Result& got, const reference::GlobalResult& expected,
                                const std::string& what) {
-    EXPECT_NEAR(got.found.amount, expected.amount.value, 4e-3 * expected.amount.value) << what;
+    EXPECT_NEAR(got.found.amount, expected.amount.value, 5e-3 * expected.amount.value) << what;
     EXPECT_NEAR(got.found.confidence, expected.amount.confidence, 5e-3) << what;
     EXPECT_EQ(got.found.colors, uint32_t(expected.colors.used())) << what;
     EXPECT_NEAR(got.found.tint, expected.tint, 2e-3 + 2e-3 * expected.tint) << what;
@@ -119,6 +119,15 @@ class GlobalTest : public IntrinsicTest {
       EXPECT_NEAR(u, (*color)[0], 0.02) << what << ", slot " << k;
     }
     const size_t n = expected.direct.size();
+    // The output's scale follows a median, which jumps where few points are in the middle.
+    double scale = 0;
+    const auto log_ratio = [&](size_t i, size_t c) {
+      return std::log(got.intrinsic[4 * i + c] + 1e-3) -
+             std::log(expected.reflectance[3 * i + c] + 1e-3);
+    };
+    for (size_t i = 0; i < n; ++i)
+      for (size_t c = 0; c < 3; ++c) scale += log_ratio(i, c) / double(3 * n);
+    EXPECT_NEAR(scale, 0, 0.02) << what;
     double tint2 = 0, direct2 = 0, paint2 = 0;
     for (size_t i = 0; i < n; ++i) {
       double geometric = 0;
@@ -127,19 +136,15 @@ class GlobalTest : public IntrinsicTest {
       for (size_t c = 0; c < 3; ++c) {
         const double tau = std::log(expected.direct[i] + expected.indirect[3 * i + c]) - geometric;
         tint2 += std::pow(std::log(got.light[4 * i + c]) - tau, 2) / double(3 * n);
-        paint2 += std::pow(std::log(got.intrinsic[4 * i + c] + 1e-3) -
-                               std::log(expected.reflectance[3 * i + c] + 1e-3),
-                           2) /
-                  double(3 * n);
+        paint2 += std::pow(log_ratio(i, c) - scale, 2) / double(3 * n);
       }
-      direct2 +=
-          std::pow(double(got.light[4 * i + 3]) * got.intrinsic[4 * i + 3] - expected.direct[i],
-                   2) /
-          double(n);
+      const double direct =
+          double(got.light[4 * i + 3]) * got.intrinsic[4 * i + 3] * std::exp(scale);
+      direct2 += std::pow(direct - expected.direct[i], 2) / double(n);
     }
     EXPECT_LT(std::sqrt(tint2), 3e-3) << what;
-    EXPECT_LT(std::sqrt(paint2), 1e-2) << what;  // bins of the solve are in fixed point
-    EXPECT_LT(std::sqrt(direct2), 5e-3) << what;
+    EXPECT_LT(std::sqrt(paint2), 2e-3) << what;
+    EXPECT_LT(std::sqrt(direct2), 2e-3) << what;
   }
 };
 
