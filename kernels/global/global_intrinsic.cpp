@@ -167,7 +167,8 @@ void GlobalIntrinsic::measure_light_color(gpu::Commands& commands, const Plane& 
   colored_ = params.light.colored();
   if (!colored_) return;
   light_color_.record(commands, input.buffer, params.light, frames_ == 0);
-  if (!plan_.reused()) light_color_.record_move(commands);
+  // Without color in the frame only the solve may reuse something.
+  if (!plan_.gray) light_color_.record_move(commands, plan_.reused());
   commands.stage("light-color");
 }
 
@@ -232,8 +233,8 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
     for (const auto& cleared : {memory_, before_, labels_, sums_, scene_, histogram_, gray_light_})
       commands.fill(cleared);
   if (reach_ != params.reach) make_taps(params);
-  measure_light_color(commands, *input, params);
   plan_ = plan_light(params, info);
+  measure_light_color(commands, *input, params);
   if (plan_.light == LightPlanner::Light::measure) kept_ = {};
   PlanePtr lamp = kept_.lamp;
   if (!plan_.reused()) {

@@ -168,7 +168,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   if (info.reset) reset();
   make_plan(params, info);
   list_tiles(commands, params);
-  if (info.light && !plan_.tiles()) info.light->record_move(commands);
+  if (info.light) info.light->record_move(commands, plan_.tiles());
   guide_.record(commands, input->buffer, info.light ? info.light->state() : nullptr, list());
   commands.stage("guide");
   if (start_layers_) start_from_layers(commands, input);

@@ -4,15 +4,17 @@
 
 // Of the scene, vec4s:
 #define LIGHT_NOW 0     // k; m at which the guide takes light as white; confidence of k, 0...1; 1 once a frame was seen
-#define LIGHT_TARGET 1  // k as measured; its standard deviation; measurements since a cut; LIGHT_… below
-#define LIGHT_FRAME 2   // share of k that is used, by the frame's color; m of white light; what LIGHT_NOW takes at once (below);
-                        // change of the exposure (solve/scale.glsl) that LIGHT_NOW has not taken
+#define LIGHT_TARGET 1  // k as measured or given; its standard deviation; measurements in this scene, 0 if k is given; what was done
+                        // in the frame, LIGHT_MEASURED ...
+#define LIGHT_FRAME 2   // share of k that is used, by the frame's color; m of white light; what LIGHT_NOW takes at once, LIGHT_FOLLOW
+                        // ...; change of the exposure (solve/scale.glsl) that LIGHT_NOW has not taken
 #define LIGHT_VOTES 3   // for the candidates, averaged over measurements
 #define LIGHT_SIZE 11
 
-// Nothing; k, as it is given; k and white light.
-#define LIGHT_GIVEN 1.0
-#define LIGHT_NEW_SCENE 2.0
+// What of the target LIGHT_NOW takes at once; the rest it follows slowly.
+#define LIGHT_FOLLOW 0.0     // nothing
+#define LIGHT_NEW_SLOPE 1.0  // k: it is given, or the first one that is measured in this scene
+#define LIGHT_NEW_SCENE 2.0  // k and white light
 
 // What was done in a frame.
 #define LIGHT_MEASURED 0
@@ -24,7 +26,7 @@
 // m; b = ln R/B; g = ln sqrt(R B)/G; weight, low in the dark.
 #define LIGHT_POINTS 176
 #define LIGHT_LEVELS 4
-// Every frame makes points of level 1 by themselves, to see whether the scene is another one.
+// Level 1 is computed in every frame, to detect a new scene.
 
 // Steps between adjacent points are counted by level, by |dg|, by the size of dm, and by the slope db/dm, linear between bins.
 #define STEP_TINTS 3

@@ -78,6 +78,7 @@ LightColor::LightColor(const std::shared_ptr<gpu::Device>& device, Extent extent
 
 void LightColor::record(gpu::Commands& commands, const gpu::BufferPtr& frame, const Params& params,
                         bool first) {
+  first |= !std::exchange(known_, true);
   if (first) {
     frames_ = 0;
     for (const auto& state : {light_, cloud_, counts_}) commands.fill(state);
@@ -101,11 +102,11 @@ void LightColor::record(gpu::Commands& commands, const gpu::BufferPtr& frame, co
                                 groups(votes_, Scene::NET_HIDDEN)}},
                     {});
   if (!params.slope) measure(commands, frame);
-  moved_ = false;
+  decided_ = false;
 }
 
-void LightColor::record_move(gpu::Commands& commands) {
-  if (!std::exchange(moved_, true)) commands.dispatch(move_, {.light = light_}, {});
+void LightColor::record_move(gpu::Commands& commands, bool reuses) {
+  if (!std::exchange(decided_, true) && !reuses) commands.dispatch(move_, {.light = light_}, {});
 }
 
 void LightColor::measure(gpu::Commands& commands, const gpu::BufferPtr& frame) {

@@ -46,13 +46,14 @@ class LightColor {
 
   /// `extent` of frames.
   LightColor(const std::shared_ptr<gpu::Device>& device, Extent extent);
-  /// Records what a frame, linear RGB, tells of its light. `first`: it has no relation to the frame
-  /// before. Every kPeriod frames, and in a new scene, the slope is measured.
+  /// Records the measurement of the light of a frame, linear RGB. `first`: it has no relation to
+  /// the frame before. The slope is measured every kPeriod frames, in a new scene, and if none was
+  /// yet.
   void record(gpu::Commands& commands, const gpu::BufferPtr& frame, const Params& params,
               bool first);
-  /// Records taking that over for the frame, once: frames that do without reuse the tiles that they
-  /// do not solve, whose light must stay what it was.
-  void record_move(gpu::Commands& commands);
+  /// Records taking that over for the frame, unless it reuses layers, whose light must stay what it
+  /// was. The first call for a frame decides: that of the solver whose layers are shown.
+  void record_move(gpu::Commands& commands, bool reuses);
   /// Of the frame recorded last (light.glsl).
   const gpu::BufferPtr& state() const { return light_; }
   /// What the layers of that frame carry, one vec4 (Role::slope). `scale`:
@@ -70,7 +71,8 @@ class LightColor {
   uint32_t factor_;          // pixels along a cell
   uint32_t count_, coarse_;  // points of all levels, and of those but the first
   uint32_t frames_ = 0;      // since the last first one
-  bool moved_ = false;       // for this frame
+  bool known_ = false;       // a frame was recorded
+  bool decided_ = false;     // whether light moves in this frame
   gpu::Program<shaders::intrinsic_light_color_points> points_kernel_;
   gpu::Program<shaders::intrinsic_light_color_levels> levels_;
   gpu::Program<shaders::intrinsic_light_color_scene> scene_;

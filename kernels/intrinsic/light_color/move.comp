@@ -17,14 +17,14 @@ const float kUnsure = 0.6, kSure = 0.4;      // standard deviation of k from whi
 void main() {
   if (gl_GlobalInvocationID.x > 0u) return;
   vec4 now = LOAD(light, LIGHT_NOW), target = LOAD(light, LIGHT_TARGET), frame = LOAD(light, LIGHT_FRAME);
-  bool jumps = frame.z > 0.0, cut = frame.z == LIGHT_NEW_SCENE, measured = target.z > 0.0, given = !measured && target.x != 0.0;
+  bool jumps = frame.z != LIGHT_FOLLOW, cut = frame.z == LIGHT_NEW_SCENE, measured = target.z > 0.0, given = !measured && target.x != 0.0;
   now.z = measured ? clamp((kUnsure - target.y) / (kUnsure - kSure), 0.0, 1.0) : given ? 1.0 : 0.0;
-  float aim = frame.x * now.z * target.x, off = aim - now.x;
-  if (jumps) now.x = aim;
+  float goal = frame.x * now.z * target.x, off = goal - now.x;
+  if (jumps) now.x = goal;
   else if (frame.x == 0.0 || now.z > 0.0 && abs(off) > max(kNear, target.y)) now.x += clamp(kMove * off, -kMaxMove, kMaxMove);
   float brighter = cut ? frame.w : sign(frame.w) * max(abs(frame.w) - kSameExposure, 0.0);
   now.y = cut ? frame.y : now.y + brighter;
   now.w = 1.0;
   STORE(light, LIGHT_NOW, now);
-  STORE(light, LIGHT_FRAME, vec4(frame.xy, 0.0, frame.w - brighter));
+  STORE(light, LIGHT_FRAME, vec4(frame.xy, LIGHT_FOLLOW, frame.w - brighter));
 }

@@ -5,9 +5,8 @@
 #include "gpu/workgroup_sum.glsl"
 #include "light.glsl"
 
-// What a frame's points say before k is measured: how bright the brightest are, whether the scene is another one, whether k can be
-// seen at all; and whether it is measured in this frame: that writes the workgroup counts of the kernels which do, 0 to skip them.
-// One workgroup.
+// Statistics of the points: m of the brightest, whether the scene is a new one, whether k can be measured at all. Decides whether it
+// is measured in this frame: writes the workgroup counts of the kernels that do so, 0 to skip them. One workgroup.
 PLANE_IN(0, points);      // of level 1
 PLANE_INOUT(1, light);
 SCALAR_INOUT(2, cloud);   // shares of points; on entry of the frame before
@@ -79,10 +78,11 @@ void main() {
     did = LIGHT_REUSED;
   } else {
     if (cut) target = vec4(0.0);
-    if (did == LIGHT_MEASURED && !cut && push.due == 0u) did = LIGHT_REUSED;
+    if (did == LIGHT_MEASURED && target.z > 0.0 && push.due == 0u) did = LIGHT_REUSED;
   }
   vec4 before = LOAD(light, LIGHT_FRAME);
-  float jump = cut ? LIGHT_NEW_SCENE : push.automatic == 0u ? LIGHT_GIVEN : 0.0;
+  bool new_slope = push.automatic == 0u || (target.z == 0.0 && did == LIGHT_MEASURED);
+  float jump = cut ? LIGHT_NEW_SCENE : new_slope ? LIGHT_NEW_SLOPE : LIGHT_FOLLOW;
   STORE(light, LIGHT_FRAME, vec4(usable, bright, max(jump, before.z), before.w));
   target.w = float(did);
   STORE(light, LIGHT_TARGET, target);

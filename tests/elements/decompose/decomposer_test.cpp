@@ -403,6 +403,9 @@ TEST(Properties, TheSlopeOfLightIsANumberOrAuto) {
     EXPECT_NEAR(in_force(), number, 1e-6);
   }
   EXPECT_NE(stat<std::string>(element, "skipped").find("makes it gray"), std::string::npos);
+  g_object_set(element, "light-color-slope", "0.75", nullptr);
+  EXPECT_NEAR(in_force(), 0.75, 1e-6) << "again in color";
+  g_object_set(element, "light-color-slope", "0", nullptr);
   EXPECT_TRUE(harness.warnings().empty());
   for (const char* wrong : {"", "blue", "2.5", "-3", "nan", "0.5 or so", "1e9"}) {
     g_object_set(element, "light-color-slope", wrong, nullptr);

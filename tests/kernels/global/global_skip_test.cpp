@@ -146,6 +146,31 @@ TEST_F(GlobalTest, ReusedLightListsEveryChangedTileForTheSolve) {
   EXPECT_GT(listed, 30U);
 }
 
+TEST_F(GlobalTest, ACutAfterReusedLightIsSeenInItsOwnLight) {
+  const Extent extent{320, 240};
+  const auto in_light = [](Pixels frame, float slope) {
+    for (size_t i = 0; i < frame.size(); i += 4) {
+      const float red = std::pow(frame[i] + frame[i + 1] + frame[i + 2] + 0.01F, 0.5F * slope);
+      frame[i] *= red, frame[i + 2] /= red;
+    }
+    return frame;
+  };
+  const Pixels still = in_light(wall(extent), 0.6F), other = in_light(room(extent, 3).frame, -0.9F);
+  GlobalIntrinsic method(device, extent), fresh(device, extent);
+  for (int k = 0; k < 20; ++k)
+    decompose(method, still, extent, {},
+              {false, false, std::vector<uint8_t>(k > 0 ? TileList::count(extent) : 0)});
+  EXPECT_TRUE(last_stats(method).light.reused());
+  const auto changed = changed_tiles(extent.width, 4, still, other);
+  const Result got = decompose(method, other, extent, {}, {false, false, changed}),
+               want = decompose(fresh, other, extent, {}, {true});
+  const float k = download(want.layers[Role::slope])[0];
+  EXPECT_GT(std::abs(k), 0.1F);
+  EXPECT_EQ(download(got.layers[Role::slope])[0], k);
+  EXPECT_NEAR(got.found.amount, want.found.amount, 1e-4F);
+  EXPECT_LT(rms_difference(got.light, want.light), 0.015);
+}
+
 TEST_F(GlobalTest, LightIsReusedIfLittleChanges) {
   const Extent extent{320, 240};
   const Pixels still = wall(extent);

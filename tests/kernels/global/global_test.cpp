@@ -37,7 +37,7 @@ TEST_F(GlobalTest, AgreesWithReferenceInColoredLight) {
   LightColor measured(device, extent);
   run([&](gpu::Commands& commands) {
     measured.record(commands, input(extent, frame)->buffer, params.light, true);
-    measured.record_move(commands);
+    measured.record_move(commands, false);
   });
   reference::GlobalParams expected;
   light.reference = double(download(measured.state())[1]);

@@ -40,7 +40,7 @@ class LightColorTest : public IntrinsicTest {
     const auto uploaded = upload(scale);
     run([&](gpu::Commands& commands) {
       light.record(commands, frame.buffer, {slope}, first);
-      light.record_move(commands);
+      light.record_move(commands, false);
       light.record_slope(commands, uploaded);
     });
     return download(light.state());
@@ -53,17 +53,22 @@ TEST_F(LightColorTest, AgreesWithReference) {
     LightColor light(device, extent);
     reference::SceneLight expected(LightColor::weights());
     for (int k = 0; k < 20; ++k) {
-      // Frames of a scene whose light changes a little, a cut, hostile pixels.
+      // Frames of a scene whose light changes a little, a slope that is given for a while, a cut,
+      // hostile pixels.
       Pixels pixels = in_light(extent, k < 12 ? 3 : 4, k < 12 ? 0.5F : -0.8F);
       for (float& v : pixels) v *= 1 + 0.01F * float(k % 5);
       if (k == 15)
         for (size_t i = 0; i < pixels.size(); i += 7) pixels[i] = i % 2 ? kNan : 1e9F;
       const bool first = k == 0 || k == 18;
       const float brighter = k % 3 == 0 ? 0.015F : k == 7 ? -0.4F : 0;
-      const Pixels got = record(light, extent, pixels, first, {}, brighter);
+      const std::optional<float> given = k == 6 || k == 7 ? std::optional(0.4F)
+                                         : k == 13        ? std::optional(-1.5F)
+                                                          : std::nullopt;
+      const Pixels got = record(light, extent, pixels, first, given, brighter);
       const auto& want = expected.update(
           rgb_of(pixels).data(), int(extent.width), int(extent.height), first,
-          first || k % LightColor::kPeriod == 0 || (k > 18 && (k - 18) % LightColor::kPeriod == 0));
+          first || k % LightColor::kPeriod == 0 || (k > 18 && (k - 18) % LightColor::kPeriod == 0),
+          given);
       const std::string what = name_of(extent) + ", frame " + std::to_string(k);
       EXPECT_EQ(uint32_t(got[4 * State::LIGHT_TARGET + 3]), uint32_t(want.did)) << what;
       EXPECT_NEAR(got[0], want.slope, 8e-3) << what;
@@ -74,6 +79,26 @@ TEST_F(LightColorTest, AgreesWithReference) {
       expected.expose(static_cast<double>(brighter));
     }
   }
+}
+
+TEST_F(LightColorTest, TheFirstSolverOfAFrameDecidesWhetherLightMoves) {
+  const Extent extent{96, 72};
+  LightColor light(device, extent);
+  const Pixels before = record(light, extent, in_light(extent, 3, 0.5F), true);
+  const Plane other = plane(extent, in_light(extent, 4, -0.8F));
+  run([&](gpu::Commands& commands) {
+    light.record(commands, other.buffer, {}, false);
+    light.record_move(commands, true);
+    light.record_move(commands, false);
+  });
+  const Pixels kept = download(light.state());
+  EXPECT_EQ(kept[0], before[0]);
+  run([&](gpu::Commands& commands) {
+    light.record(commands, other.buffer, {}, false);
+    light.record_move(commands, false);
+    light.record_move(commands, true);
+  });
+  EXPECT_NE(download(light.state())[0], before[0]) << "the new scene's, once a frame allows it";
 }
 
 TEST_F(LightColorTest, AGivenSlopeIsInForceAtOnce) {

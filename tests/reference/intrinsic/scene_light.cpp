@@ -201,22 +201,22 @@ const SceneLight::State& SceneLight::update(const double* rgb, int width, int he
   const double spread = std::clamp((std::sqrt(variance[1] + variance[2]) - 0.02) / 0.03, 0.0, 1.0);
   const double usable = spread * spread * (3 - 2 * spread);
   if (given) {
-    state_.slope = *given;
-    state_.confidence = 1;
-    state_.did = Did::reused;
+    const double confidence = *given != 0 ? 1 : 0;
+    state_ = {*given, state_.reference, confidence, *given, 0, 0, Did::reused};
     return state_;
   }
   if (cut) state_ = {.reference = state_.reference};
+  const bool none = state_.measurements == 0;  // in this scene
   state_.did = usable == 0                 ? Did::no_color
                : variance[0] < 0.05 * 0.05 ? Did::no_contrast
-               : cut || due                ? Did::measured
+               : none || due               ? Did::measured
                                            : Did::reused;
   if (state_.did == Did::measured) measure(points_of(rgb, width, height, factor), cloud);
   if (state_.measurements > 0)
     state_.confidence = std::clamp((0.6 - state_.spread) / 0.2, 0.0, 1.0);
-  const double aim = usable * state_.confidence * state_.target, off = aim - state_.slope;
-  if (cut)
-    state_.slope = aim;
+  const double goal = usable * state_.confidence * state_.target, off = goal - state_.slope;
+  if (cut || (none && state_.did == Did::measured))
+    state_.slope = goal;
   else if (usable == 0 || (state_.confidence > 0 && std::abs(off) > std::max(0.05, state_.spread)))
     state_.slope += std::clamp(0.05 * off, -0.004, 0.004);
   return state_;
