@@ -6,7 +6,7 @@
 #include "image/light_color.glsl"
 
 // Recombines a frame from its layers: old = R S L of the decomposer, new = R' S' L' after edits. L, the color of light,
-// is a layer (LIGHT), follows from S (SLOPE), or is 1.
+// is the product of a layer (LIGHT) and of what follows from S (SLOPE).
 layout(constant_id = 1) const uint MODE = 0u;
 layout(constant_id = 2) const bool LIGHT = false;
 layout(constant_id = 3) const bool SLOPE = false;

@@ -31,8 +31,8 @@ enum class Role : uint8_t {
   gradient_a,  ///< of pairs from a light stage: linear RGB under gradient A, 1 = full scale; w =
                ///< alpha
   gradient_b,  ///< the same under gradient B: A + B is the subject under all lights
-  slope,  ///< 1 × 1, of frames without layers of light: the color of their light by its shading
-          ///< (light_color.glsl); absent if it is white
+  slope,  ///< 1 × 1: the color of light by its shading (light_color.glsl); absent if that is white.
+          ///< `light`, if there is one, is beside it: both multiply R·S
   count
 };
 

@@ -71,8 +71,8 @@ class Multigrid {
   /// Of a frame that is not worked on as a whole: its tiles, and these and all beside them; else
   /// null. Levels 0 and 1 are solved for the listed ones only. Levels from the cells on are always
   /// solved as a whole: for tiles that are not `around` they use the last residual, and corrections
-  /// reach listed tiles only. The residuals of two tiles must agree about what flows between them,
-  /// or patches that hold together run away.
+  /// reach listed tiles only. The residuals of two tiles must have the same flux between them, or
+  /// the solution diverges where edges are strong.
   struct Tiles {
     const TileList *listed, *around;
   };

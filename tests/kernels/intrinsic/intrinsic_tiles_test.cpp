@@ -182,9 +182,9 @@ TEST_F(IntrinsicTilesTest, AStaticBackgroundIsReusedAndStaysNearTheWholeSolve) {
       listed_frames, worst, worst_scale);
 }
 
-// What a listed tile changes pulls at the tiles beside it. If their residuals do not tell so,
-// patches that hold together firmly run away.
-TEST_F(IntrinsicTilesTest, FirmPatchesDoNotRunAway) {
+// A listed tile changes the residual of the tiles beside it. If that is stale, the solution
+// diverges where edges are strong.
+TEST_F(IntrinsicTilesTest, StrongEdgesConverge) {
   const Extent extent{240, 176};
   IntrinsicDecomposition::Params params, all;
   params.prior.reflectance_weight = all.prior.reflectance_weight = 1e3F;
