@@ -23,7 +23,7 @@ def main():
     parser.add_argument("--size", type=int, default=2, help="divides the resolution: 1, 2 or 4")
     args = parser.parse_args()
     for path in sorted(args.samples.glob("*.npz"), key=lambda p: int(p.stem)):
-        folder = args.out / ("held-out" if int(path.stem) % sample.HELD_OUT == 0 else "fit")
+        folder = args.out / ("held-out" if sample.held_out(path) else "fit")
         folder.mkdir(parents=True, exist_ok=True)
         for seed in range(args.mixes):
             out = folder / f"{int(path.stem):06d}-{seed}.scene"

@@ -123,8 +123,8 @@ def joined(parts):
 
 def split(loaded):
     """What is fitted, as arrays, and what is held out, as load() returns it."""
-    held = [entry for entry in loaded if int(entry[0].stem) % samples.HELD_OUT == 0]
-    return joined(arrays for path, arrays in loaded if int(path.stem) % samples.HELD_OUT), held
+    held = [entry for entry in loaded if samples.held_out(entry[0])]
+    return joined(arrays for path, arrays in loaded if not samples.held_out(path)), held
 
 
 class Votes(nn.Module):

@@ -15,13 +15,18 @@ import numpy as np
 import exr
 from denoise import denoise
 
-HELD_OUT = 5  # every fifth seed is in no fit
+HELD_OUT = 5
 NOISIEST = 0.2  # of a light that is kept
 DARKEST = 0.015  # below this, R is not divided by
 
 
 class Rejected(Exception):
-    """The picture is no good for training; the message says why."""
+    """The picture is not used for training; the message says why."""
+
+
+def held_out(path):
+    """Whether the sample SEED.npz is in no fit: every fifth seed is not."""
+    return int(path.stem) % HELD_OUT == 0
 
 
 def halve(x):

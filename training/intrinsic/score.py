@@ -100,7 +100,7 @@ def main():
     Gst.init(None)
     rows = collections.defaultdict(list)
     for path in sorted(args.folder.glob("*.npz"), key=lambda p: int(p.stem)):
-        if int(path.stem) % samples.HELD_OUT:
+        if not samples.held_out(path):
             continue
         scene = samples.read(path)
         for seed in range(args.mixtures):
