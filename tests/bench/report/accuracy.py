@@ -1,8 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Prints the tables of docs/reference/accuracy.md from a results.json of `./dev bench --full`.
+"""The tables of docs/reference/accuracy.md from a results.json of `./dev bench --full`.
 
-    tests/bench/report/accuracy.py out/report/results.json
+    tests/bench/report/accuracy.py out/report/results.json [--page docs/reference/accuracy.md]
+
+prints them; --page also writes each between the page's lines <!-- NAME --> and <!-- end -->.
 """
 import json
 import pathlib
@@ -18,9 +20,9 @@ from tables import figure
 
 GIVEN = "diverse value, given"
 REGIMES = ["own stills", "MIT objects", GIVEN, "near-constant value", "hard shadow"]
-BASELINES = [("constant shading", "constant shading", ""), ("constant reflectance", "constant reflectance", ""),
-             ("R = I / max_c I", "R = I / max_c I", ""), ("gray Retinex .1", "gray Retinex", "t .1"),
-             ("color Retinex .5 .1", "color Retinex", "t .5, c .1"), ("color Retinex, chroma", "color Retinex", "c .1")]
+BASELINES = [("constant shading", "constant shading", ""), ("R = I / max_c I", "R = I / max_c I", ""),
+             ("gray Retinex .1", "gray Retinex", "t .1"), ("color Retinex .5 .1", "color Retinex", "t .5, c .1"),
+             ("thesis, chapter 3", "thesis PCG", None)]
 
 
 def grouped(rows):
@@ -39,10 +41,6 @@ def settings(rows):
     """(title, {scene: row}) of everything that the tables compare."""
     for title, method, setting in BASELINES:
         yield title, by_scene(rows, method, setting)
-    yield "thesis (chapter 3)", by_scene(rows, "thesis PCG")
-    for term in dict.fromkeys(r["setting"] for r in rows if r["method"] == "thesis PCG" and r["curve"] == "without"):
-        yield f"… without {term}", {(r["set"], r["scene"]): r for r in rows if r["method"] == "thesis PCG" and
-                                    r["curve"] == "without" and r["setting"] == term}
     yield "intrinsicdecomp", by_scene(rows, "intrinsicdecomp")
 
 
@@ -69,7 +67,7 @@ def paired(rows):
     for title, of in settings(rows):
         if title == "intrinsicdecomp":
             continue
-        cells = [title.replace("… ", "thesis ").replace(" (chapter 3)", "")]
+        cells = [title]
         for n in REGIMES:
             d = intervals.differences({s: r["lmse20"] for s, r in ours.items() if r["regime"] == n},
                                       {s: r["lmse20"] for s, r in of.items() if r["regime"] == n})
@@ -78,44 +76,45 @@ def paired(rows):
     return tables.table(["intrinsicdecomp minus"] + REGIMES, out)
 
 
-VIDEOS = [("input", "constant shading", "only", ""), ("thesis, no keyframes", "thesis PCG", "keyframes", "none"),
-          ("thesis", "thesis PCG", "video", "4x8"), ("intrinsicdecomp, anchor off", "intrinsicdecomp", "without", "temporal anchor"),
+VIDEOS = [("thesis", "thesis PCG", "video", "4x8"), ("without anchor", "intrinsicdecomp", "without", "temporal anchor"),
           ("intrinsicdecomp", "intrinsicdecomp", "video quality", "2, 0.05")]
 
 
 def sequences(rows):
-    """Sequences with constant true reflectance: LMSE, flicker and jitter; of the others LMSE."""
+    """LMSE of the sequences, and flicker and jitter of those with constant true reflectance."""
     rows = {(r["set"], r["scene"], r["method"], r["curve"], r["setting"]): r for r in rows if r["video"]}
-    scenes = dict.fromkeys(k[:2] for k in rows)
-    still = [s for s in scenes if rows[(*s, *VIDEOS[-1][1:])].get("flicker") is not None]
+    scenes = sorted(dict.fromkeys(k[:2] for k in rows), key=lambda s: s[0] != "own")
+
     def name(s):
         light = (s[0], "slow light") in scenes  # made of sequences where nothing but the light changes
-        if s[0] == "own":
-            return s[1]
-        return f"{s[0]}, " + (s[1] if s[1] != "video" else "moving light" if light else "things move")
-    out = [[name(s), title, "" if title == "input" else figure(r["lmse20"]),
-            figure(r["flicker"]), figure(r["jitter"])]
-           for s in still for title, *key in VIDEOS for r in [rows[(*s, *key)]]]
-    text = tables.table(["sequence", "", "LMSE", "flicker", "jitter"], out)
-    moving = [s for s in scenes if s not in still]
-    lines = [[title] + [figure(rows[(*s, *key)]["lmse20"]) for s in moving] for title, *key in VIDEOS[1:]]
-    return text + "\nThe camera moves, LMSE:\n\n" + tables.table([""] + [s[1] if s[0] == "own" else s[0] for s in moving], lines)
+        return ", ".join([s[0], s[1] if s[1] != "video" else "moving light" if light else "things move"])
+
+    def cell(row):
+        return ", ".join(figure(row[k]) for k in ("lmse20", "flicker", "jitter") if row.get(k) is not None)
+
+    return tables.table(["sequence", "thesis: LMSE, flicker, jitter"] + [v[0] for v in VIDEOS[1:]],
+                        [[name(s)] + [cell(rows[(*s, *key)]) for _, *key in VIDEOS] for s in scenes])
 
 
-def main():
-    results = json.loads(pathlib.Path(sys.argv[1]).read_text())
+def main(path, *more):
+    page = pathlib.Path(more[1]) if more[:1] == ("--page",) else None
+    results = json.loads(pathlib.Path(path).read_text())
     rows = grouped(results["rows"])
     single = [r for r in rows if not r["video"]]
     if not any(r["curve"] == "weights" for r in single):
-        sys.exit(f"{sys.argv[1]} is not of a --full run with given data")
+        sys.exit(f"{path} is not of a --full run with given data")
+    alone, commit = ablations.leave_one_out(single), results["machine"]["commit"]
+    parts = {"stills": f"Measured at commit {commit}.\n\n{stills(single)}\nLMSE of `intrinsicdecomp` minus that of the other method, paired by scene [95 % interval]; negative is better:\n\n" + paired(single),
+             "terms": tables.without(ablations.stills(single, "intrinsicdecomp", summary.steady_time(results["device"]))) +
+             "\nThree weights chosen for each scene on all other scenes (27 settings):\n\n" + tables.left_out(alone),
+             "sequences": sequences(rows)}
     if results.get("photographs"):
-        print(whdr.table(results["photographs"]))
-    print(stills(single))
-    print(paired(single))
-    print(tables.without(ablations.stills(single, "intrinsicdecomp", summary.steady_time(results["device"]))))
-    alone = ablations.leave_one_out(single)
-    print(tables.left_out(alone), alone["picks"], sep="\n", end="\n\n")
-    print(sequences(sorted(rows, key=lambda r: r["set"] != "own")))
+        parts = {"photographs": f"Measured at commit {commit}. {whdr.table(results['photographs'])}", **parts}
+    for name, text in parts.items():
+        print(text)
+        if page:
+            page.write_text(tables.inserted(page.read_text(), name, text))
 
 
-main()
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -191,7 +191,7 @@ and [figures.json](figures.json), from which `tests/bench/report/brief.py docs/r
 Own stills, and own videos with history (320×240). Flicker: standard deviation over time of ln reflectance where the truth is constant, one factor per frame removed. Jitter: the same from frame to frame.
 
 {presets(f)}
-By LMSE of these four stills `low` suffices. The default flickers less ({medium}, `low` {low}), and keeps the full resolution of shadows and small objects:
+`low` has little more LMSE on these four stills. The default flickers less ({medium}, `low` {low}), and keeps the full resolution of shadows and small objects:
 
 ![Fronts](fronts.png)
 

@@ -34,6 +34,15 @@ def table(head, rows):
     return "\n".join(lines + ["| " + " | ".join(str(c) for c in row) + " |" for row in rows]) + "\n"
 
 
+def inserted(page, name, text):
+    """The page with the text between its lines <!-- name --> and <!-- end -->."""
+    head, middle, rest = page.partition(f"<!-- {name} -->\n")
+    _, end, tail = rest.partition("<!-- end -->\n")
+    if not middle or not end:
+        raise ValueError(f"the page lacks the lines <!-- {name} --> and <!-- end -->")
+    return head + middle + text + end + tail
+
+
 def find(points, method, base=False, **wanted):
     for p in points:
         if p["method"] == method and (not base or p["base"]) and all(p[k] == v for k, v in wanted.items()):

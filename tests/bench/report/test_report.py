@@ -185,8 +185,8 @@ class Photographs(unittest.TestCase):
 
     def test_the_tables_of_a_page_are_replaced(self):
         page = "a\n<!-- photographs -->\nold\n<!-- end -->\nb\n"
-        self.assertEqual(whdr.written(page, "new\n"), page.replace("old", "new"))
-        self.assertRaises(ValueError, whdr.written, "a\n", "new\n")
+        self.assertEqual(tables.inserted(page, "photographs", "new\n"), page.replace("old", "new"))
+        self.assertRaises(ValueError, tables.inserted, "a\n", "photographs", "new\n")
 
 
 class Ablations(unittest.TestCase):

@@ -164,15 +164,6 @@ def differences(all_pairs, names, ours):
     return tables.table(["intrinsicdecomp minus", "WHDR, δ = .10 [95 %]", "WHDR, best δ [95 %]"], rows)
 
 
-def written(page, text):
-    """The page with the text between its two lines."""
-    head, middle, rest = page.partition("<!-- photographs -->\n")
-    _, end, tail = rest.partition("<!-- end -->\n")
-    if not middle or not end:
-        raise ValueError("the page lacks the lines <!-- photographs --> and <!-- end -->")
-    return head + middle + text + end + tail
-
-
 def main(build, folder, *more):
     page = pathlib.Path(more[1]) if more[:1] == ("--page",) else None
     found, options = [], [word for method in more[2 if page else 0:] for word in ("--only", method)]
@@ -187,7 +178,7 @@ def main(build, folder, *more):
     text = f"Measured at commit {commit}. {table(joined(found))}"
     print(text)
     if page:
-        page.write_text(written(page.read_text(), text))
+        page.write_text(tables.inserted(page.read_text(), "photographs", text))
 
 
 if __name__ == "__main__":
