@@ -145,3 +145,10 @@ def read(path):
     with np.load(path) as file:
         sample = {k: file[k].astype(np.float32) for k in ("R", "S", "N", "Z")}
         return {**sample, "mask": file["mask"], "meta": json.loads(str(file["meta"]))}
+
+
+def held_out_of(folder):
+    """The samples of a folder that are in no fit, by seed."""
+    for path in sorted(folder.glob("*.npz"), key=lambda p: int(p.stem)):
+        if held_out(path):
+            yield read(path)

@@ -62,10 +62,7 @@ def main():
     args = parser.parse_args()
     Gst.init(None)
     rows = collections.defaultdict(list)
-    for path in sorted(args.folder.glob("*.npz"), key=lambda p: int(p.stem)):
-        if not samples.held_out(path):
-            continue
-        scene = samples.read(path)
+    for scene in samples.held_out_of(args.folder):
         for seed in range(args.shots):
             found = shot(scene, seed)
             if found is None:
