@@ -6,6 +6,7 @@
 #define SLOPE_K 0
 #define SLOPE_WHITE 1
 #define SLOPE_CONFIDENCE 2
+#define SLOPE_DONE 3  // what was done in the frame, LIGHT_... of light.glsl
 
 // Factors of the channels from white light to light that is `above` brighter, ln.
 vec3 light_color(float k, float above) {

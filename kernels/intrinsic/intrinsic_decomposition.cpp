@@ -347,7 +347,8 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
     using Light = shaders::intrinsic_light_color_white;
     findings.slope = numbers.slope[Light::SLOPE_K];
     findings.slope_confidence = numbers.slope[Light::SLOPE_CONFIDENCE];
-    findings.slope_found = static_cast<LightColor::Did>(static_cast<uint32_t>(numbers.slope[3]));
+    findings.slope_found =
+        static_cast<LightColor::Did>(static_cast<uint32_t>(numbers.slope[Light::SLOPE_DONE]));
   }
   if (plan.measures_bins)
     findings.binding = std::sqrt(numbers.binding[Bins::BINDING_EFFECT] /

@@ -18,6 +18,6 @@ void main() {
   carried[SLOPE_K] = now.x;
   carried[SLOPE_WHITE] = FETCH(scale, SCALE_STATE).w - (FETCH(scale, SCALE_NOW).x - FETCH(scale, SCALE_NOW).z);
   carried[SLOPE_CONFIDENCE] = now.z;
-  carried.w = LOAD(light, LIGHT_TARGET).w;
+  carried[SLOPE_DONE] = LOAD(light, LIGHT_TARGET).w;
   STORE(slope, 0, carried);
 }
