@@ -23,7 +23,7 @@ import mix
 import sample as samples
 import scene_file
 
-LEVELS, HUES, SIZES, RATIOS = 4, 3, 10, 43  # counts: by resolution, |step of g|, step of m, ratio of steps b / m
+LEVELS, TINTS, SIZES, SLOPES = 4, 3, 10, 43  # counts: by resolution, |step of g|, step of m, slope of steps b / m
 CANDIDATES = torch.linspace(-1.4, 1.4, 29)
 WIDTH, DENSE = 16, 12
 
@@ -42,7 +42,7 @@ def add_split(counts, first, position, weight):
 
 
 def step_counts(x):
-    """Of planes m, b, g: thousandths of the steps to the right and below, LEVELS × HUES × SIZES × RATIOS."""
+    """Of planes m, b, g: thousandths of the steps to the right and below, LEVELS × TINTS × SIZES × SLOPES."""
     result = []
     for _ in range(LEVELS):
         near = np.concatenate([x[:, 1:].reshape(-1, 3), x[1:].reshape(-1, 3)])
@@ -52,16 +52,16 @@ def step_counts(x):
         m, b, g = (high - low).T
         g = np.abs(g)
         size = np.clip(np.floor(np.log2(np.maximum(m, 1e-3) / 0.03) * 1.6), -1, SIZES - 2).astype(int) + 1
-        hue = (g > 0.02 + 0.08 * m).astype(int) + (g > 0.06 + 0.3 * m)
-        ratio = np.clip(b / np.maximum(m, 0.01) / 0.1 + RATIOS // 2, 0, RATIOS - 1.001)
-        counts = np.zeros(HUES * SIZES * RATIOS)
-        add_split(counts, (hue * SIZES + size) * RATIOS, ratio, 1 / (1 + np.exp(-3 * (low[:, 0] + 4))))
+        tint = (g > 0.02 + 0.08 * m).astype(int) + (g > 0.06 + 0.3 * m)
+        slope = np.clip(b / np.maximum(m, 0.01) / 0.1 + SLOPES // 2, 0, SLOPES - 1.001)
+        counts = np.zeros(TINTS * SIZES * SLOPES)
+        add_split(counts, (tint * SIZES + size) * SLOPES, slope, 1 / (1 + np.exp(-3 * (low[:, 0] + 4))))
         result.append(1000 * counts / (2 * x.shape[0] * x.shape[1]))
         x = halve(x)
     return np.stack(result)
 
 
-def scene_counts(x):
+def cloud(x):
     """Of planes m, b, g: thousandths of the points of level 1 by brightness below the top (8, steps of .4) and by b (20, steps of .1)."""
     x = halve(x)
     dark = np.clip((np.quantile(x[..., 0], 0.95) - x[..., 0]) / 0.4, 0, 7).astype(int)
@@ -74,7 +74,7 @@ def features(rgb):
     """Step counts and scene counts of a linear picture."""
     f, c = np.log(rgb + 0.002), np.log(rgb + 0.01)
     x = np.stack([f.mean(-1), c[..., 0] - c[..., 2], 0.5 * (c[..., 0] + c[..., 2]) - c[..., 1]], -1)
-    return step_counts(x), scene_counts(x)
+    return step_counts(x), cloud(x)
 
 
 def mixtures(path, count):
@@ -128,20 +128,20 @@ def split(loaded):
 
 
 class Votes(nn.Module):
-    """Log scores of the candidates: convolutions along the ratios, and a small dense part that sees the scene's counts, too."""
+    """Log scores of the candidates: convolutions along the slopes, and a small dense part that sees the scene's counts, too."""
 
     def __init__(self):
         super().__init__()
-        self.a = nn.Conv1d(LEVELS * HUES * SIZES, WIDTH, 7, padding=3)
+        self.a = nn.Conv1d(LEVELS * TINTS * SIZES, WIDTH, 7, padding=3)
         self.b = nn.Conv1d(WIDTH, WIDTH, 7, padding=3)
         self.c = nn.Conv1d(WIDTH, 1, 1)
-        self.d = nn.Linear(WIDTH * RATIOS, DENSE)
+        self.d = nn.Linear(WIDTH * SLOPES, DENSE)
         self.cloud = nn.Linear(160, DENSE)
         self.e = nn.Linear(DENSE, len(CANDIDATES))
         self.drop = nn.Dropout(0.1)
 
     def forward(self, steps, points):
-        x = self.drop(torch.log1p(2 * steps.reshape(len(steps), -1, RATIOS)))
+        x = self.drop(torch.log1p(2 * steps.reshape(len(steps), -1, SLOPES)))
         x = functional.leaky_relu(self.a(x), 0.1)
         y = self.c(functional.leaky_relu(self.b(x), 0.1))[:, 0, 7:36]
         q = self.d(x.flatten(1)) + self.cloud(torch.log1p(0.3 * points))
