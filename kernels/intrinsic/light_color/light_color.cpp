@@ -78,7 +78,7 @@ LightColor::LightColor(const std::shared_ptr<gpu::Device>& device, Extent extent
 
 void LightColor::record(gpu::Commands& commands, const gpu::BufferPtr& frame, const Params& params,
                         bool first) {
-  first |= !std::exchange(known_, true);
+  first |= frames_ == 0;  // buffers are not cleared yet
   if (first) {
     frames_ = 0;
     for (const auto& state : {light_, cloud_, counts_}) commands.fill(state);

@@ -71,7 +71,6 @@ class LightColor {
   uint32_t factor_;          // pixels along a cell
   uint32_t count_, coarse_;  // points of all levels, and of those but the first
   uint32_t frames_ = 0;      // since the last first one
-  bool known_ = false;       // a frame was recorded
   bool decided_ = false;     // whether light moves in this frame
   gpu::Program<shaders::intrinsic_light_color_points> points_kernel_;
   gpu::Program<shaders::intrinsic_light_color_levels> levels_;
