@@ -22,22 +22,18 @@ layout(push_constant) uniform Push {
   float scale;
 } push;
 
+// Adds to a word and returns what it was.
+uint add_word(uint at, uint more) {
+  if (kTables == 1u) return atomicAdd(LOAD(sums, at), more);
+  uint before = LOAD(sums, at);
+  STORE(sums, at, before + more);
+  return before;
+}
+
 void add(uint bin, int share) {
-  uint low = bin, high = bin + uint(kBins * kBins), more = uint(share), before;
-  if (kTables > 1u) {
-    low = low * kTables + gl_GlobalInvocationID.x;
-    high = high * kTables + gl_GlobalInvocationID.x;
-    before = LOAD(sums, low);
-    STORE(sums, low, before + more);
-  } else {
-    before = atomicAdd(LOAD(sums, low), more);
-  }
-  int carry = int(before + more < before) - int(share < 0);
-  if (carry == 0) return;
-  if (kTables > 1u)
-    LOAD(sums, high) += uint(carry);
-  else
-    atomicAdd(LOAD(sums, high), uint(carry));
+  uint low = bin * kTables + (kTables > 1u ? gl_GlobalInvocationID.x : 0u), before = add_word(low, uint(share));
+  int carry = int(before + uint(share) < before) - int(share < 0);
+  if (carry != 0) add_word(low + uint(kBins * kBins) * kTables, uint(carry));
 }
 
 void main() {
