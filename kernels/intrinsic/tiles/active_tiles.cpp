@@ -16,7 +16,6 @@ ActiveTiles::ActiveTiles(const std::shared_ptr<gpu::Device>& device, Extent exte
       drawn_(device, extent),
       active_(device),
       dilate_(device),
-      dilate_drawn_(device, {.drawn = true}),
       measure_activity_(device, {}, 1, 1),
       activity_(gpu::Buffer::create(device, gpu::Element::vec4, tiles())),
       moving_(gpu::Buffer::create(device, gpu::Element::word, 1)) {
@@ -52,13 +51,11 @@ void ActiveTiles::record_list(gpu::Commands& commands, const gpu::BufferPtr& cor
                      .hold = hold},
                     line_of(tiles()));
   list.record(commands);
-  const auto dilate = [&](const auto& kernel, const TileList& to) {
-    commands.dispatch(kernel, {.flags = list.flags(), .dilated = to.flags()},
-                      {.tiles = {list.columns(), list.rows()}}, line_of(tiles()));
-    to.record(commands);
-  };
-  dilate(dilate_, around_[now_]);
-  dilate(dilate_drawn_, drawn_);
+  commands.dispatch(
+      dilate_, {.flags = list.flags(), .around = around_[now_].flags(), .drawn = drawn_.flags()},
+      {.tiles = {list.columns(), list.rows()}}, line_of(tiles()));
+  around_[now_].record(commands);
+  drawn_.record(commands);
 }
 
 void ActiveTiles::record_activity(gpu::Commands& commands, const gpu::BufferPtr& before,

@@ -54,7 +54,7 @@ class ActiveTiles {
   size_t now_ = 0;
   bool listed_before_ = false;
   gpu::Program<shaders::intrinsic_tiles_active> active_;
-  gpu::Program<shaders::intrinsic_tiles_dilate_tiles> dilate_, dilate_drawn_;
+  gpu::Program<shaders::intrinsic_tiles_dilate_tiles> dilate_;
   TileProgram<shaders::intrinsic_tiles_activity> measure_activity_;
   gpu::FrameRing<gpu::BufferPtr> changed_;
   uint64_t frame_ = 0;
