@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
+#include <string>
 
 #include "pictures.hpp"
 #include "tests/update_max.hpp"
@@ -41,11 +43,8 @@ Pixels changed(const std::function<void(float*, uint32_t x)>& change) {
   return pixels;
 }
 
-struct Frame {
-  const char* name;
-  std::function<void(float*, uint32_t x)> change;
-};
-const Frame kFrames[] = {
+using Change = std::function<void(float*, uint32_t x)>;
+const std::map<std::string, Change> kChanges{
     {"gray film", [](float* p, uint32_t) { p[0] = p[2] = p[1]; }},
     {"sepia film", [](float* p, uint32_t) { p[0] = 1.2F * p[1], p[2] = 0.7F * p[1]; }},
     {"clipped",
@@ -61,11 +60,7 @@ const Frame kFrames[] = {
     {"no blue", [](float* p, uint32_t) { p[2] = 0; }},
     {"black", [](float* p, uint32_t) { p[0] = p[1] = p[2] = 0; }}};
 
-Pixels changed(const std::string& name) {
-  return changed(std::find_if(std::begin(kFrames), std::end(kFrames), [&](const Frame& frame) {
-                   return frame.name == name;
-                 })->change);
-}
+Pixels changed(const std::string& name) { return changed(kChanges.at(name)); }
 
 class LightColorAtExtremes : public testing::Test {
  protected:
@@ -91,11 +86,11 @@ class LightColorAtExtremes : public testing::Test {
 
 TEST_F(LightColorAtExtremes, LayersMultiplyToAnyFrame) {
   for (const Solver solver : kSolvers)
-    for (const Frame& of : kFrames)
+    for (const auto& [name, change] : kChanges)
       for (const std::optional<float> slope : {std::optional<float>(), {-2.0F}, {2.0F}}) {
-        const Pixels frame = changed(of.change);
+        const Pixels frame = changed(change);
         const Output got = decompose(solver, frame, slope);
-        const std::string what = std::string(of.name) + ", slope " + text_of(slope);
+        const std::string what = name + ", slope " + text_of(slope);
         double worst = 0;
         bool finite = true;
         for (size_t i = 0; i < frame.size(); i += 4)

@@ -174,13 +174,20 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
   }
 }
 
-class BinsTest : public IntrinsicTest, public ::testing::WithParamInterface<Extent> {};
-// The larger a frame, the smaller a cell's share in a sum.
-INSTANTIATE_TEST_SUITE_P(Sizes, BinsTest, ::testing::Values(Extent{349, 287}, Extent{1920, 1080}),
-                         [](const auto& info) { return "Of" + name_of(info.param); });
+class BinsTest : public IntrinsicTest,
+                 public ::testing::WithParamInterface<std::tuple<Extent, double>> {};
+// The larger a frame, the smaller a cell's share in a sum; the smaller, too, the farther weights
+// are below their bound, as in real frames.
+INSTANTIATE_TEST_SUITE_P(Sizes, BinsTest,
+                         ::testing::Combine(::testing::Values(Extent{349, 287}, Extent{1920, 1080}),
+                                            ::testing::Values(3.0, 7.5)),
+                         [](const auto& info) {
+                           return "Of" + name_of(std::get<0>(info.param)) + "Weights" +
+                                  std::to_string(int(std::get<1>(info.param)));
+                         });
 
 TEST_P(BinsTest, AgreeWithReference) {
-  const Extent extent = GetParam();
+  const auto [extent, range] = GetParam();  // of ln g
   const Pixels pixels = scene(extent, 4);
   const auto reference_guide = guide_of(extent, pixels);
   const auto& level = reference_guide.level[reference::kCellLevel];
@@ -195,7 +202,7 @@ TEST_P(BinsTest, AgreeWithReference) {
   for (uint32_t y = 0; y < cells.height; ++y)
     for (uint32_t x = 0; x < cells.width; ++x) {
       const size_t i = static_cast<size_t>(y) * cells.width + x, at = packed(cells, x, y);
-      g[i] = 16 * std::exp(3 * unit(random) - 4.5);  // far below the bound, as in real frames
+      g[i] = 16 * std::exp(range * unit(random) - 4.5);
       terms[packed(cells, x, y, 4, 2)] = static_cast<float>(g[i]);
       terms[packed(cells, x, y, 4, 3)] = static_cast<float>(level.m[i]);
       means[at] = static_cast<float>(-3 * unit(random));
