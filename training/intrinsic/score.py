@@ -91,10 +91,16 @@ def errors(found, truth, mask, pairs):
     return {"LMSE": lmse(found, truth, mask), "WHDR": np.mean(judged != darker), "rms ln R": d.std()}
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def options(description):
+    """A parser of what is measured on which samples."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=pathlib.Path, help="of SEED.npz")
     parser.add_argument("--element", default="intrinsicdecomp")
+    return parser
+
+
+def main():
+    parser = options(__doc__)
     parser.add_argument("--mixtures", type=int, default=2, help="photographs of each sample")
     args = parser.parse_args()
     Gst.init(None)

@@ -8,9 +8,7 @@ In each shot of 80 frames the light that gives nearest to half of the light goes
 reflectance from frames 30 … 39 to frames 70 … 79, with the slope of light found and with gray light: the deviation over the points of
 ln brightness (without its mean, which is the output's scale) and of ln R/B, and the mean of ln R/B; all are 0 in the truth. Frames are equal
 here and differ by noise in a camera, so nothing is reused (adaptive=false). Needs what score.py needs."""
-import argparse
 import collections
-import pathlib
 
 import gi
 
@@ -36,8 +34,8 @@ def shot(sample, seed):
     light = np.exp(rng.uniform(np.log(0.3), 0, len(kinds)))[:, None, None, None] * color[:, None, None] * sample["S"]
     light *= np.exp(-np.log(color).mean(0))
     mask = sample["mask"] > 0
-    shares = light[:, mask].mean((1, 2)) / light[:, mask].mean((1, 2)).sum()
-    out = int(np.argmin(np.abs(shares - 0.5)))
+    means = light[:, mask].mean((1, 2))
+    out = int(np.argmin(np.abs(means / means.sum() - 0.5)))
     both = sample["R"] * light.sum(0)
     exposure = 0.85 / np.percentile(both.max(-1)[mask], 98)
     rest = (both - sample["R"] * light[out]) * exposure
@@ -55,9 +53,7 @@ def change(before, after, seen):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=pathlib.Path, help="of SEED.npz")
-    parser.add_argument("--element", default="intrinsicdecomp")
+    parser = score.options(__doc__)
     parser.add_argument("--shots", type=int, default=1, help="of each sample")
     args = parser.parse_args()
     Gst.init(None)
