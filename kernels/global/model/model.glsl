@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // globalintrinsic's model (docs/reference/methods/globalintrinsic.md): I = R S tau, where S tau = T0 1 + E is white direct light and
 // colored indirect light; in colored light (light.glsl), of a frame that is divided by the color of light of its brightness. Colors
-// are compared as log chroma, coordinates of ln RGB along (1, -1, 0) / √2 and (1, 1, -2) / √6; the tint t of light is the log chroma of T0 1 + E, and tau = exp(Aᵀ t) has geometric mean 1.
+// are compared as log chroma, coordinates of ln RGB along (1, -1, 0) / √2 and (1, 1, -2) / √6; the tint t of light is
+// the log chroma of T0 1 + E, and tau = exp(Aᵀ t) has geometric mean 1.
 //
 // The color of light is estimated on a grid of points, each the mean of factor x factor pixels; light from the surfaces in view on
 // a grid of half as many.
