@@ -177,13 +177,19 @@ double between_cells(const std::vector<double>& plane, const GuideLevel& cells, 
 
 }  // namespace
 
+double cell_factor(int width, int height) {
+  return 16 * kUnitPixels / std::max(double(width) * height, kUnitPixels / 4);
+}
+
+double min_mass(int width, int height) { return 1e-3 / 16 * cell_factor(width, height); }
+
 EdgePrior edge_prior(const Guide& guide, const IntrinsicParams& params) {
   const GuideLevel& l = guide.level[0];
   const std::size_t n = l.m.size();
   EdgePrior p;
   for (auto* plane : {&p.a_right, &p.b_right, &p.a_down, &p.b_down}) plane->assign(n, 0.0);
   std::array<double, kEdgeFeatures> ef{};
-  std::array<double, 3> out{};
+  std::array<double, 2> out{};
   for (int y = 0; y < l.height; ++y)
     for (int x = 0; x < l.width; ++x)
       for (const bool down : {false, true}) {
@@ -195,16 +201,15 @@ EdgePrior edge_prior(const Guide& guide, const IntrinsicParams& params) {
         (down ? p.b_down : p.b_right)[l.index(x, y)] = params.shading_weight * weight_of(out[1]);
       }
   const GuideLevel& cells = guide.level[kCellLevel];
-  for (auto* plane : {&p.v, &p.V, &p.g}) plane->assign(cells.m.size(), 0.0);
+  p.g.assign(cells.m.size(), 0.0);
+  const double factor = cell_factor(l.width, l.height);
   std::array<double, kCellFeatures> cf{};
   for (int y = 0; y < cells.height; ++y)
     for (int x = 0; x < cells.width; ++x) {
       const std::size_t i = cells.index(x, y);
       cell_features(guide, x, y, cf.data());
       evaluate(kCellNet, cf.data(), out.data());
-      p.v[i] = kCellArea * params.value_weight * weight_of(out[0]);
-      p.V[i] = cells.m[i] + cells.u[i] + out[1];
-      p.g[i] = kCellArea * params.chroma_weight * weight_of(out[2]);
+      p.g[i] = factor * params.chroma_weight * weight_of(out[0]);
     }
   return p;
 }
@@ -220,7 +225,8 @@ ChromaBins splat_bins(const GuideLevel& cells, const std::vector<double>& g,
       bins.mean[p.at[j]] += p.hat[j] * g[i] * rho[i];
     }
   }
-  for (std::size_t k = 0; k < bins.mean.size(); ++k) bins.mean[k] /= bins.weight[k] + 1e-6;
+  for (std::size_t k = 0; k < bins.mean.size(); ++k)
+    if (bins.weight[k] > 0) bins.mean[k] /= bins.weight[k];
   return bins;
 }
 
@@ -239,14 +245,7 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
   const std::size_t n = l.m.size(), w = std::size_t(width), cell_count = cells.m.size();
   IntrinsicResult result;
 
-  // Cell terms; and the temporal anchor, a term of the pixels of one weight in a cell.
-  struct {
-    std::vector<double> screening, data, g;  // v + g, v V, g
-  } terms{std::vector<double>(cell_count), std::vector<double>(cell_count), prior.g};
-  for (std::size_t i = 0; i < cell_count; ++i) {
-    terms.screening[i] = prior.v[i] + prior.g[i];
-    terms.data[i] = prior.v[i] * prior.V[i];
-  }
+  // The temporal anchor is a term of the pixels of one weight in a cell.
   const std::vector<double> detail = detail_of(guide);
   Gate gate;
   if (state && state->width == width && state->height == height && !state->rho.empty() &&
@@ -257,8 +256,10 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
   }
 
   multigrid::Level fine(width, height);
+  const double mass = min_mass(width, height);
   for (std::size_t i = 0; i < n; ++i) {
-    fine.mass[i] = kMinDiagonal;
+    fine.mass[i] = kMinDiagonal + mass;
+    fine.f[i] += mass * 0.5 * (l.m[i] + l.u[i] + guide.mean);
     fine.right[i] = prior.a_right[i] + prior.b_right[i];
     fine.down[i] = prior.a_down[i] + prior.b_down[i];
     const std::size_t x = i % w;
@@ -275,9 +276,9 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
     for (int x = 0; x < width; ++x) {
       const std::size_t i = l.index(x, y), c = cells.index(x >> kCellLevel, y >> kCellLevel);
       const bool anchored = result.stats.anchored;
-      const double value =
-          (anchored ? prior.V[c] + gate.alike[c] * (state->coarse[c] - prior.V[c]) : prior.V[c]) +
-          l.m[i] + l.u[i] - cells.m[c] - cells.u[c];
+      double value = 0.5 * (l.m[i] + l.u[i] + guide.mean);
+      if (anchored)
+        value += gate.alike[c] * (state->coarse[c] - 0.5 * (cells.m[c] + cells.u[c] + guide.mean));
       fine.s[i] = value;
       if (!anchored) continue;
       const double before = l.m[i] - state->m[i] + state->s[i];
@@ -287,7 +288,7 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
       fine.f[i] += anchor * before;
       fine.s[i] += gate.value[c] * (before - value);
     }
-  std::vector<multigrid::Level> levels = multigrid::hierarchy(fine, terms.screening, kCoarseScale);
+  std::vector<multigrid::Level> levels = multigrid::hierarchy(fine, prior.g, kCoarseScale);
 
   // Targets of the cells at the bins' present means, and the source terms from them.
   std::vector<double> target(cell_count), rho(cell_count), coarse(cell_count);
@@ -295,18 +296,17 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
       [&](const std::vector<double>& far, const std::vector<double>& means,
           multigrid::Level& level) {
         for (std::size_t i = 0; i < cell_count; ++i) rho[i] = cells.m[i] - means[i] - level.s[i];
-        const ChromaBins bins = splat_bins(cells, terms.g, rho);
+        const ChromaBins bins = splat_bins(cells, prior.g, rho);
         for (std::size_t i = 0; i < cell_count; ++i) {
-          target[i] = terms.data[i] +
-                      terms.g[i] * (cells.m[i] - slice_bins(bins, cells.c0[i], cells.c1[i]));
-          level.f[i] = far[i] + target[i] - terms.screening[i] * means[i];
+          target[i] = cells.m[i] - slice_bins(bins, cells.c0[i], cells.c1[i]);
+          level.f[i] = far[i] + prior.g[i] * (target[i] - means[i]);
         }
       },
       [&](const std::vector<double>& means, const multigrid::Level& level) {
         std::vector<double> source(cell_count);
         for (std::size_t i = 0; i < cell_count; ++i) {
           coarse[i] = means[i] + level.s[i];
-          source[i] = target[i] - terms.screening[i] * coarse[i];
+          source[i] = prior.g[i] * (target[i] - coarse[i]);
         }
         return source;
       }};
@@ -317,7 +317,7 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
   multigrid::Extrapolation extrapolation(params.cycles > 1 ? params.slowest : 0);
   for (int k = 0; k < params.cycles; ++k) {
     const std::vector<double> before = levels[0].s;
-    multigrid::cycle(levels, params.cell_cycles, cell_terms, terms.screening, source);
+    multigrid::cycle(levels, params.cell_cycles, cell_terms, prior.g, source);
     double sum = 0;
     for (std::size_t i = 0; i < n; ++i) sum += square(levels[0].s[i] - before[i]);
     result.stats.change.push_back(std::sqrt(sum / double(n)));
