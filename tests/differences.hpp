@@ -2,8 +2,6 @@
 #pragma once
 #include <cmath>
 #include <cstddef>
-#include <numeric>
-#include <vector>
 
 #include "update_max.hpp"
 
@@ -23,14 +21,6 @@ double rms_difference(const Numbers& a, const Numbers& b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
   return std::sqrt(sum / static_cast<double>(a.size()));
-}
-
-/// Log shading up to its scale, which the energy of intrinsicdecomp leaves free.
-inline std::vector<double> without_mean(std::vector<double> values) {
-  const double mean =
-      std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-  for (double& v : values) v -= mean;
-  return values;
 }
 
 }  // namespace inverse

@@ -25,6 +25,7 @@ void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,
   const Tolerances& tolerances = solve.tolerances;
   for (const auto& [name, value] : {std::pair{"half-tolerance", tolerances.half},
                                     {"tile-tolerance", tolerances.tile},
+                                    {"chroma-tolerance", tolerances.chroma},
                                     {"cycle-tolerance", tolerances.cycle},
                                     {"repeat-tolerance", tolerances.repeat},
                                     {"edge-tolerance", tolerances.edge},

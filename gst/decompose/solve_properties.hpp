@@ -38,6 +38,9 @@ PropertyTable<P> solve_properties() {
           "half-tolerance", tolerance(&Tolerances::half), 0.f, 1.f,
           "Maximum error at which half resolution is chosen (rms log shading); 0 = never")),
       tuning(number<P>(
+          "chroma-tolerance", tolerance(&Tolerances::chroma), 0.f, 1.f,
+          "Maximum effect of the equal-chroma term that is skipped (rms log shading); 0 = never")),
+      tuning(number<P>(
           "gate-tolerance", tolerance(&Tolerances::gate), 0.f, 1.f,
           "Temporal gate (rms over cells) below which pixels are not compared; 0 = never skip")),
       tuning(number<P>("repeat-tolerance", tolerance(&Tolerances::repeat), 0.f, 0.1f,
@@ -64,6 +67,9 @@ PropertyTable<P> solve_properties() {
       number<P>(
           "shading-weight", [](P& p) -> float& { return p.prior.shading_weight; }, 1e-3f, 1e3f,
           "Weight of smooth shading; raise it to move shadows into reflectance"),
+      tuning(number<P>(
+          "value-weight", [](P& p) -> float& { return p.prior.value_weight; }, 1e-3f, 1e3f,
+          "Weight of the prior that the largest channel of reflectance is near 1")),
       tuning(number<P>(
           "chroma-weight", [](P& p) -> float& { return p.prior.chroma_weight; }, 0.f, 1e3f,
           "Weight of equal reflectance for equal chroma; 0 = term skipped")),

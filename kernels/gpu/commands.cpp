@@ -12,7 +12,7 @@ namespace inverse::gpu {
 namespace {
 
 constexpr uint32_t kSetsPerPool = 128;
-constexpr uint32_t kSlotsPerSet = 16;
+constexpr uint32_t kSlotsPerSet = 14;
 constexpr VkAccessFlags kKernelAccess = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
                                         VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT |
                                         VK_ACCESS_INDIRECT_COMMAND_READ_BIT;

@@ -21,7 +21,7 @@ IntrinsicDecomposition::Params problem_of(IntrinsicDecomposition::Params params)
 
 /// What a report reads back; the shaders that write it say what each number is.
 struct Numbers {
-  std::array<float, 4> progress, cut_decision, scale, gates, slope;
+  std::array<float, 4> progress, cut_decision, scale, binding, gates, slope;
   std::array<std::array<float, 4>, Guide::kStatisticsSize> statistics, kept_statistics;
   uint32_t active, evaluated, moving;
 };
@@ -57,7 +57,7 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
   };
   const uint64_t cell_packs = pack4_count(guide_.cell_extent());
   flux_ = buffer(pack4_count(extent) * EdgePrior::kFluxStride);
-  chroma_ = buffer(cell_packs);
+  value_ = buffer(cell_packs * EdgePrior::kValueStride);
   terms_ = buffer(cell_packs * Multigrid::kTermsStride);
   start_ = buffer(cell_packs * TemporalAnchor::kStartStride);
   gate_sums_ = buffer(gpu::partial_count(*measuring_terms_kernel_.whole(), line_of(cell_packs)));
@@ -72,12 +72,11 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands,
     cleared_ = true;
   }
   const Extent cells = guide_.cell_extent();
-  const float mass = EdgePrior::mass(extent_);
   (plan_.measures_gate ? measuring_terms_kernel_
    : plan_.history     ? anchored_terms_kernel_
                        : terms_kernel_)
       .dispatch(commands, list(),
-                {.chroma = chroma_,
+                {.value = value_,
                  .cells = guide_.cells(),
                  .mismatch = anchor_.mismatch(),
                  .tiles = anchor_.tiles(),
@@ -89,15 +88,13 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands,
                  .start = start_,
                  .source_term = multigrid_.cell_source_term(),
                  .sums = gate_sums_,
-                 .activity = active_.activity(),
-                 .statistics = guide_.statistics()},
+                 .activity = active_.activity()},
                 {.size = cells,
                  .anchor = plan_.compares_pixels ? params.anchor_weight : 0,
                  .frames = params.anchor_frames,
                  .motion = 1 / params.anchor_motion,
                  .hold = params.hold,
-                 .light = 1 / params.hold_light,
-                 .mass = mass},
+                 .light = 1 / params.hold_light},
                 line_of(pack4_count(cells)));
   if (plan_.measures_gate)
     commands.dispatch(total_, {.sums = gate_sums_, .total = gate_total_},
@@ -110,11 +107,10 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands,
                  .source_term = multigrid_.cell_source_term(),
                  .memory = anchor_.memory(),
                  .last_shading = multigrid_.field(),
-                 .statistics = guide_.statistics(),
                  .system = multigrid_.system(),
                  .shading = gpu::aliased(multigrid_.field()),
                  .now = anchor_.now()},
-                {.size = extent_, .mass = mass}, line_of(pack4_count(extent_)));
+                {.size = extent_}, line_of(pack4_count(extent_)));
   commands.stage("assemble");
 }
 
@@ -124,9 +120,8 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
   if (plan_.cycles == 1) multigrid.slowest = 0;
   if (plan_.one_cell_cycle()) multigrid.cell_cycles = 1;
   multigrid_.record_operators(commands, multigrid, list());
-  bins_.record_weights(
-      commands, guide_, terms_,
-      plan_.bins ? EdgePrior::max_chroma(extent_) * params.prior.chroma_weight : 0);
+  bins_.record_weights(commands, guide_, terms_,
+                       plan_.bins ? EdgePrior::max_chroma() * params.prior.chroma_weight : 0);
   commands.stage("operators");
   const ChromaBins::State state{.terms = terms_,
                                 .means = multigrid_.cell_means(),
@@ -141,7 +136,7 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
          .conditional = plan_.stops() && cycle > 0,
          .tolerance = plan_.cycle_tolerance},
         [&] { bins_.record(commands, guide_, state); },
-        [&] { bins_.record_source_term(commands, state); },
+        [&] { bins_.record_source_term(commands, state, plan_.measures_bins); },
         {list(), plan_.tiles() ? &active_.around() : nullptr});
 }
 
@@ -206,7 +201,7 @@ void IntrinsicDecomposition::list_tiles(gpu::Commands& commands, const Params& p
 void IntrinsicDecomposition::evaluate_edges(gpu::Commands& commands, const Params& params) {
   EdgePrior::Params prior = params.prior;
   if (!plan_.bins) prior.chroma_weight = 0;
-  const EdgePrior::Target target{.system = multigrid_.system(), .flux = flux_, .chroma = chroma_};
+  const EdgePrior::Target target{.system = multigrid_.system(), .flux = flux_, .value = value_};
   if (!has_history_) prior_.reset();
   switch (plan_.edges) {
     case Plan::Edges::tiles:
@@ -319,6 +314,7 @@ void IntrinsicDecomposition::record_report(gpu::Commands& commands, const Params
   if (slope) copy(slope->buffer, &Numbers::slope);
   if (plan_.tiles()) copy(active_.list().words(), &Numbers::active);
   if (plan_.edges == Plan::Edges::compare) copy(prior_.evaluated(), &Numbers::evaluated);
+  if (plan_.measures_bins) copy(bins_.binding(), &Numbers::binding);
   if (plan_.measures_gate) copy(gate_total_, &Numbers::gates);
   if (!plan_.whole()) {
     copy(active_.moving(), &Numbers::moving);
@@ -333,6 +329,7 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
   const Numbers& numbers = *of.found->map_as<Numbers>();
   using Progress = shaders::intrinsic_multigrid_convergence;
   using Cut = shaders::intrinsic_temporal_cut_decision;
+  using Bins = shaders::intrinsic_chroma_source_term;
   using Statistics = shaders::intrinsic_guide_frame;
   Findings findings;
   findings.plan = plan;
@@ -353,6 +350,9 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
     findings.slope_found =
         static_cast<LightColor::Did>(static_cast<uint32_t>(numbers.slope[Light::SLOPE_DONE]));
   }
+  if (plan.measures_bins)
+    findings.binding = std::sqrt(numbers.binding[Bins::BINDING_EFFECT] /
+                                 std::max(numbers.binding[Bins::BINDING_WEIGHT], 1e-20F));
   if (plan.measures_gate)
     findings.gate = std::sqrt(numbers.gates[shaders::intrinsic_energy_cell_terms::GATE_SQUARES] /
                               static_cast<float>(guide_.cell_extent().pixels()));

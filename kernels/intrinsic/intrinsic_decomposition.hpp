@@ -141,7 +141,7 @@ class IntrinsicDecomposition {
       anchored_colored_layers_;
   gpu::Program<shaders::intrinsic_energy_warm_start> warm_start_;
   gpu::Program<shaders::solve_total> total_;
-  gpu::BufferPtr flux_, chroma_, terms_, start_, gate_sums_, gate_total_;
+  gpu::BufferPtr flux_, value_, terms_, start_, gate_sums_, gate_total_;
   gpu::FrameRing<Report> reports_;
   uint64_t recorded_ = 0;
   bool has_history_ = false;  // there is a frame before

@@ -15,6 +15,8 @@ bool Planner::old_enough() const { return since_restart_ >= gpu::kFramesInFlight
 void Planner::learn(const Params& params, const Found& found) {
   if (found.plan.edges == Plan::Edges::compare && found.plan.history)
     many_edges_change_ = 2 * found.tiles_evaluated > found.tiles;
+  if (found.plan.measures_bins)
+    bins_matter_ = found.cut || !(found.binding < params.tolerances.chroma);
   if (found.plan.measures_gate) gate_matters_ = !(found.gate < params.tolerances.gate);
 }
 
@@ -45,10 +47,11 @@ const char* Planner::choose_mode(Plan& plan, const Params& params, const Frame& 
             ? "too many of them changed"
             : "all of them changed, or it is unknown which (always so at half resolution)");
   // Skipped tiles reuse what was decided for them.
-  if (!frame.layers_reusable || since_restart_ == 0) static_frames_ = 0;
+  if (!frame.layers_reusable || since_restart_ == 0 || (params.chroma && bins_matter_) != bins_)
+    static_frames_ = 0;
   plan.mode = Plan::Mode::watched;
   if (static_frames_++ < gpu::kFramesInFlight || !found)
-    return "few of them changed, but for fewer than 3 frames";
+    return "few of them changed, but for fewer than 3 frames, or chroma bins were switched";
   if (static_cast<float>(found->tiles_moving) > kMaxMoving * static_cast<float>(found->tiles))
     return "too many of them have not converged";
   const float tolerance = params.tolerances.edge;
@@ -60,7 +63,7 @@ const char* Planner::choose_mode(Plan& plan, const Params& params, const Frame& 
 
 Plan Planner::next(const Params& params, const Frame& frame, const std::optional<Found>& found) {
   if (since_restart_ == 0) {
-    gate_matters_ = true;
+    bins_matter_ = gate_matters_ = true;
     many_edges_change_ = false;
   } else if (old_enough() && found) {
     learn(params, *found);
@@ -87,13 +90,16 @@ Plan Planner::next(const Params& params, const Frame& frame, const std::optional
   else if (params.adaptive && (since_restart_ + 1) % kCompareEvery == 0)
     plan.edges = Plan::Edges::all_save;
   // A frame of Mode::tiles measures nothing of the whole.
-  const bool measure = !plan.tiles() && params.adaptive &&
-                       (since_restart_ == kMeasureSoon ||  // the first one with a converged history
-                        since_restart_ % (gate_matters_ ? kMeasureEvery : kMeasureSoon) == 0);
+  const bool measure =
+      !plan.tiles() && params.adaptive &&
+      (since_restart_ == kMeasureSoon ||  // the first one with a converged history
+       since_restart_ % (bins_matter_ && gate_matters_ ? kMeasureEvery : kMeasureSoon) == 0);
   ++since_restart_;
-  plan.bins = params.chroma;
+  plan.bins = params.chroma && (!params.adaptive || bins_matter_ || measure);
+  plan.measures_bins = measure && params.chroma;
   plan.measures_gate = measure && plan.history;
   compared_pixels_ = plan.compares_pixels;
+  bins_ = plan.bins;
 
   const auto skip = [&](const std::string& stage, const char* reason) {
     plan.skipped.push_back(stage + ": " + reason);
@@ -109,7 +115,13 @@ Plan Planner::next(const Params& params, const Frame& frame, const std::optional
     run("temporal anchor of pixels", plan.measures_gate ? "its gate is measured"
                                      : params.adaptive  ? "its gate is not known to be closed"
                                                         : kNotAdaptive);
-  if (!plan.bins) skip("chroma bins", "their weight is 0");
+  if (!plan.bins)
+    skip("chroma bins",
+         params.chroma ? "their effect is below its tolerance" : "their weight is 0");
+  else
+    run("chroma bins", plan.measures_bins ? "their effect is measured"
+                       : params.adaptive  ? "their effect is not known to be below its tolerance"
+                                          : kNotAdaptive);
   if (plan.tiles() && !plan.all_tiles)
     skip("tiles", "their input is unchanged and they have converged");
   else

@@ -34,7 +34,7 @@ struct Plan {
   float tile_tolerance = 0;      ///< estimated error of a tile above which it is worked on
   bool compares_pixels = false;  ///< with those of the frame before
   bool bins = true;              ///< the chroma bins are part of the energy
-  bool measures_gate = false;
+  bool measures_bins = false, measures_gate = false;
   /// What is skipped, and what is run although it might be skipped: "stage: reason".
   std::vector<std::string> skipped, run;
 
@@ -74,7 +74,8 @@ class Planner {
     float change = 0;                         ///< of log shading by the last cycle, rms
     bool cut = false;                         ///< a scene cut: nothing of the frame before was used
     uint32_t tiles = 0, tiles_evaluated = 0;  ///< all, and those whose edges were evaluated
-    float gate = 0;             ///< with Plan::measures_gate: the anchor's gate, rms over cells
+    float binding = 0;  ///< with Plan::measures_bins: effect of the chroma bins, rms log shading
+    float gate = 0;     ///< with Plan::measures_gate: the anchor's gate, rms over cells
     uint32_t tiles_moving = 0;  ///< not with Mode::whole: that moved by more than tile_tolerance
     /// Of its statistics from those that edges were evaluated with: of the mean log intensity, and
     /// the largest of the others.
@@ -86,7 +87,7 @@ class Planner {
   /// Plans the next frame. `found` is empty if no frame that far back was recorded.
   Plan next(const Params& params, const Frame& frame, const std::optional<Found>& found);
 
-  /// Frames from one measurement of the gate to the next, if it is closed and if not.
+  /// Frames from one measurement of bins and gate to the next, if something is skipped and if not.
   static constexpr uint64_t kMeasureSoon = 4, kMeasureEvery = 16;
   /// Frames from one comparison of tiles to the next if edges of most tiles are evaluated:
   /// comparing then costs more than it saves.
@@ -108,10 +109,10 @@ class Planner {
   bool old_enough() const;
 
   uint64_t since_restart_ = 0;  // frames
-  bool gate_matters_ = true, many_edges_change_ = false;
-  uint64_t static_frames_ = 0;                       // in a row, watched or tiles
-  uint64_t tile_frames_ = 0;                         // Mode::tiles since the last other one
-  bool compared_pixels_ = false, repeated_ = false;  // the frame before
+  bool bins_matter_ = true, gate_matters_ = true, many_edges_change_ = false;
+  uint64_t static_frames_ = 0;  // in a row, watched or tiles
+  uint64_t tile_frames_ = 0;    // Mode::tiles since the last other one
+  bool compared_pixels_ = false, bins_ = true, repeated_ = false;  // the frame before
 };
 
 }  // namespace inverse

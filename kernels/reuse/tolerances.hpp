@@ -4,8 +4,8 @@
 namespace inverse {
 
 /// Thresholds up to which work is skipped; 0 never skips. Initializers are shares of kSkipError.
-/// Independent errors of half resolution, tiles (up to twice their tolerance) and
-/// cycles add up to .7 of it; those of edges and gate are changes of what an error depends on.
+/// Independent errors of half resolution, tiles (up to twice their tolerance), chroma bins and
+/// cycles add up to .8 of it; those of edges and gate are changes of what an error depends on.
 struct Tolerances {
   /// The target for the error of all skipping by default, rms log shading.
   static constexpr float kSkipError = 0.1F;
@@ -16,6 +16,9 @@ struct Tolerances {
   /// Estimated error of a skipped tile, rms log shading, 0…1, above which it is computed again.
   /// Only tiles whose input is unchanged are skipped.
   float tile = 0.02F;
+  /// Effect of the chroma bins, rms log shading of cell means, weighted by the value prior, 0…1,
+  /// below which they are skipped.
+  float chroma = 0.02F;
   /// Change by a multigrid cycle, rms log shading, 0…1, below which no other follows.
   float cycle = 0.01F;
   /// Change by the last cycle, rms log shading, 0…0.1, below which a repeated picture has
@@ -31,7 +34,8 @@ struct Tolerances {
   /// Makes them the same shares of another error.
   void scale_to(float skip_error) {
     const float factor = skip_error / kSkipError;
-    for (float* tolerance : {&half, &tile, &cycle, &repeat, &edge, &gate}) *tolerance *= factor;
+    for (float* tolerance : {&half, &tile, &chroma, &cycle, &repeat, &edge, &gate})
+      *tolerance *= factor;
   }
   bool operator==(const Tolerances&) const = default;
 };

@@ -92,7 +92,7 @@ class GlobalTruth : public GpuTest {
     double tint;      ///< of the light's color, log units
   };
   /// What is allowed: 5 % above 0.01714, 0.0895, 0.2946 and 0.1297, which were reached.
-  static constexpr Errors kMaxErrors{0.0185, 0.094, 0.3093, 0.1362};
+  static constexpr Errors kMaxErrors{0.018, 0.094, 0.3093, 0.1362};
   /// Of a first frame.
   Errors errors(const GlobalIntrinsic::Params& params) {
     const Extent extent{kWidth, kHeight};

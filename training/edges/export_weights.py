@@ -3,7 +3,7 @@
 """Turns a fitted weight file (fit_edge_prior's output) into the C++ header of literal constants."""
 import sys
 
-EDGE, CELL = (20, 2), (12, 1)  # cues, outputs
+EDGE, CELL = (20, 2), (12, 3)  # cues, outputs
 
 
 def net(name, values, hidden, features, outputs):
@@ -53,7 +53,7 @@ struct SmallNet {{
 
 // Outputs: ln a, ln b.
 {edge}
-// Output: ln g.
+// Outputs: ln v, V - (m + u), ln g.
 {cell}
 }}  // namespace inverse::reference""")
 

@@ -29,7 +29,7 @@
 namespace inverse::training {
 namespace {
 
-constexpr int kCellHidden = 4, kBatch = 8, kThreads = 2;
+constexpr int kCellHidden = 8, kBatch = 8, kThreads = 2;
 constexpr double kObjectShare = 0.35, kDiverseShare = 0.5, kDecay = 3e-5;
 
 struct Options {
@@ -62,7 +62,7 @@ std::vector<float> initial(const Model& model, int seed) {
   p[std::size_t(model.edge.skip(0, 1))] = -1, p[std::size_t(model.edge.skip(0, 0))] = -0.5F;
   p[std::size_t(model.edge.skip(1, 1))] = 1;
   p[std::size_t(model.edge.bias2(0))] = 0.5F, p[std::size_t(model.edge.bias2(1))] = -2;
-  p[std::size_t(model.cell.bias2(0))] = -1.9F;
+  p[std::size_t(model.cell.bias2(0))] = -3.5F, p[std::size_t(model.cell.bias2(2))] = -1.9F;
   return p;
 }
 

@@ -92,7 +92,7 @@ def main():
                 row = inner[i * cues:] if i < hidden else skip[(i - hidden) * cues:]
                 print(f"  sums[{i // 4}].{lanes[i]} +={leading(products([row[k] for k in which], [names[k] for k in which]))};")
             print("}")
-        result = {1: "float", 2: "vec2"}[outputs]
+        result = {2: "vec2", 3: "vec3", 4: "vec4"}[outputs]
         which = stages[-1]
         print(f"{result} {kind}_net(float f[{local}], vec4 sums[{vectors}]) {{")
         for o in range(outputs):

@@ -49,10 +49,11 @@ struct Level {
   }
 };
 
-/// Edges at full resolution, and on the cells g, minus the projection onto the chroma bins.
+/// Edges at full resolution, `screen` on the cells, minus the projection onto the chroma bins.
 class System {
  public:
-  System(const Example& e, Plane right, Plane down, Plane g) : e_(e), g_(std::move(g)) {
+  System(const Example& e, Plane right, Plane down, Plane screen, Plane g)
+      : e_(e), screen_(std::move(screen)), g_(std::move(g)) {
     levels_.push_back({e.width,
                        e.height,
                        std::move(right),
@@ -76,7 +77,7 @@ class System {
           if (y % 2 == 1 && y + 1 < f.h) c.down[j] += 0.5F * f.down[i];
         }
       if (levels_.size() == 2)
-        for (std::size_t j = 0; j < n; ++j) c.own[j] += g_[j];
+        for (std::size_t j = 0; j < n; ++j) c.own[j] += screen_[j];
       levels_.push_back(std::move(c));
     }
     for (Level& l : levels_) {
@@ -117,7 +118,7 @@ class System {
     return out;
   }
   Plane cell_mean(const Plane& v) const {
-    Plane out(g_.size(), 0);
+    Plane out(screen_.size(), 0);
     for (int i = 0; i < int(v.size()); ++i) out[std::size_t(e_.cell_of(i))] += v[std::size_t(i)];
     for (std::size_t j = 0; j < out.size(); ++j) out[j] /= e_.cell_count[j];
     return out;
@@ -159,7 +160,8 @@ class System {
     const Level& l = levels_[0];
     Plane out(x.size()), cells = cell_mean(x);
     const Plane mean = bin_mean(cells);
-    for (std::size_t j = 0; j < cells.size(); ++j) cells[j] = g_[j] * (cells[j] - mean[j]);
+    for (std::size_t j = 0; j < cells.size(); ++j)
+      cells[j] = screen_[j] * cells[j] - g_[j] * mean[j];
     for (int y = 0; y < l.h; ++y)
       for (int k = 0; k < l.w; ++k) {
         const std::size_t i = std::size_t(y) * l.w + k;
@@ -198,7 +200,7 @@ class System {
   }
 
   const Example& e_;
-  Plane g_, weight_;
+  Plane screen_, g_, weight_;
   std::vector<Level> levels_;
 };
 
@@ -270,7 +272,7 @@ double window_energy(const Example& e, const bench::Image& truth, int k, int ste
 
 Model::Model(int edge_hidden, int cell_hidden)
     : edge{reference::kEdgeFeatures, edge_hidden, 2, 0},
-      cell{reference::kCellFeatures, cell_hidden, 1, edge.count()} {}
+      cell{reference::kCellFeatures, cell_hidden, 3, edge.count()} {}
 
 Example make_example(const Scene& scene, double k) {
   Example e;
@@ -363,7 +365,7 @@ double evaluate(const Model& model, const std::vector<float>& parameters, const 
   const auto has_right = [&](std::size_t i) { return i % w + 1 < w; };
   const auto has_down = [&](std::size_t i) { return i + w < n; };
 
-  Plane wr(n, 0), wd(n, 0), g(cells), f(n, 0);
+  Plane wr(n, 0), wd(n, 0), v(cells), g(cells), screen(cells), target(cells), f(n, 0);
   for (std::size_t i = 0; i < n; ++i) {
     const auto edge = [&](const std::vector<Plane>& o, std::size_t j, Plane& weight) {
       const float a = weight_of(o[0][i]);
@@ -373,17 +375,21 @@ double evaluate(const Model& model, const std::vector<float>& parameters, const 
     if (has_right(i)) edge(right, i + 1, wr);
     if (has_down(i)) edge(down, i + w, wd);
   }
-  const float factor = float(reference::cell_factor(e.width, e.height));
-  for (std::size_t j = 0; j < cells; ++j) g[j] = factor * weight_of(cell[0][j]);
-  System system(e, wr, wd, g);
+  for (std::size_t j = 0; j < cells; ++j) {
+    v[j] = float(reference::kCellArea) * weight_of(cell[0][j]);
+    g[j] = float(reference::kCellArea) * weight_of(cell[2][j]);
+    screen[j] = v[j] + g[j];
+    target[j] = e.cell_value[j] + cell[1][j];
+  }
+  System system(e, wr, wd, screen, g);
   const Plane mean = system.bin_mean(e.cell_m);
   Plane pull(cells);
-  for (std::size_t j = 0; j < cells; ++j) pull[j] = g[j] * (e.cell_m[j] - mean[j]);
+  for (std::size_t j = 0; j < cells; ++j)
+    pull[j] = v[j] * target[j] + g[j] * (e.cell_m[j] - mean[j]);
   system.add_cells(pull, f);
   if (solution.s.size() != n) {
     solution.s.resize(n), solution.adjoint.assign(n, 0);
-    for (std::size_t i = 0; i < n; ++i)
-      solution.s[i] = e.cell_value[std::size_t(e.cell_of(int(i)))];
+    for (std::size_t i = 0; i < n; ++i) solution.s[i] = target[std::size_t(e.cell_of(int(i)))];
   }
   system.solve(f, solution.s, gradient ? 25 : 60, gradient ? 1e-3F : 2e-4F);
   Plane d_s;
@@ -393,7 +399,7 @@ double evaluate(const Model& model, const std::vector<float>& parameters, const 
   // Adjoint: A lambda = dL/ds; every dL/dweight is -lambda' (dA s - df).
   system.solve(d_s, solution.adjoint, 20, 1e-2F);
   const Plane &s = solution.s, &lambda = solution.adjoint;
-  std::vector<Plane> d_right(2, Plane(n, 0)), d_down = d_right, d_cell(1, Plane(cells));
+  std::vector<Plane> d_right(2, Plane(n, 0)), d_down = d_right, d_cell(3, Plane(cells, 0));
   for (std::size_t i = 0; i < n; ++i) {
     const auto edge = [&](const std::vector<Plane>& o, std::size_t j, std::vector<Plane>& d) {
       const float l = lambda[i] - lambda[j], ds = s[i] - s[j], dm = e.m[i] - e.m[j];
@@ -414,9 +420,11 @@ double evaluate(const Model& model, const std::vector<float>& parameters, const 
     product[k] *= l_sum[k] / (d * d);
   }
   for (std::size_t j = 0; j < cells; ++j) {
+    d_cell[0][j] = clamped(cell[0][j], -l_cell[j] * (s_cell[j] - target[j]) * v[j]);
+    d_cell[1][j] = l_cell[j] * v[j];
     const float bins =
         l_cell[j] * q[j] - l_cell[j] * q_mean[j] - l_mean[j] * q[j] + system.slice(product, j);
-    d_cell[0][j] = clamped(cell[0][j], -g[j] * bins);
+    d_cell[2][j] = clamped(cell[2][j], -g[j] * bins);
   }
   model.edge.backward(parameters, e.right, mid_right, d_right, *gradient);
   model.edge.backward(parameters, e.down, mid_down, d_down, *gradient);

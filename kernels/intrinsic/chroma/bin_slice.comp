@@ -6,8 +6,8 @@
 #include "intrinsic/guide/guide.glsl"
 #include "bins.glsl"
 
-// Right-hand side of the cells for a correction of s': f = far + g (target - s'), target = m' - r_bin, where `far` is the residual of
-// the finer levels. Without kHasBins target = s'. One pack of cells an invocation.
+// Right-hand side of the cells for a correction of s': f = far + target - screening s', target = data + g (m' - r_bin), where `far`
+// is the residual of the finer levels. Without kHasBins g is 0 and target = data. One pack of cells an invocation.
 layout(constant_id = 1) const bool kHasBins = true;
 PLANE_IN(0, cells);
 PLANE_IN(1, terms);
@@ -36,6 +36,8 @@ void main() {
     found = vec4(found.yzw, sum > 0.0 ? m.x - r : found.x);
     m = m.yzwx;
   }
-  STORE(target, uint(at), found);
-  STORE(system, SYSTEM_COARSE_STRIDE * uint(at) + SYSTEM_RHS, FETCH(far, at) + FETCH(terms, TERMS_STRIDE * at + TERMS_CHROMA) * (found - s));
+  vec4 value = FETCH(terms, TERMS_STRIDE * at + TERMS_DATA);
+  if (kHasBins) value += FETCH(terms, TERMS_STRIDE * at + TERMS_CHROMA) * found;
+  STORE(target, uint(at), value);
+  STORE(system, SYSTEM_COARSE_STRIDE * uint(at) + SYSTEM_RHS, FETCH(far, at) + value - FETCH(terms, TERMS_STRIDE * at + TERMS_SCREENING) * s);
 }

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "kernels/gpu/reduce.hpp"
+
 namespace inverse {
 namespace {
 
@@ -23,10 +25,16 @@ ChromaBins::ChromaBins(const std::shared_ptr<gpu::Device>& device, Extent cells)
       slice_(device),
       without_bins_(device, {.has_bins = false}),
       source_term_(device),
+      measuring_source_term_(device, {.measure = true}),
+      total_(device),
       weights_(gpu::Buffer::create(device, gpu::Element::word, kWords * kBins * tables_)),
       totals_(gpu::Buffer::create(device, gpu::Element::word, kWords * kBins * tables_)),
       means_(gpu::Buffer::create(device, gpu::Element::scalar, kBins)),
-      target_(gpu::Buffer::create(device, gpu::Element::vec4, pack4_count(cells))) {}
+      target_(gpu::Buffer::create(device, gpu::Element::vec4, pack4_count(cells))),
+      sums_(gpu::Buffer::create(
+          device, gpu::Element::vec4,
+          gpu::partial_count(*measuring_source_term_.kernel(), line_of(pack4_count(cells))))),
+      binding_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {}
 
 gpu::Items ChromaBins::splat_items() const {
   return line_of(tables_ > 1 ? tables_ : pack4_count(cells_));
@@ -71,14 +79,20 @@ void ChromaBins::record(gpu::Commands& commands, const Guide& guide, const State
                     {.size = cells_}, line_of(pack4_count(cells_)));
 }
 
-void ChromaBins::record_source_term(gpu::Commands& commands, const State& state) const {
-  commands.dispatch(source_term_,
+void ChromaBins::record_source_term(gpu::Commands& commands, const State& state, bool measure) {
+  if (!cleared_) commands.fill(sums_);
+  cleared_ = true;
+  commands.dispatch(measure ? measuring_source_term_ : source_term_,
                     {.terms = state.terms,
                      .target = target_,
                      .mean = state.means,
                      .correction = state.correction,
-                     .source_term = state.source_term},
+                     .source_term = state.source_term,
+                     .sums = sums_},
                     {.size = cells_}, line_of(pack4_count(cells_)));
+  if (measure)
+    commands.dispatch(total_, {.sums = sums_, .total = binding_},
+                      {.count = static_cast<uint32_t>(sums_->count())}, {});
 }
 
 }  // namespace inverse

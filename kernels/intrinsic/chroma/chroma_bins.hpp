@@ -7,6 +7,7 @@
 #include "kernels/intrinsic_chroma_bin_slice.spv.hpp"
 #include "kernels/intrinsic_chroma_bin_splat.spv.hpp"
 #include "kernels/intrinsic_chroma_source_term.spv.hpp"
+#include "kernels/solve_total.spv.hpp"
 
 namespace inverse {
 
@@ -28,8 +29,13 @@ class ChromaBins {
   };
   /// Records the means and the right-hand side for a correction.
   void record(gpu::Commands& commands, const Guide& guide, const State& state) const;
-  /// Records the source term after a correction.
-  void record_source_term(gpu::Commands& commands, const State& state) const;
+  /// Records the source term after a correction, and with `measure` measures `binding`.
+  void record_source_term(gpu::Commands& commands, const State& state, bool measure = false);
+  /// One vec4, of the last measurement: sums over the cells (source_term.comp), F the source term
+  /// of the bins and v the weight of the value prior. The root of their ratio bounds
+  /// the effect of the bins on cell means of log shading, rms weighted by v
+  /// (docs/reference/methods/intrinsicdecomp.md, 4).
+  const gpu::BufferPtr& binding() const { return binding_; }
 
  private:
   gpu::Items splat_items() const;
@@ -41,8 +47,10 @@ class ChromaBins {
   gpu::Program<shaders::intrinsic_chroma_bin_splat> weigh_, splat_;
   gpu::Program<shaders::intrinsic_chroma_bin_means> mean_;
   gpu::Program<shaders::intrinsic_chroma_bin_slice> slice_, without_bins_;
-  gpu::Program<shaders::intrinsic_chroma_source_term> source_term_;
-  gpu::BufferPtr weights_, totals_, means_, target_;
+  gpu::Program<shaders::intrinsic_chroma_source_term> source_term_, measuring_source_term_;
+  gpu::Program<shaders::solve_total> total_;
+  gpu::BufferPtr weights_, totals_, means_, target_, sums_, binding_;
+  bool cleared_ = false;  // the sums' unused slots
 };
 
 }  // namespace inverse

@@ -7,7 +7,7 @@
 #include "intrinsic/temporal/temporal.glsl"
 
 // Right-hand side of the pixels, from the flux of the edges and, with kAnchored, from the frame before; and the initial solution:
-// the first solution, shifted to the initial value of the pixels' cell, or, as far as the gate is open, the reflectance of the frame before.
+// max_c i shifted to the initial value of the pixels' cell, or, as far as the gate is open, the reflectance of the frame before.
 // One pack an invocation.
 layout(constant_id = 1) const bool kAnchored = false;
 PLANE_IN(0, flux);
@@ -16,17 +16,13 @@ PLANE_IN(2, level0);
 PLANE_IN(3, source_term);         // of cells, with their anchors
 PLANE_IN(4, memory);        // the last frame's
 PLANE_IN(5, last_shading);  // its solution
-PLANE_IN(6, statistics);
-PLANE_OUT(7, system);       // SYSTEM_FINE_STRIDE
-PLANE_OUT(8, shading);      // the same buffer as the last frame's
-PLANE_OUT(9, now);          // m
+PLANE_OUT(6, system);       // SYSTEM_FINE_STRIDE
+PLANE_OUT(7, shading);      // the same buffer as the last frame's
+PLANE_OUT(8, now);          // m
 #define TILE_CONSTANT 2
-#define TILE_BINDING 10
+#define TILE_BINDING 9
 #include "image/tiles/tile_position.glsl"
-layout(push_constant) uniform Push {
-  uvec2 size;
-  float mass;  // of every pixel
-} push;
+layout(push_constant) uniform Push { uvec2 size; } push;
 
 void main() {
   uint packs = PACK4(push.size.x);
@@ -38,20 +34,17 @@ void main() {
   vec4 sum = right - SHIFT_RIGHT(right, vec4(left)) + FETCH(flux, FLUX_STRIDE * at + FLUX_DOWN);
   if (position.y > 0u) sum -= FETCH(flux, FLUX_STRIDE * (at - int(packs)) + FLUX_DOWN);
   int cells = int((position.y / 4u) * PACK4(packs) + position.x / 4u);
-  float mean = FETCH(statistics, STATISTICS_MEAN).x;
-  vec4 m = vec4(0.0), s = m;
+  vec4 m = vec4(0.0), s = vec4(FETCH(start, START_STRIDE * cells + START_VALUE)[position.x & 3u]);
   for (uint k = 0u; k < 4u; ++k) {
     uint x = min(4u * position.x + k, push.size.x - 1u);
     vec4 guide = FETCH(level0, int(position.y * push.size.x + x));
     m = vec4(m.yzw, guide.x);
-    s = vec4(s.yzw, first_solution(guide, mean));
+    s = vec4(s.yzw, s.x + guide.x + guide.w);
   }
   bvec4 inside = INSIDE(position.x, push.size.x);
-  sum += MASKED(push.mass * s, inside);
-  s += FETCH(start, START_STRIDE * cells + START_VALUE)[position.x & 3u];
   if (kAnchored) {
     float gate = FETCH(start, START_STRIDE * cells + START_GATE)[position.x & 3u];
-    float anchor = FETCH(source_term, SOURCE_STRIDE * cells + SOURCE_ANCHOR)[position.x & 3u] - push.mass;
+    float anchor = FETCH(source_term, SOURCE_STRIDE * cells + SOURCE_ANCHOR)[position.x & 3u];
     vec4 before = m - FETCH(memory, MEMORY_STRIDE * at + MEMORY_MEAN) + FETCH(last_shading, at);
     sum += MASKED(anchor * before, inside);
     s += gate * (before - s);

@@ -10,7 +10,7 @@
 // solution. With kMeasure also sums the squared gates. One pack of cells, a row of a tile, an invocation.
 layout(constant_id = 1) const bool kAnchored = false;
 layout(constant_id = 2) const bool kMeasure = false;
-PLANE_IN(0, chroma);   // g
+PLANE_IN(0, value);
 PLANE_IN(1, cells);
 PLANE_IN(2, mismatch);
 PLANE_IN(3, tiles);
@@ -24,9 +24,8 @@ PLANE_INOUT(10, source_term);  // of the last frame: a good initial value if thi
 PLANE_OUT(11, sums);
 #define GATE_SQUARES 0   // sum of gate^2
 PLANE_IN(12, activity);  // of tiles (activity.glsl)
-PLANE_IN(13, statistics);
 #define TILE_CONSTANT 3
-#define TILE_BINDING 14
+#define TILE_BINDING 13
 #include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;    // of level 2
@@ -35,7 +34,6 @@ layout(push_constant) uniform Push {
   float motion;  // 1 / (share of structure around that moved which halves it)
   float hold;    // share of the last frame's reflectance to keep if neither content nor light changes
   float light;   // 1 / (change of light that halves that)
-  float mass;    // of every pixel
 } push;
 
 // Weight of the frame's mean structure against that of the tiles around.
@@ -54,8 +52,8 @@ float moved(ivec2 tile, ivec2 tiles_size, float frame) {
 vec4 make(uint packs, uvec2 position) {
   int at = int(position.y * packs + position.x), tile = int((position.y / 4u) * packs + position.x);
   bvec4 inside = INSIDE(position.x, push.size.x);
-  float frame_mean = FETCH(statistics, STATISTICS_MEAN).x;
-  vec4 g = FETCH(chroma, at), mean = vec4(0.0), first = mean, gate = mean, change = mean, cell_gate = mean;
+  vec4 v = FETCH(value, VALUE_STRIDE * at + VALUE_WEIGHT), g = FETCH(value, VALUE_STRIDE * at + VALUE_CHROMA);
+  vec4 target = FETCH(value, VALUE_STRIDE * at + VALUE_TARGET), mean = vec4(0.0), max_channel = mean, gate = mean, change = mean, cell_gate = mean;
   vec4 decision = kAnchored ? FETCH(cut_decision, 0) : vec4(0.0);
   float tile_gate = 0.0;
   if (kAnchored) {
@@ -68,18 +66,20 @@ vec4 make(uint packs, uvec2 position) {
     int cell = int(position.y * push.size.x + min(4u * position.x + k, push.size.x - 1u));
     vec4 guide = FETCH(cells, CELL_STRIDE * cell);
     mean = vec4(mean.yzw, guide.x);
-    first = vec4(first.yzw, first_solution(guide, frame_mean));
+    max_channel = vec4(max_channel.yzw, guide.x + guide.w);
     if (kAnchored) {
       cell_gate = vec4(cell_gate.yzw, 1.0 / (1.0 + FETCH(mismatch, cell).x));
       change = vec4(change.yzw, push.light * (guide.x - FETCH(before, cell).w));
     }
   }
   gate = tile_gate * cell_gate;
+  STORE(terms, TERMS_STRIDE * at + TERMS_SCREENING, v + g);
+  STORE(terms, TERMS_STRIDE * at + TERMS_DATA, v * target);
   STORE(terms, TERMS_STRIDE * at + TERMS_CHROMA, g);
   STORE(terms, TERMS_STRIDE * at + TERMS_MEAN, MASKED(mean, inside));
-  // Shading at a place with motion around is nearer to its earlier value than to a first solution.
-  vec4 from = kAnchored ? decision[CUT_ANCHORED] * cell_gate * (FETCH(means, at) + FETCH(correction, at) - first) : vec4(0.0);
-  STORE(start, START_STRIDE * at + START_VALUE, from);
+    // Shading at a place with motion around is nearer to its earlier value than to the prior's.
+  vec4 from = kAnchored ? mix(target, FETCH(means, at) + FETCH(correction, at), decision[CUT_ANCHORED] * cell_gate) : target;
+  STORE(start, START_STRIDE * at + START_VALUE, from - max_channel);
   STORE(start, START_STRIDE * at + START_GATE, gate);
   vec4 hold = gate * push.hold / (1.0 + change * change), share = vec4(1.0);
   if (kAnchored && kTileAcross > 0u) {
@@ -95,9 +95,9 @@ vec4 make(uint packs, uvec2 position) {
   STORE(start, START_STRIDE * at + START_HOLD, hold);
   vec4 source_before = kAnchored ? gate * LOAD(source_term, SOURCE_STRIDE * at + SOURCE_VALUE) : vec4(0.0);
   STORE(source_term, SOURCE_STRIDE * at + SOURCE_VALUE, MASKED(source_before, inside));
-  STORE(source_term, SOURCE_STRIDE * at + SOURCE_SCREENING, g);
+  STORE(source_term, SOURCE_STRIDE * at + SOURCE_SCREENING, v + g);
   float weight = push.anchor * min(decision[CUT_FRAMES] / push.frames, 1.0);
-  STORE(source_term, SOURCE_STRIDE * at + SOURCE_ANCHOR, push.mass + weight * MASKED(share * gate, inside));
+  STORE(source_term, SOURCE_STRIDE * at + SOURCE_ANCHOR, weight * MASKED(share * gate, inside));
   return MASKED(gate, inside);
 }
 

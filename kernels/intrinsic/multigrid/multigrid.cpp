@@ -10,12 +10,11 @@
 namespace inverse {
 namespace {
 
-constexpr float kMinMass = 1e-6F;  // keeps pixels regular that fill up packs
-
 constexpr uint64_t kTogether = 300;  // packs up to which levels run in one dispatch: 40 x 30 pixels
 constexpr uint64_t kCoarseStride =
     shaders::intrinsic_multigrid_smooth::SYSTEM_COARSE_STRIDE;  // vec4 a pack from level 2 on
-constexpr size_t kCells = 2;                                    // the cells' level
+constexpr float kMinMass = 1e-6F;  // keeps a frame of one pixel regular
+constexpr size_t kCells = 2;       // the cells' level
 constexpr uint64_t kTilePacks = TileList::kTile / 4 * TileList::kTile;  // packs a tile
 
 uint32_t stride_of(size_t level) { return level < kCells ? Multigrid::kFineStride : kCoarseStride; }

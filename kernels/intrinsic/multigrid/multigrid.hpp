@@ -26,7 +26,7 @@ class Multigrid {
     /// Min weight of a coarse edge, as a share of the sum of its fine edges, 0.5…1. 1 binds
     /// aggregates twice as strongly as smooth functions do; 0.5 is right for equal weights; more is
     /// slower, and safer if weights jump.
-    float scale = 0.75F;
+    float scale = 0.6F;
     /// Cycles over level 2 and coarser within every cycle, 1…8; the cells' right-hand side is
     /// renewed before each.
     uint32_t cell_cycles = 2;

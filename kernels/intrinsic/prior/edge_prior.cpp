@@ -1,33 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "edge_prior.hpp"
 
-#include <algorithm>
-
 #include "kernels/image/pyramid.hpp"
 
 namespace inverse {
-namespace {
-
-/// Factor on g: all cells of a frame together weigh the same at every resolution, as smooth shading
-/// does.
-float cell_factor(Extent extent) {
-  constexpr float kUnitPixels = 176 * 132;  // of a frame in which they weigh 1 a pixel
-  return 16 * kUnitPixels / std::max(static_cast<float>(extent.pixels()), kUnitPixels / 4);
-}
-
-}  // namespace
-
-float EdgePrior::max_chroma(Extent extent) {
-  return cell_factor(extent) * std::exp(shaders::intrinsic_prior_cells::kLogHigh);
-}
-
-float EdgePrior::mass(Extent extent) { return 1e-3F / 16 * cell_factor(extent); }
-
 EdgePrior::EdgePrior(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : fold_biases_(device),
       change_(device),
       edges_{{device, {.down = false}, 4, 4}, {device, {.down = true}, 4, 4}},
-      cells_(device, {}, 1, 4),
+      values_(device, {}, 1, 4),
       save_reference_(device, {}, 8, 8),
       changes_(device, extent),
       biases_(gpu::Buffer::create(device, gpu::Element::vec4,
@@ -54,17 +35,18 @@ void EdgePrior::record_edges(gpu::Commands& commands, const Guide& guide, const 
         line_of(static_cast<uint64_t>(pack4_count(extent.width)) * ((extent.height + 3) / 4)));
 }
 
-void EdgePrior::record_cells(gpu::Commands& commands, const Guide& guide, const Target& target,
-                             const Params& params, const TileList* listed) const {
+void EdgePrior::record_values(gpu::Commands& commands, const Guide& guide, const Target& target,
+                              const Params& params, const TileList* listed) const {
   const Extent cells = guide.cell_extent();
-  cells_.dispatch(commands, listed,
-                  {.cells = guide.cells(),
-                   .guide_coarse = guide.guide_coarse(),
-                   .statistics = guide.statistics(),
-                   .tuning = biases_,
-                   .chroma = target.chroma},
-                  {.size = cells, .factor = params.chroma_weight * cell_factor(guide.extent())},
-                  line_of(pack4_count(cells)));
+  values_.dispatch(
+      commands, listed,
+      {.cells = guide.cells(),
+       .guide_coarse = guide.guide_coarse(),
+       .statistics = guide.statistics(),
+       .tuning = biases_,
+       .value = target.value},
+      {.size = cells, .value_weight = params.value_weight, .chroma_weight = params.chroma_weight},
+      line_of(pack4_count(cells)));
 }
 
 void EdgePrior::record_keep(gpu::Commands& commands, const Guide& guide,
@@ -88,13 +70,15 @@ void EdgePrior::record(gpu::Commands& commands, const Guide& guide, const Target
   }
   commands.dispatch(fold_biases_, {.statistics = guide.statistics(), .biases = biases_}, {});
   record_edges(commands, guide, target, params, nullptr);
-  record_cells(commands, guide, target, params, nullptr);
+  record_values(commands, guide, target, params, nullptr);
 }
 
 void EdgePrior::record_changes(gpu::Commands& commands, const Guide& guide, const Target& target,
                                const Params& params, float tolerance) {
   Params edges = params;
-  edges.chroma_weight = known_params_.chroma_weight;  // of cells, which are always evaluated
+  edges.chroma_weight =
+      known_params_.chroma_weight;  // and value_weight: of cells, which are always evaluated
+  edges.value_weight = known_params_.value_weight;
   const bool all = !known_ || known_params_ != edges || known_system_ != target.system;
   commands.dispatch(change_,
                     {.level1 = guide.level1(),
@@ -108,7 +92,7 @@ void EdgePrior::record_changes(gpu::Commands& commands, const Guide& guide, cons
   commands.dispatch(fold_biases_, {.statistics = guide.statistics(), .biases = biases_}, {});
   record_edges(commands, guide, target, params, &changes_);
   record_keep(commands, guide, changes_);
-  record_cells(commands, guide, target, params, nullptr);
+  record_values(commands, guide, target, params, nullptr);
   known_ = true;
   known_params_ = params;
   known_system_ = target.system;
@@ -119,7 +103,7 @@ void EdgePrior::record_tiles(gpu::Commands& commands, const Guide& guide, const 
   commands.dispatch(fold_biases_, {.statistics = guide.statistics(), .biases = biases_}, {});
   record_edges(commands, guide, target, params, &listed);
   record_keep(commands, guide, listed);
-  record_cells(commands, guide, target, params, &listed);
+  record_values(commands, guide, target, params, &listed);
 }
 
 }  // namespace inverse

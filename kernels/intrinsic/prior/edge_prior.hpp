@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "kernels/intrinsic/guide/guide.hpp"
-#include "kernels/intrinsic_prior_cells.spv.hpp"
+#include "kernels/intrinsic_prior_cell_values.spv.hpp"
 #include "kernels/intrinsic_prior_change.spv.hpp"
 #include "kernels/intrinsic_prior_edges.spv.hpp"
 #include "kernels/intrinsic_prior_fold_biases.spv.hpp"
@@ -12,9 +12,9 @@
 
 namespace inverse {
 
-/// Weights every edge by how much of its step is reflectance or shading, and how much
-/// equal chroma counts in every cell (energy.glsl: a, b, g), by two small fitted functions of local
-/// cues (docs/reference/methods/intrinsicdecomp.md, 2). Can reuse the edges of unchanged tiles. The
+/// Weights every edge by how much of its step is reflectance or shading, and sets the value prior
+/// of every cell (energy.glsl: a, b, v, V, g), by two small fitted functions of local cues
+/// (docs/reference/methods/intrinsicdecomp.md, 2). Can reuse the edges of unchanged tiles. The
 /// solver only reads the three buffers of Target: another prior can replace this one.
 class EdgePrior {
  public:
@@ -23,6 +23,9 @@ class EdgePrior {
     float reflectance_weight = 1.0F;
     /// Factor on b, how firmly shading stays even; 1e-3…1e3.
     float shading_weight = 1.0F;
+    /// Factor on v, how firmly the largest channel of reflectance stays near 1; 1e-3…1e3. Pins the
+    /// free scale.
+    float value_weight = 1.0F;
     /// Factor on g, how firmly equal chroma means equal reflectance; 0…1e3, 0 switches the chroma
     /// bins off.
     float chroma_weight = 1.0F;
@@ -32,18 +35,19 @@ class EdgePrior {
   struct Target {
     gpu::BufferPtr system;  ///< three vec4 a pack; the first two are a + b to the right and down
     gpu::BufferPtr flux;    ///< two vec4 a pack: a (m_x - m_y) to the right and down
-    gpu::BufferPtr chroma;  ///< vec4 a pack of cells: g
+    gpu::BufferPtr value;   ///< three vec4 a pack of cells: v, V, g
   };
-  static constexpr uint64_t kFluxStride = shaders::intrinsic_prior_edges::FLUX_STRIDE;
-  /// The largest g that it writes for frames of this size, for a chroma_weight of 1.
-  static float max_chroma(Extent extent);
-  /// Mass of every pixel of such frames. With much less the constant part of log shading is lost in
-  /// single precision.
-  static float mass(Extent extent);
+  static constexpr uint64_t kFluxStride = shaders::intrinsic_prior_edges::FLUX_STRIDE,
+                            kValueStride = shaders::intrinsic_prior_cell_values::VALUE_STRIDE;
+  /// The largest g that it writes, for a chroma_weight of 1.
+  static float max_chroma() {
+    using Shader = shaders::intrinsic_prior_cell_values;
+    return Shader::kCellArea * std::exp(Shader::kLogHigh);
+  }
 
   EdgePrior(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// Records all edges and cells. `keep`: saves the guide for a later `record_changes`.
+  /// Records all edges and values. `keep`: saves the guide for a later `record_changes`.
   void record(gpu::Commands& commands, const Guide& guide, const Target& target,
               const Params& params, bool keep = false);
   /// As `record`, but reuses the edges of tiles of 16 x 16 pixels whose 2 x 2 means of the guide
@@ -51,7 +55,7 @@ class EdgePrior {
   /// another target or other params.
   void record_changes(gpu::Commands& commands, const Guide& guide, const Target& target,
                       const Params& params, float tolerance);
-  /// Records the edges and cells of listed tiles only.
+  /// Records the edges and values of listed tiles only.
   void record_tiles(gpu::Commands& commands, const Guide& guide, const Target& target,
                     const Params& params, const TileList& listed) const;
   /// Forgets the saved guide.
@@ -66,14 +70,14 @@ class EdgePrior {
  private:
   void record_edges(gpu::Commands& commands, const Guide& guide, const Target& target,
                     const Params& params, const TileList* listed) const;
-  void record_cells(gpu::Commands& commands, const Guide& guide, const Target& target,
-                    const Params& params, const TileList* listed) const;
+  void record_values(gpu::Commands& commands, const Guide& guide, const Target& target,
+                     const Params& params, const TileList* listed) const;
   void record_keep(gpu::Commands& commands, const Guide& guide, const TileList& listed) const;
 
   gpu::Program<shaders::intrinsic_prior_fold_biases> fold_biases_;
   gpu::Program<shaders::intrinsic_prior_change> change_;
   TileProgram<shaders::intrinsic_prior_edges> edges_[2];  // to the right, down
-  TileProgram<shaders::intrinsic_prior_cells> cells_;
+  TileProgram<shaders::intrinsic_prior_cell_values> values_;
   TileProgram<shaders::intrinsic_prior_save_reference> save_reference_;
   TileList changes_;
   gpu::BufferPtr biases_, kept_, kept_statistics_;

@@ -112,6 +112,7 @@ class Settings {
         {"chroma", [](Params& p) { p.prior.chroma_weight = 0; }, false},
         {"paint on edges", [](Params& p) { p.prior.reflectance_weight = kNearlyNone; }, false},
         {"light on edges", [](Params& p) { p.prior.shading_weight = kNearlyNone; }, false},
+        {"value", [](Params& p) { p.prior.value_weight = kNearlyNone; }, false},
         {"temporal anchor", [](Params& p) { p.anchor.anchor_weight = 0; }, true},
         {"holding", [](Params& p) { p.anchor.hold = 0; }, true},
         {"growing trust", [](Params& p) { p.anchor.anchor_frames = 1; }, true}};
@@ -136,19 +137,22 @@ class Settings {
     const std::pair<const char*, float> factors[] = {{"/2", 0.5F}, {"", 1.0F}, {"·2", 2.0F}};
     double order = 0;
     for (const auto& [light, shading] : factors)
-      for (const auto& [chroma, chroma_weight] : factors) {
-        Params params;
-        params.prior.shading_weight *= shading;
-        params.prior.chroma_weight *= chroma_weight;
-        all.push_back({.curve = "weights",
-                       .name = std::string("b") + light + " g" + chroma,
-                       .order = order++,
-                       .parameters = {{"shading-weight", text_of(double(shading))},
-                                      {"chroma-weight", text_of(double(chroma_weight))}},
-                       .make = make(params),
-                       .lmse_only = true,
-                       .effort = Effort::full});
-      }
+      for (const auto& [value, value_weight] : factors)
+        for (const auto& [chroma, chroma_weight] : factors) {
+          Params params;
+          params.prior.shading_weight *= shading;
+          params.prior.value_weight *= value_weight;
+          params.prior.chroma_weight *= chroma_weight;
+          all.push_back({.curve = "weights",
+                         .name = std::string("b") + light + " v" + value + " g" + chroma,
+                         .order = order++,
+                         .parameters = {{"shading-weight", text_of(double(shading))},
+                                        {"value-weight", text_of(double(value_weight))},
+                                        {"chroma-weight", text_of(double(chroma_weight))}},
+                         .make = make(params),
+                         .lmse_only = true,
+                         .effort = Effort::full});
+        }
   }
 
   /// Turns off all of adaptivity except one part.
@@ -167,6 +171,7 @@ class Settings {
         {"tiles", [](Params& p) { only(p, &Tolerances::tile); }},
         {"edges of tiles", [](Params& p) { only(p, &Tolerances::edge); }},
         {"cycles", [](Params& p) { only(p, &Tolerances::cycle); }},
+        {"chroma bins", [](Params& p) { only(p, &Tolerances::chroma); }},
         {"anchor of pixels", [](Params& p) { only(p, &Tolerances::gate); }},
         {"half resolution", [](Params& p) { only(p, &Tolerances::half); }}};
     double order = 0;

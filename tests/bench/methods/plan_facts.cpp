@@ -45,13 +45,14 @@ void record(DeviceSession& session, const Scene& scene) {
     const auto found = method.findings();
     const Plan& plan = found.plan;
     std::printf(
-        "%s,%d,%d,%d,%.9g,%u,%.9g,%d,%u,%u,%.9g,%u,%.9g,%d,%d,%d,%u,%.9g,%.9g,%d,%d,%d\n",
+        "%s,%d,%d,%d,%.9g,%u,%.9g,%d,%u,%u,%.9g,%.9g,%u,%.9g,%d,%d,%d,%u,%.9g,%.9g,%d,%d,%d,%d\n",
         scene.name.c_str(), before != nullptr, layers, repeated,
         before ? double(count) / double(affected.size()) : 1, found.cycles, double(found.change),
-        found.cut, found.tiles, found.tiles_evaluated, double(found.gate), found.tiles_moving,
-        double(std::max(found.drift, found.mean_drift / Planner::kMeanDrift)), int(plan.mode),
-        plan.all_tiles, int(plan.edges), plan.cycles, double(plan.cycle_tolerance),
-        double(plan.tile_tolerance), plan.compares_pixels, plan.bins, plan.measures_gate);
+        found.cut, found.tiles, found.tiles_evaluated, double(found.binding), double(found.gate),
+        found.tiles_moving, double(std::max(found.drift, found.mean_drift / Planner::kMeanDrift)),
+        int(plan.mode), plan.all_tiles, int(plan.edges), plan.cycles, double(plan.cycle_tolerance),
+        double(plan.tile_tolerance), plan.compares_pixels, plan.bins, plan.measures_bins,
+        plan.measures_gate);
     before = &frame;
     layers = !plan.whole();
   }
@@ -61,8 +62,8 @@ int main(const std::string& folder) {
   DeviceSession session("");
   std::printf(
       "scene,history,layers_reusable,repeated,changed,cycles,change,cut,tiles,tiles_evaluated,"
-      "gate,tiles_moving,drift,mode,all_tiles,edges,plan_cycles,cycle_tolerance,"
-      "tile_tolerance,compares_pixels,bins,measures_gate\n");
+      "binding,gate,tiles_moving,drift,mode,all_tiles,edges,plan_cycles,cycle_tolerance,"
+      "tile_tolerance,compares_pixels,bins,measures_bins,measures_gate\n");
   for (const Scene& scene : read_scenes(folder))
     if (scene.video) record(session, scene);
   return 0;

@@ -125,7 +125,7 @@ void terms(DeviceSession& session, const Scene& scene, size_t frames) {
                       uint32_t(scene.frames[0].input.height)};
   Params all, bins, pixels, chosen;
   chosen.tolerances.half = 0;
-  all.tolerances.gate = all.tolerances.half = 0;
+  all.tolerances.chroma = all.tolerances.gate = all.tolerances.half = 0;
   bins = pixels = all;
   bins.prior.chroma_weight = 0;  // as if skipped
   pixels.tolerances.gate = 1;
@@ -133,11 +133,12 @@ void terms(DeviceSession& session, const Scene& scene, size_t frames) {
                 {session, extent, bins},
                 {session, extent, pixels},
                 {session, extent, chosen}};
-  double gate = 0;
+  double binding = 0, gate = 0;
   std::vector<double> change[4];
   for (size_t k = 0; k < frames; ++k) {
     const TruthFrame& frame = frame_at(scene, k);
     for (Run& run : runs) run.step(session, frame, k == 0);
+    binding = std::max(binding, double(runs[0].found().binding));
     gate = std::max(gate, double(runs[0].found().gate));
     if (k < 2) continue;
     for (size_t i = 1; i < 4; ++i)
@@ -147,7 +148,7 @@ void terms(DeviceSession& session, const Scene& scene, size_t frames) {
   }
   const auto& last = runs[3].method.stats(runs[3].method.recorded() - 1).plan.skipped;
   name(scene);
-  std::printf("%.3f | %.2f | %.3f | %.4f | %.2f | %.4f | %.2f | ", mean(change[1]),
+  std::printf("%.3f | %.3f | %.2f | %.3f | %.4f | %.2f | %.4f | %.2f | ", binding, mean(change[1]),
               ratio(runs[0], runs[1]), gate, mean(change[2]), ratio(runs[0], runs[2]),
               mean(change[3]), ratio(runs[0], runs[3]));
   std::printf("%.4f, %.4f, %.4f, %.4f | ", mean(runs[0].lmse), mean(runs[1].lmse),

@@ -61,22 +61,21 @@ class Energy {
       entries.emplace_back(p, q, -weight), entries.emplace_back(q, p, -weight);
       b[p] += step, b[q] -= step;
     };
-    const double mass = reference::min_mass(width, height);
     for (std::size_t i = 0; i < n; ++i) {
-      b[Eigen::Index(i)] += mass * 0.5 * (l.m[i] + l.u[i] + guide_.mean);
-      entries.emplace_back(int(i), int(i), reference::kMinDiagonal + mass);
+      entries.emplace_back(int(i), int(i), reference::kMinDiagonal);
       if (i % w + 1 < w) edge(i, i + 1, prior_.a_right[i], prior_.b_right[i]);
       if (i + w < n) edge(i, i + w, prior_.a_down[i], prior_.b_down[i]);
     }
     std::vector<double> wanted(cells_.m.size());
     const std::vector<double> bins = through_bins(cells_.m);
     for (std::size_t c = 0; c < members.size(); ++c) {
-      wanted[c] = prior_.g[c] * (cells_.m[c] - bins[c]);
+      const double screen = prior_.v[c] + prior_.g[c];
+      wanted[c] = prior_.v[c] * prior_.V[c] + prior_.g[c] * (cells_.m[c] - bins[c]);
       for (const std::size_t i : members[c]) {
         b[Eigen::Index(i)] += share_[i] * wanted[c];
-        start[Eigen::Index(i)] = 0.5 * (l.m[i] + l.u[i] + guide_.mean);
+        start[Eigen::Index(i)] = prior_.V[c] + l.m[i] + l.u[i] - cells_.m[c] - cells_.u[c];
         for (const std::size_t j : members[c])
-          entries.emplace_back(int(i), int(j), prior_.g[c] * share_[i] * share_[j]);
+          entries.emplace_back(int(i), int(j), screen * share_[i] * share_[j]);
       }
     }
     sparse.resize(Eigen::Index(n), Eigen::Index(n));

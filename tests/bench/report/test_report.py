@@ -198,7 +198,7 @@ class Ablations(unittest.TestCase):
         whole = self.ours("quality", "4", [0.1, 0.3, 0.5])
         for r in whole:
             r["base"] = True
-        rows = whole + self.ours("without", "chroma", [0.2, 0.4, 0.4], time=8) + self.ours("weights", "b g", [9, 9, 9])
+        rows = whole + self.ours("without", "chroma", [0.2, 0.4, 0.4], time=8) + self.ours("weights", "b v g", [9, 9, 9])
         found = ablations.stills(rows, "intrinsicdecomp", "processor_ms")
         self.assertEqual([e["term"] for e in found], ["", "chroma"])
         self.assertAlmostEqual(found[0]["errors"]["r"], 0.2)
@@ -211,15 +211,15 @@ class Ablations(unittest.TestCase):
         self.assertEqual(ablations.stills(whole, "intrinsicdecomp", "processor_ms"), [])
 
     def test_weights_are_chosen_without_the_scene(self):
-        # Twice the chroma weight is best on scene 0 alone, by so much that it would be chosen with it.
-        rows = (self.ours("weights", "b g", [0.5, 0.2, 0.2], regimes="rrr") +
-                self.ours("weights", "b g·2", [0.0, 0.3, 0.3], regimes="rrr"))
+        # Twice the value weight is best on scene 0 alone, by so much that it would be chosen with it.
+        rows = (self.ours("weights", "b v g", [0.5, 0.2, 0.2], regimes="rrr") +
+                self.ours("weights", "b v·2 g", [0.0, 0.3, 0.3], regimes="rrr"))
         found = ablations.leave_one_out(rows)
         entry = found["regimes"]["r"]
         self.assertAlmostEqual(entry["ships"], 0.3)
         self.assertAlmostEqual(entry["best"], 0.2)
         self.assertAlmostEqual(entry["left_out"], (0.5 + 0.3 + 0.3) / 3)
-        self.assertEqual(found["picks"], {"b g": 1, "b g·2": 2})
+        self.assertEqual(found["picks"], {"b v g": 1, "b v·2 g": 2})
         self.assertIsNone(ablations.leave_one_out(rows[:1]))
         self.assertIn("| r (3) | .3000 | .3667 | .2000 |", tables.left_out(found))
 

@@ -47,7 +47,7 @@ TEST(Log, ReportsWhyWorkIsNotSkipped) {
   for (const char* reason :
        {"decomposed: adaptive is off or skip-error is 0.", "decomposed: the picture changed.",
         "all tiles: adaptive is off or skip-error is 0", "all tiles: all of them changed",
-        "full resolution: not compared yet"})
+        "chroma bins: their effect is measured", "full resolution: not compared yet"})
     EXPECT_GE(log.count(GST_LEVEL_DEBUG, reason), 1u) << reason;
 }
 

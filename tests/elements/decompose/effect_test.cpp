@@ -49,12 +49,17 @@ std::vector<uint8_t> frame_at(int t) {
   });
 }
 
+/// A gray ramp.
+std::vector<uint8_t> ramp_at(int /*t*/) {
+  return draw16([](int x, int y, int) { return (25 + x + y / 4) / 255.0; });
+}
+
 using Frames = std::vector<std::vector<uint8_t>>;
 
-Frames frames_of(const std::string& line) {
+Frames frames_of(const std::string& line, std::vector<uint8_t> (*picture)(int) = frame_at) {
   VideoHarness harness(line, kCaps, kCaps);
   Frames frames;
-  for (int t = 0; t < kFrames; ++t) frames.push_back(harness.process(frame_at(t)));
+  for (int t = 0; t < kFrames; ++t) frames.push_back(harness.process(picture(t)));
   EXPECT_TRUE(harness.warnings().empty()) << line;
   return frames;
 }
@@ -75,25 +80,14 @@ std::set<std::string> tuning_of(const char* factory) {
 const std::vector<std::string> kProperties = {
     "light-color-slope=0.5", "reflectance-weight=2", "shading-weight=2", "temporal-weight=3",
     "temporal-hold=0.3",     "white-level=0.5",      "skip-error=0"};
-const std::vector<std::string> kTuning = {"cycles=1",
-                                          "warm-cycles=1",
-                                          "half-resolution=true",
-                                          "chroma-weight=0.2",
-                                          "white-quantile=0.5",
-                                          "temporal-frames=1",
-                                          "temporal-motion=0.05",
-                                          "temporal-chroma=0.01",
-                                          "temporal-detail=1",
-                                          "temporal-texture=0.01",
-                                          "temporal-hold-light=1",
-                                          "cut-fraction=1",
-                                          "temporal-hold-texture=2",
-                                          "cycle-tolerance=0.5",
-                                          "edge-tolerance=1",
-                                          "tile-tolerance=1",
-                                          "gate-tolerance=1",
-                                          "half-tolerance=1",
-                                          "repeat-tolerance=0.1"};
+const std::vector<std::string> kTuning = {
+    "cycles=1",          "warm-cycles=1",           "half-resolution=true",
+    "value-weight=3",    "chroma-weight=0.2",       "white-quantile=0.5",
+    "temporal-frames=1", "temporal-motion=0.05",    "temporal-chroma=0.01",
+    "temporal-detail=1", "temporal-texture=0.01",   "temporal-hold-light=1",
+    "cut-fraction=1",    "temporal-hold-texture=2", "cycle-tolerance=0.5",
+    "edge-tolerance=1",  "tile-tolerance=1",        "gate-tolerance=1",
+    "half-tolerance=1",  "repeat-tolerance=0.1"};
 const std::vector<std::string> kLight = {
     "typical-amount=2", "measurement-weight=0", "white-balance=1", "base-colors=1",
     "reach=0.05",       "near-share=0",         "update-rate=1",   "cut-chroma=1"};
@@ -112,6 +106,9 @@ TEST(Effect, EverySettingOfIntrinsicdecompChangesFrames) {
   const std::string half = "intrinsicdecomp tuning=half-resolution=true";
   EXPECT_TRUE(frames_of(half + ":quarter-resolution=true") != frames_of(half));
   names.insert("quarter-resolution");
+  EXPECT_TRUE(frames_of("intrinsicdecomp tuning=chroma-tolerance=1", ramp_at) !=
+              frames_of("intrinsicdecomp", ramp_at));
+  names.insert("chroma-tolerance");
   EXPECT_EQ(names, tuning_of("intrinsicdecomp")) << "a new entry needs a line here";
 }
 

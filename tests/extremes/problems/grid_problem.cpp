@@ -2,7 +2,6 @@
 #include "grid_problem.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "kernels/image/pyramid.hpp"
 #include "kernels/intrinsic/chroma/chroma_bins.hpp"
@@ -25,7 +24,7 @@ double share(uint32_t at, uint32_t count) {
 
 GridSystem::GridSystem(Extent size) : extent(size), cells(half_of(half_of(size))) {
   for (auto* plane : {&right, &down, &f}) plane->assign(extent.pixels(), 0.0F);
-  for (auto* plane : {&g, &m, &anchor}) plane->assign(cells.pixels(), 0.0F);
+  for (auto* plane : {&screen, &pull, &anchor}) plane->assign(cells.pixels(), 0.0F);
 }
 
 Eigen::MatrixXd matrix_of(const GridSystem& system) {
@@ -41,35 +40,25 @@ Eigen::MatrixXd matrix_of(const GridSystem& system) {
   for (uint32_t y = 0; y < height; ++y)
     for (uint32_t x = 0; x < width; ++x) {
       const size_t n = system.at(x, y), cell = system.cell(x, y);
-      matrix(n, n) += static_cast<double>(system.anchor[cell]) + reference::kMinDiagonal;
+      matrix(n, n) +=
+          static_cast<double>(system.anchor[cell]) + static_cast<double>(reference::kMinDiagonal);
       if (x + 1 < width) edge(n, n + 1, static_cast<double>(system.right[n]));
       if (y + 1 < height) edge(n, n + width, static_cast<double>(system.down[n]));
       for (uint32_t v = y / 4 * 4; v < std::min(height, y / 4 * 4 + 4); ++v)
         for (uint32_t u = x / 4 * 4; u < std::min(width, x / 4 * 4 + 4); ++u)
-          matrix(n, system.at(u, v)) += static_cast<double>(system.g[cell]) * share(x, width) *
+          matrix(n, system.at(u, v)) += static_cast<double>(system.screen[cell]) * share(x, width) *
                                         share(y, height) * share(u, width) * share(v, height);
     }
-  Eigen::VectorXd weighted = Eigen::VectorXd::Zero(pixels);
-  for (uint32_t y = 0; y < height; ++y)
-    for (uint32_t x = 0; x < width; ++x)
-      weighted(static_cast<Eigen::Index>(system.at(x, y))) =
-          static_cast<double>(system.g[system.cell(x, y)]) * share(x, width) * share(y, height);
-  const double all = std::accumulate(system.g.begin(), system.g.end(), 0.0);
-  if (all > 0) matrix -= weighted * weighted.transpose() / all;
   return matrix;
 }
 
 std::vector<double> right_hand_side(const GridSystem& system) {
   const auto [width, height] = system.extent;
-  const double all = std::accumulate(system.g.begin(), system.g.end(), 0.0);
-  const double mean =
-      std::inner_product(system.g.begin(), system.g.end(), system.m.begin(), 0.0) / all;
   std::vector<double> b;
   for (uint32_t y = 0; y < height; ++y)
     for (uint32_t x = 0; x < width; ++x)
       b.push_back(static_cast<double>(system.f[system.at(x, y)]) +
-                  static_cast<double>(system.g[system.cell(x, y)]) *
-                      (static_cast<double>(system.m[system.cell(x, y)]) - mean) * share(x, width) *
+                  static_cast<double>(system.pull[system.cell(x, y)]) * share(x, width) *
                       share(y, height));
   return b;
 }
@@ -81,7 +70,7 @@ std::vector<std::vector<double>> cycles_on_device(const Lab& lab, const GridSyst
   Guide guide(lab.device(), extent);
   ChromaBins bins(lab.device(), cells);
   const uint32_t packs = pack4_count(extent.width), cell_packs = pack4_count(cells.width);
-  Pixels pixels(pack4_count(extent) * 12, 0.0F), terms(pack4_count(cells) * 8, 0.0F);
+  Pixels pixels(pack4_count(extent) * 12, 0.0F), terms(pack4_count(cells) * 16, 0.0F);
   Pixels source(pack4_count(cells) * 12, 0.0F);
   for (uint32_t y = 0; y < extent.height; ++y)
     for (uint32_t x = 0; x < extent.width; ++x) {
@@ -95,8 +84,8 @@ std::vector<std::vector<double>> cycles_on_device(const Lab& lab, const GridSyst
     for (uint32_t x = 0; x < cells.width; ++x) {
       const size_t n = static_cast<size_t>(y) * cells.width + x;
       const size_t pack = static_cast<size_t>(y) * cell_packs + x / 4;
-      terms[8 * pack + x % 4] = source[12 * pack + 4 + x % 4] = system.g[n];
-      terms[8 * pack + 4 + x % 4] = system.m[n];
+      terms[16 * pack + x % 4] = source[12 * pack + 4 + x % 4] = system.screen[n];
+      terms[16 * pack + 4 + x % 4] = system.pull[n];  // no chroma term: the bins have no say
       source[12 * pack + 8 + x % 4] = system.anchor[n];
     }
   const auto frame = lab.upload(Pixels(4 * extent.pixels(), 0.5F));
@@ -115,8 +104,7 @@ std::vector<std::vector<double>> cycles_on_device(const Lab& lab, const GridSyst
     commands.copy(system_buffer, multigrid.system(), system_buffer->bytes());
     commands.copy(source_buffer, multigrid.cell_source_term(), source_buffer->bytes());
     multigrid.record_operators(commands, params);
-    bins.record_weights(commands, guide, terms_buffer,
-                        *std::max_element(system.g.begin(), system.g.end()));
+    bins.record_weights(commands, guide, terms_buffer, 1);
   });
   std::vector<std::vector<double>> solutions;
   for (uint32_t k = 0; k < cycles; ++k) {

@@ -9,12 +9,11 @@
 namespace inverse::extremes {
 
 /// Edges live with the pixel on their left or upper end; 0 if there is none. Cells of 4 × 4
-/// pixels are of one chroma: the energy has g (m − mean s − r)² of every cell, r the mean of
-/// m − mean s weighted by g, and t of each of its pixels.
+/// pixels carry screen (mean s)² − 2 pull (mean s), and t of each of their pixels.
 struct GridSystem {
   Extent extent, cells;
-  std::vector<float> right, down, f;  ///< pixels
-  std::vector<float> g, m, anchor;    ///< cells
+  std::vector<float> right, down, f;        ///< pixels
+  std::vector<float> screen, pull, anchor;  ///< cells
 
   explicit GridSystem(Extent extent);
   size_t at(uint32_t x, uint32_t y) const { return static_cast<size_t>(y) * extent.width + x; }
@@ -23,8 +22,7 @@ struct GridSystem {
   }
 };
 
-/// Its matrix and right-hand side. Without an anchor the mean of the solution is free but for
-/// kMinDiagonal.
+/// Its matrix; the right-hand side is f plus every pixel's share of its cell's pull.
 Eigen::MatrixXd matrix_of(const GridSystem& system);
 std::vector<double> right_hand_side(const GridSystem& system);
 

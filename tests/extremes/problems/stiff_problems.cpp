@@ -9,7 +9,6 @@
 
 #include "global_thesis_problem.hpp"
 #include "grid_problem.hpp"
-#include "tests/differences.hpp"
 #include "tests/extremes/support/problem.hpp"
 #include "thesis_problem.hpp"
 
@@ -146,26 +145,16 @@ void add_thesis(std::vector<Problem>& problems, Solver solver) {
 }
 
 Problem grid_problem(const std::string& name, const GridSystem& system) {
-  Eigen::MatrixXd matrix = matrix_of(system);
-  std::vector<double> b = right_hand_side(system);
-  const bool anchored = *std::max_element(system.anchor.begin(), system.anchor.end()) > 0;
-  if (!anchored) {  // judged up to a constant: the solution of mean 0
-    matrix.array() += matrix.diagonal().mean() / static_cast<double>(matrix.rows());
-    b = without_mean(b);
-  }
   return {name,
           Solver::multigrid,
-          matrix,
-          b,
-          [system, anchored](const Lab& lab) {
-            const auto x = cycles_on_device(lab, system, kCycles).back();
-            return anchored ? x : without_mean(x);
-          },
+          matrix_of(system),
+          right_hand_side(system),
+          [system](const Lab& lab) { return cycles_on_device(lab, system, kCycles).back(); },
           static_cast<int>(kCycles)};
 }
 
-/// Edges 10^low … 10^high, uniform in the logarithm; every cell with g.
-GridSystem random_grid(unsigned seed, double low, double high, float g) {
+/// Edges 10^low … 10^high, uniform in the logarithm; every cell screened by `screen`.
+GridSystem random_grid(unsigned seed, double low, double high, float screen) {
   GridSystem system(kGrid);
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> exponent(low, high), unit(-0.5, 0.5);
@@ -173,16 +162,16 @@ GridSystem random_grid(unsigned seed, double low, double high, float g) {
     system.right[n] = static_cast<float>(std::pow(10, exponent(random)));
     system.down[n] = static_cast<float>(std::pow(10, exponent(random)));
   }
-  for (size_t n = 0; n < system.g.size(); ++n) {
-    system.g[n] = g;
-    system.m[n] = static_cast<float>(unit(random) - 1);
+  for (size_t n = 0; n < system.screen.size(); ++n) {
+    system.screen[n] = screen;
+    system.pull[n] = screen * static_cast<float>(unit(random) - 1);
   }
   return system;
 }
 
 /// Patches of 8 × 8 pixels whose insides hold together with `inside` and each other with `between`.
-GridSystem patched_grid(float inside, float between, float g) {
-  GridSystem system = random_grid(5, 0, 0, g);
+GridSystem patched_grid(float inside, float between, float screen) {
+  GridSystem system = random_grid(5, 0, 0, screen);
   for (uint32_t y = 0; y < kGrid.height; ++y)
     for (uint32_t x = 0; x < kGrid.width; ++x) {
       system.right[system.at(x, y)] = x % 8 == 7 ? between : inside;
@@ -200,9 +189,9 @@ void add_grids(std::vector<Problem>& problems) {
     problems.push_back(
         grid_problem("patches of " + decade(static_cast<double>(inside)) + " that 1 joins",
                      patched_grid(inside, 1, 0.1F)));
-  for (const float g : {1e3F, 1e-2F, 1e-4F})
-    problems.push_back(
-        grid_problem("cells of g " + decade(static_cast<double>(g)), random_grid(7, -1, 1, g)));
+  for (const float screen : {1e3F, 1e-2F, 1e-4F})
+    problems.push_back(grid_problem("cells held by " + decade(static_cast<double>(screen)),
+                                    random_grid(7, -1, 1, screen)));
   for (const float anchor : {1e3F, 1e5F}) {
     GridSystem system = random_grid(8, -1, 1, 1);
     system.anchor[7] = anchor;

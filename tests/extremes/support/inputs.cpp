@@ -146,15 +146,15 @@ template <typename Params>
 void turn_knobs(const Case& one, Params& params) {
   std::mt19937 random(one.seed);
   const auto end = [&] { return random() % 2 ? 1e3F : 1e-3F; };  // drawn whether it is used or not
-  const float ends[] = {end(), end(), end(), end()};
+  const float ends[] = {end(), end(), end(), end(), end()};
   const bool less = random() % 2;
   params.light.slope = 0;
   if (one.knobs & 1U) params.prior.reflectance_weight = ends[0];
   if (one.knobs & 2U) params.prior.shading_weight = ends[1];
-  if (one.knobs & 4U) params.prior.chroma_weight = ends[2];
-  if (one.knobs & 8U) params.prior.chroma_weight = 0;
+  if (one.knobs & 4U) params.prior.value_weight = ends[2];
+  if (one.knobs & 8U) params.prior.chroma_weight = ends[3] < 1 ? 0 : ends[3];
   if (one.knobs & 16U) {
-    params.anchor.anchor_weight = ends[3] < 1 ? 0 : ends[3];
+    params.anchor.anchor_weight = ends[4] < 1 ? 0 : ends[4];
     params.light.slope.reset();
   }
   if (one.knobs & 32U) {

@@ -40,7 +40,7 @@ TEST_F(IntrinsicTest, WholeSolveAgreesWithReference) {
   for (const Extent extent : kOddSizes) {
     const Pixels pixels = scene(extent, 1);
     const auto expected = expected_of(extent, pixels).log_shading;
-    const Pixels got = decompose(extent, pixels, {.adaptive = false});
+    const Pixels got = decompose(extent, pixels);
     for (size_t i = 0; i < got.size(); ++i)
       if (i % 4 < 3) {
         ASSERT_NEAR(got[i] * got[i | 3], pixels[i], 1e-5) << "R S must be I";
@@ -59,8 +59,7 @@ TEST_F(IntrinsicTest, ColoredLightAgreesWithReference) {
       Layers layers;
       run([&](gpu::Commands& commands) {
         light.record(commands, frame->buffer, {slope}, true);
-        layers =
-            method.record(commands, frame, {.adaptive = false}, {.reset = true, .light = &light});
+        layers = method.record(commands, frame, {}, {.reset = true, .light = &light});
       });
       const Pixels carried = download(layers[Role::slope]), got = download(layers[Role::intrinsic]);
       EXPECT_EQ(carried[0], slope);
@@ -78,7 +77,7 @@ TEST_F(IntrinsicTest, ColoredLightAgreesWithReference) {
           ASSERT_NEAR(double(got[4 * i + c] * got[4 * i + 3]) * color[c], pixels[4 * i + c], 1e-5)
               << "reflectance in colored light must be the frame";
       }
-      EXPECT_LT(worst, 1e-3) << name_of(extent) << ", slope " << slope;
+      EXPECT_LT(worst, 0.015) << name_of(extent) << ", slope " << slope;
     }
 }
 
@@ -254,10 +253,11 @@ TEST_F(IntrinsicTest, AbsurdParametersStayFinite) {
   const Extent extent{64, 48};
   const Pixels pixels = scene(extent, 14);
   for (const float factor : {1e-3F, 1e3F})
-    for (int which = 0; which < 4; ++which) {
+    for (int which = 0; which < 5; ++which) {
       IntrinsicDecomposition::Params params;
       float* weights[] = {&params.prior.reflectance_weight, &params.prior.shading_weight,
-                          &params.prior.chroma_weight, &params.anchor.anchor_weight};
+                          &params.prior.value_weight, &params.prior.chroma_weight,
+                          &params.anchor.anchor_weight};
       *weights[which] = factor;
       IntrinsicDecomposition method(device, extent);
       for (int frame = 0; frame < 2; ++frame)

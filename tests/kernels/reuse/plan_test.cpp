@@ -32,7 +32,7 @@ struct Video {
     found.plan.history = true;
     found.cycles = found.plan.cycles = 2;
     found.tiles = 100;
-    found.gate = 1;
+    found.binding = found.gate = 1;  // everything binds
   }
   Plan next() {
     Planner::Frame now = frame;
@@ -57,7 +57,7 @@ TEST(Plan, AStaticVideoIsSolvedByTilesAndSometimesWhole) {
   for (unsigned k = 1; k <= 4 * Planner::kAllEvery; ++k) {
     const auto plan = video.next();
     ASSERT_EQ(plan.mode, Mode::tiles);
-    EXPECT_FALSE(plan.measures_gate);
+    EXPECT_FALSE(plan.measures_bins || plan.measures_gate);
     since = plan.all_tiles ? 0 : since + 1;
     EXPECT_LT(since, Planner::kAllEvery) << "no tile is left out for longer";
     all += plan.all_tiles;
@@ -95,18 +95,19 @@ TEST(Plan, AChangeOfMostTilesIsSolvedWhole) {
   EXPECT_EQ(mode([](Video& v) { v.policy.restart(); }), Mode::watched);
 }
 
-TEST(Plan, ASkippedAnchorIsEstimatedMoreOften) {
-  const auto measured = [](bool open, float changed) {
+TEST(Plan, SkippedBinsAndAnchorAreEstimatedMoreOften) {
+  const auto measured = [](bool binds, float changed) {
     Video video;
     video.frame.changed = changed;
-    video.found.plan.measures_gate = true;
-    if (!open) video.found.gate = 0;
+    video.found.plan.measures_bins = video.found.plan.measures_gate = true;
+    if (!binds) video.found.binding = 0;
     unsigned count = 0;
     for (int k = 0; k < 65; ++k) {
       const auto plan = video.next();
       if (k < 1) continue;
-      count += plan.measures_gate;
-      EXPECT_TRUE(plan.compares_pixels || !open);
+      count += plan.measures_bins;
+      EXPECT_TRUE(plan.bins || !binds);
+      EXPECT_TRUE(plan.bins || !plan.measures_bins) << "what is looked at must be there";
     }
     return count;
   };
@@ -115,16 +116,21 @@ TEST(Plan, ASkippedAnchorIsEstimatedMoreOften) {
   EXPECT_EQ(measured(true, 0), 1U) << "over tiles alone nothing of the whole is measured";
   Video off;
   off.frame.changed = 1;
-  off.found.plan.measures_gate = true;
-  off.found.gate = 0;
+  off.found.plan.measures_bins = off.found.plan.measures_gate = true;
+  off.found.binding = off.found.gate = 0;
   off.after(5);
   const auto plan = off.next();
+  EXPECT_FALSE(plan.bins);
   EXPECT_FALSE(plan.compares_pixels);
+  off.found.cut = true;  // of another scene nothing is known
   off.found.gate = 1;
-  EXPECT_TRUE(off.next().compares_pixels);
+  const auto cut = off.next();
+  EXPECT_TRUE(cut.bins);
+  EXPECT_TRUE(cut.compares_pixels);
   off.params.adaptive = false;
+  off.found.cut = false;
   off.found.gate = 0;
-  EXPECT_TRUE(off.next().compares_pixels) << "adaptive=false leaves nothing out";
+  EXPECT_TRUE(off.next().bins && off.next().compares_pixels) << "adaptive=false leaves nothing out";
 }
 
 TEST(Plan, EdgesAreComparedRarelyIfMostAreRecomputed) {
@@ -186,9 +192,10 @@ std::map<std::string, std::vector<RecordedFrame>> recorded_scenes() {
     int mode = 0, edges = 0;
     row >> r.frame.history >> r.frame.layers_reusable >> r.frame.repeated >> r.frame.changed >>
         r.found.cycles >> r.found.change >> r.found.cut >> r.found.tiles >>
-        r.found.tiles_evaluated >> r.found.gate >> r.found.tiles_moving >> r.found.drift >> mode >>
-        r.found.plan.all_tiles >> edges >> r.found.plan.cycles >> r.found.plan.cycle_tolerance >>
-        r.found.plan.tile_tolerance >> r.found.plan.compares_pixels >> r.found.plan.bins >>
+        r.found.tiles_evaluated >> r.found.binding >> r.found.gate >> r.found.tiles_moving >>
+        r.found.drift >> mode >> r.found.plan.all_tiles >> edges >> r.found.plan.cycles >>
+        r.found.plan.cycle_tolerance >> r.found.plan.tile_tolerance >>
+        r.found.plan.compares_pixels >> r.found.plan.bins >> r.found.plan.measures_bins >>
         r.found.plan.measures_gate;
     EXPECT_FALSE(row.fail()) << line;
     r.found.plan.mode = Mode(mode);

@@ -177,19 +177,13 @@ double between_cells(const std::vector<double>& plane, const GuideLevel& cells, 
 
 }  // namespace
 
-double cell_factor(int width, int height) {
-  return 16 * kUnitPixels / std::max(double(width) * height, kUnitPixels / 4);
-}
-
-double min_mass(int width, int height) { return 1e-3 / 16 * cell_factor(width, height); }
-
 EdgePrior edge_prior(const Guide& guide, const IntrinsicParams& params) {
   const GuideLevel& l = guide.level[0];
   const std::size_t n = l.m.size();
   EdgePrior p;
   for (auto* plane : {&p.a_right, &p.b_right, &p.a_down, &p.b_down}) plane->assign(n, 0.0);
   std::array<double, kEdgeFeatures> ef{};
-  std::array<double, 2> out{};
+  std::array<double, 3> out{};
   for (int y = 0; y < l.height; ++y)
     for (int x = 0; x < l.width; ++x)
       for (const bool down : {false, true}) {
@@ -201,15 +195,16 @@ EdgePrior edge_prior(const Guide& guide, const IntrinsicParams& params) {
         (down ? p.b_down : p.b_right)[l.index(x, y)] = params.shading_weight * weight_of(out[1]);
       }
   const GuideLevel& cells = guide.level[kCellLevel];
-  p.g.assign(cells.m.size(), 0.0);
-  const double factor = cell_factor(l.width, l.height);
+  for (auto* plane : {&p.v, &p.V, &p.g}) plane->assign(cells.m.size(), 0.0);
   std::array<double, kCellFeatures> cf{};
   for (int y = 0; y < cells.height; ++y)
     for (int x = 0; x < cells.width; ++x) {
       const std::size_t i = cells.index(x, y);
       cell_features(guide, x, y, cf.data());
       evaluate(kCellNet, cf.data(), out.data());
-      p.g[i] = factor * params.chroma_weight * weight_of(out[0]);
+      p.v[i] = kCellArea * params.value_weight * weight_of(out[0]);
+      p.V[i] = cells.m[i] + cells.u[i] + out[1];
+      p.g[i] = kCellArea * params.chroma_weight * weight_of(out[2]);
     }
   return p;
 }
@@ -225,8 +220,7 @@ ChromaBins splat_bins(const GuideLevel& cells, const std::vector<double>& g,
       bins.mean[p.at[j]] += p.hat[j] * g[i] * rho[i];
     }
   }
-  for (std::size_t k = 0; k < bins.mean.size(); ++k)
-    if (bins.weight[k] > 0) bins.mean[k] /= bins.weight[k];
+  for (std::size_t k = 0; k < bins.mean.size(); ++k) bins.mean[k] /= bins.weight[k] + 1e-6;
   return bins;
 }
 
@@ -245,7 +239,14 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
   const std::size_t n = l.m.size(), w = std::size_t(width), cell_count = cells.m.size();
   IntrinsicResult result;
 
-  // The temporal anchor is a term of the pixels of one weight in a cell.
+  // Cell terms; and the temporal anchor, a term of the pixels of one weight in a cell.
+  struct {
+    std::vector<double> screening, data, g;  // v + g, v V, g
+  } terms{std::vector<double>(cell_count), std::vector<double>(cell_count), prior.g};
+  for (std::size_t i = 0; i < cell_count; ++i) {
+    terms.screening[i] = prior.v[i] + prior.g[i];
+    terms.data[i] = prior.v[i] * prior.V[i];
+  }
   const std::vector<double> detail = detail_of(guide);
   Gate gate;
   if (state && state->width == width && state->height == height && !state->rho.empty() &&
@@ -256,10 +257,8 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
   }
 
   multigrid::Level fine(width, height);
-  const double mass = min_mass(width, height);
   for (std::size_t i = 0; i < n; ++i) {
-    fine.mass[i] = kMinDiagonal + mass;
-    fine.f[i] += mass * 0.5 * (l.m[i] + l.u[i] + guide.mean);
+    fine.mass[i] = kMinDiagonal;
     fine.right[i] = prior.a_right[i] + prior.b_right[i];
     fine.down[i] = prior.a_down[i] + prior.b_down[i];
     const std::size_t x = i % w;
@@ -276,9 +275,9 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
     for (int x = 0; x < width; ++x) {
       const std::size_t i = l.index(x, y), c = cells.index(x >> kCellLevel, y >> kCellLevel);
       const bool anchored = result.stats.anchored;
-      double value = 0.5 * (l.m[i] + l.u[i] + guide.mean);
-      if (anchored)
-        value += gate.alike[c] * (state->coarse[c] - 0.5 * (cells.m[c] + cells.u[c] + guide.mean));
+      const double value =
+          (anchored ? prior.V[c] + gate.alike[c] * (state->coarse[c] - prior.V[c]) : prior.V[c]) +
+          l.m[i] + l.u[i] - cells.m[c] - cells.u[c];
       fine.s[i] = value;
       if (!anchored) continue;
       const double before = l.m[i] - state->m[i] + state->s[i];
@@ -288,7 +287,7 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
       fine.f[i] += anchor * before;
       fine.s[i] += gate.value[c] * (before - value);
     }
-  std::vector<multigrid::Level> levels = multigrid::hierarchy(fine, prior.g, kCoarseScale);
+  std::vector<multigrid::Level> levels = multigrid::hierarchy(fine, terms.screening, kCoarseScale);
 
   // Targets of the cells at the bins' present means, and the source terms from them.
   std::vector<double> target(cell_count), rho(cell_count), coarse(cell_count);
@@ -296,17 +295,18 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
       [&](const std::vector<double>& far, const std::vector<double>& means,
           multigrid::Level& level) {
         for (std::size_t i = 0; i < cell_count; ++i) rho[i] = cells.m[i] - means[i] - level.s[i];
-        const ChromaBins bins = splat_bins(cells, prior.g, rho);
+        const ChromaBins bins = splat_bins(cells, terms.g, rho);
         for (std::size_t i = 0; i < cell_count; ++i) {
-          target[i] = cells.m[i] - slice_bins(bins, cells.c0[i], cells.c1[i]);
-          level.f[i] = far[i] + prior.g[i] * (target[i] - means[i]);
+          target[i] = terms.data[i] +
+                      terms.g[i] * (cells.m[i] - slice_bins(bins, cells.c0[i], cells.c1[i]));
+          level.f[i] = far[i] + target[i] - terms.screening[i] * means[i];
         }
       },
       [&](const std::vector<double>& means, const multigrid::Level& level) {
         std::vector<double> source(cell_count);
         for (std::size_t i = 0; i < cell_count; ++i) {
           coarse[i] = means[i] + level.s[i];
-          source[i] = prior.g[i] * (target[i] - coarse[i]);
+          source[i] = target[i] - terms.screening[i] * coarse[i];
         }
         return source;
       }};
@@ -317,7 +317,7 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
   multigrid::Extrapolation extrapolation(params.cycles > 1 ? params.slowest : 0);
   for (int k = 0; k < params.cycles; ++k) {
     const std::vector<double> before = levels[0].s;
-    multigrid::cycle(levels, params.cell_cycles, cell_terms, prior.g, source);
+    multigrid::cycle(levels, params.cell_cycles, cell_terms, terms.screening, source);
     double sum = 0;
     for (std::size_t i = 0; i < n; ++i) sum += square(levels[0].s[i] - before[i]);
     result.stats.change.push_back(std::sqrt(sum / double(n)));

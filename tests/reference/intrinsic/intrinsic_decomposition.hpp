@@ -2,13 +2,12 @@
 // The specification of intrinsicdecomp: one unknown per pixel, log shading s; r = i - s.
 //
 //   E(s) = sum over edges  a (ds - dm)^2 + b ds^2        reflectance constant | shading constant
-//        + sum over cells  g (M - S - rho_bin(c))^2       equal chroma, equal reflectance (soft)
+//        + sum over cells  v (S - V)^2                    value prior: pins scale, low frequencies
+//                        + g (M - S - rho_bin(c))^2       equal chroma, equal reflectance (soft)
 //        + sum over pixels t (s - s_before)^2             temporal anchor
-//                        + mass (s - s_first)^2           fixes the scale; s_first is where frames
-//                        start
 //
 // over 4 x 4 cells with means S of s and M of m; m is the mean log intensity, d the difference
-// across an edge. a, b and g come from EdgePrior, a small fitted function of local cues. See
+// across an edge. a, b, v, V and g come from EdgePrior, a small fitted function of local cues. See
 // docs/reference/methods/intrinsicdecomp.md. Double precision, no dependencies.
 #pragma once
 
@@ -23,6 +22,7 @@ namespace inverse::reference {
 struct IntrinsicParams {
   double reflectance_weight = 1;  ///< Scales a; > 0.
   double shading_weight = 1;      ///< Scales b; > 0.
+  double value_weight = 1;        ///< Scales v; > 0 (0 leaves the scale free).
   double chroma_weight = 1;       ///< Scales g; >= 0; 0 switches the chroma bins off.
   double anchor_weight = 1.2;     ///< t where nothing moves; >= 0; 0 switches the anchor off.
   double anchor_frames = 7;       ///< Frames after a reset or cut until t is that.
@@ -40,28 +40,20 @@ struct IntrinsicParams {
   int cell_cycles = 2;  ///< Cycles from the cell level down within each; bins renewed before each.
 };
 
-inline constexpr int kBins = 48;                  ///< Cells of the chroma grid along each axis.
-inline constexpr double kBinWidth = 0.1;          ///< Natural log units.
-inline constexpr double kCoarseScale = 0.75;      ///< Of summed edge weights, per level.
-inline constexpr double kUnitPixels = 176 * 132;  ///< Of a frame in which cells weigh 1 a pixel.
-inline constexpr double kLogLow = -4.5;  ///< Least ln of a, b, g before the user's factors.
-inline constexpr double kLogHigh = 3;    ///< Largest.
+inline constexpr int kBins = 48;              ///< Cells of the chroma grid along each axis.
+inline constexpr double kBinWidth = 0.1;      ///< Natural log units.
+inline constexpr double kCoarseScale = 0.6;   ///< Of summed edge weights, per level.
+inline constexpr double kCellArea = 16;       ///< Weights of cell terms are per pixel, times this.
+inline constexpr double kMinDiagonal = 1e-6;  ///< Keeps a 1 x 1 frame regular.
+inline constexpr double kLogLow = -4.5;       ///< Least ln of a, b, v, g before the user's factors.
+inline constexpr double kLogHigh = 3;         ///< Largest.
 
 /// Weights of the prior: of each pixel's right and lower edge (width x height), and of each cell of
 /// guide level kCellLevel.
 struct EdgePrior {
   std::vector<double> a_right, b_right, a_down, b_down;
-  std::vector<double> g;
+  std::vector<double> v, V, g;
 };
-
-/// Factor on g. Smooth shading costs the same at every resolution (twice the edges in a row, half
-/// the step at each, squared); so must all cells of a frame together, at least down to a fourth of
-/// kUnitPixels.
-double cell_factor(int width, int height);
-
-inline constexpr double kMinDiagonal = 1e-6;  ///< Of the multigrid, without a target.
-/// Mass of every pixel, whose target is the first solution: it fixes the scale.
-double min_mass(int width, int height);
 
 /// Evaluates the fitted prior.
 EdgePrior edge_prior(const Guide& guide, const IntrinsicParams& params);

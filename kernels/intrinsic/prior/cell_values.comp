@@ -5,21 +5,24 @@
 #include "intrinsic/energy/energy.glsl"
 #include "intrinsic/guide/guide.glsl"
 
-// EdgePrior, cells: g of energy.glsl from a cell's cues. One pack of cells an invocation.
+// EdgePrior, cells: v, V and g of energy.glsl from a cell's cues. One pack of cells an invocation.
 PLANE_IN(0, cells);
 PLANE_IN(1, guide_coarse);
 PLANE_IN(2, statistics);
 PLANE_IN(3, tuning);
-PLANE_OUT(4, chroma);
+PLANE_OUT(4, value);
 #define TILE_CONSTANT 1
 #define TILE_BINDING 5
 #include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   ivec2 size;  // of level 2
-  float factor;  // on g
+  float value_weight;
+  float chroma_weight;
 } push;
 #include "edge_net.glsl"
 #include "net.glsl"
+
+const float kCellArea = 16.0;
 
 void main() {
   int packs = int(PACK4(uint(push.size.x)));
@@ -27,7 +30,7 @@ void main() {
   if (position.y >= push.size.y) return;
   int wide_columns = ((push.size.x + 1) / 2 + 1) / 2;
   float mean = FETCH(statistics, STATISTICS_MEAN).x;
-  vec4 g = vec4(0.0);
+  vec4 v = vec4(0.0), target = vec4(0.0), g = vec4(0.0);
   for (int k = 0; k < 4; ++k) {
     int x = 4 * position.x + k, cell = CELL_STRIDE * (position.y * push.size.x + min(x, push.size.x - 1));
     vec4 p = FETCH(cells, cell), activity = FETCH(cells, cell + 1);
@@ -42,7 +45,14 @@ void main() {
     f[6] = cue(length(around.yz));
     vec4 sums[CELL_VECTORS];
     CELL_BIASES(sums);
-    g = vec4(g.yzw, push.factor * weight(cell_net(f, sums)));
+    vec3 result = cell_net(f, sums);
+    float on = x < push.size.x ? 1.0 : 0.0;
+    v = vec4(v.yzw, on * kCellArea * push.value_weight * weight(result.x));
+    target = vec4(target.yzw, on * (p.x + p.w + result.y));
+    g = vec4(g.yzw, on * kCellArea * push.chroma_weight * weight(result.z));
   }
-  STORE(chroma, position.y * packs + position.x, MASKED(g, INSIDE(position.x, push.size.x)));
+  int to = VALUE_STRIDE * (position.y * packs + position.x);
+  STORE(value, to + VALUE_WEIGHT, v);
+  STORE(value, to + VALUE_TARGET, target);
+  STORE(value, to + VALUE_CHROMA, g);
 }
