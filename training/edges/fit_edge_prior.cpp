@@ -2,11 +2,12 @@
 // Fits the edge prior: stochastic gradient descent through the solve.
 //
 //   fit_edge_prior --out weights.txt [--from weights.txt | --hidden 4] [--seed 1] [--scenes 500]
-//                  [--steps 4000] [--rate 0.005] [--scenes-dir DIR --share 0.5]
+//                  [--steps 4000] [--rate 0.005] [--scenes-dir DIR --share 0.5] [--pairs 0]
 //
 // Examples are procedural (scenes.hpp); a share of each batch comes from the files of a directory
 // (scene_files.hpp), if one is given. Objects on black and palettes of diverse value are drawn more
 // often than they occur. The slope of light is that of the scene with an error, as an estimate has.
+// `--pairs` weighs steps of reflectance between pixels of one paint.
 // training/edges/export_weights.py makes the C++ header.
 #include <algorithm>
 #include <array>
@@ -35,7 +36,7 @@ constexpr double kObjectShare = 0.35, kDiverseShare = 0.5, kDecay = 3e-5;
 struct Options {
   std::string out, from, scenes_dir;
   int scenes = 500, hidden = 4, seed = 1, steps = 4000;
-  double rate = 5e-3, share = 0.5;
+  double rate = 5e-3, share = 0.5, pairs = 0;
 };
 
 void parallel(int n, const std::function<void(int, int)>& work) {
@@ -151,8 +152,8 @@ void fit(const Options& options) {
     parallel(kBatch, [&](int k, int) {
       const std::size_t j = std::size_t(k);
       gradients[j].assign(n, 0);
-      losses[j] =
-          evaluate(model, p, corpus.examples[std::size_t(batch[j])], work[j], &gradients[j]);
+      losses[j] = evaluate(model, p, corpus.examples[std::size_t(batch[j])], work[j], &gradients[j],
+                           options.pairs);
     });
     std::vector<double> g(n, 0);
     for (std::size_t j = 0; j < kBatch; ++j) {  // one example may not dominate a step
@@ -197,7 +198,8 @@ int main(int argc, char** argv) {
                              {"--seed", bench::integer(o.seed)},
                              {"--steps", bench::integer(o.steps)},
                              {"--rate", bench::number(o.rate)},
-                             {"--share", bench::number(o.share)}};
+                             {"--share", bench::number(o.share)},
+                             {"--pairs", bench::number(o.pairs)}};
   if (!bench::read(known, argc, argv, "fit_edge_prior.cpp")) return 2;
   try {
     if (o.out.empty() || o.scenes < 1)

@@ -2,6 +2,7 @@
 #include "problem.hpp"
 
 #include <array>
+#include <random>
 
 #include "colored_light.hpp"
 #include "tests/reference/intrinsic/intrinsic_decomposition.hpp"
@@ -257,6 +258,45 @@ double log_error(const Example& e, const Plane& s, Plane& gradient) {
   return error;
 }
 
+/// Mean distance of ln R over pairs of pixels of one paint, a pseudo-Huber distance, times
+/// `weight`; adds its derivative.
+double pair_error(const Example& e, const Plane& s, double weight, Plane& gradient) {
+  constexpr double kNear = 0.05;
+  double error = 0;
+  const double share = weight / double(std::max(e.pairs.size(), std::size_t(1)));
+  for (const auto& [i, j] : e.pairs) {
+    const double d = double(e.m[i] - s[i] - e.m[j] + s[j]), root = std::sqrt(d * d + kNear * kNear);
+    error += share * (root - kNear);
+    gradient[i] -= float(share * d / root);
+    gradient[j] += float(share * d / root);
+  }
+  return error;
+}
+
+/// Up to 1500 pairs of pixels of equal reflectance (within .05 in every channel) that are not dark.
+std::vector<std::array<std::size_t, 2>> pairs_of(const Example& e) {
+  constexpr std::size_t kPairs = 1500, kTries = 40 * kPairs, kMinUsable = 100;
+  constexpr float kDarkest = -4;  // m
+  std::vector<std::size_t> usable;
+  for (std::size_t i = 0; i < e.m.size(); ++i) {
+    const float* r = &e.reflectance.data[3 * i];
+    if (e.mask.data[i] > 0.5F && e.shading.data[i] > 1e-4F && e.m[i] > kDarkest &&
+        std::min({r[0], r[1], r[2]}) > 1e-3F)
+      usable.push_back(i);
+  }
+  std::vector<std::array<std::size_t, 2>> pairs;
+  std::mt19937 engine(unsigned(e.m.size()));
+  for (std::size_t k = 0; k < kTries && usable.size() > kMinUsable && pairs.size() < kPairs; ++k) {
+    const std::size_t i = usable[engine() % usable.size()], j = usable[engine() % usable.size()];
+    double apart = 0;
+    for (std::size_t c = 0; c < 3; ++c)
+      apart = std::max(apart, std::abs(std::log(double(e.reflectance.data[3 * i + c]) /
+                                                double(e.reflectance.data[3 * j + c]))));
+    if (apart < 0.05) pairs.push_back({i, j});
+  }
+  return pairs;
+}
+
 double window_energy(const Example& e, const bench::Image& truth, int k, int step) {
   double sum = 0;
   for (int y0 = 0; y0 == 0 || y0 + k <= e.height; y0 += step)
@@ -317,13 +357,14 @@ Example make_example(const Scene& scene, double k) {
       e.bin[j] = int(v) * kBins + int(u);
       e.bin_fraction[2 * j] = float(u - int(u)), e.bin_fraction[2 * j + 1] = float(v - int(v));
     }
+  e.pairs = pairs_of(e);
   const float cue = float(std::min(std::abs(k), 1.0));
   e.right.back().assign(n, cue), e.down.back().assign(n, cue),
       e.cell.back().assign(cell_count, cue);
   return e;
 }
 
-double loss(const Example& e, const Plane& s, Plane& gradient) {
+double loss(const Example& e, const Plane& s, Plane& gradient, double pair_weight) {
   struct Scale {
     int k, step;
     double weight;
@@ -352,11 +393,11 @@ double loss(const Example& e, const Plane& s, Plane& gradient) {
     gradient[i] = d_shading[i] * shading[i];
     for (std::size_t c = 0; c < 3; ++c) gradient[i] -= d_reflectance[c][i] * reflectance[c][i];
   }
-  return error + log_error(e, s, gradient);
+  return error + log_error(e, s, gradient) + pair_error(e, s, pair_weight, gradient);
 }
 
 double evaluate(const Model& model, const std::vector<float>& parameters, const Example& e,
-                Solution& solution, std::vector<double>* gradient) {
+                Solution& solution, std::vector<double>* gradient, double pair_weight) {
   const std::size_t n = e.m.size(), cells = e.cell_m.size(), w = std::size_t(e.width);
   std::vector<Plane> mid_right, mid_down, mid_cell, right, down, cell;
   model.edge.forward(parameters, e.right, mid_right, right);
@@ -393,7 +434,7 @@ double evaluate(const Model& model, const std::vector<float>& parameters, const 
   }
   system.solve(f, solution.s, gradient ? 25 : 60, gradient ? 1e-3F : 2e-4F);
   Plane d_s;
-  const double value = loss(e, solution.s, d_s);
+  const double value = loss(e, solution.s, d_s, pair_weight);
   if (!gradient) return value;
 
   // Adjoint: A lambda = dL/ds; every dL/dweight is -lambda' (dA s - df).

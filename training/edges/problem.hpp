@@ -3,6 +3,7 @@
 // docs/reference/methods/intrinsicdecomp.md with the chroma bins solved jointly, and its adjoint.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "net.hpp"
@@ -20,6 +21,8 @@ struct Example {
   std::vector<Plane> right, down, cell;  ///< Cues.
   std::vector<int> bin;                  ///< Cells: first of four bins.
   Plane bin_fraction;                    ///< Cells: two fractions each.
+
+  std::vector<std::array<std::size_t, 2>> pairs;  ///< Pixels of one paint.
 
   int cell_of(int i) const { return i / width / 4 * cells_x + i % width / 4; }
 };
@@ -41,12 +44,13 @@ struct Solution {
 };
 
 /// Windowed scale-invariant error of reflectance and shading (k = 20, k = 60, whole frame), which
-/// is LMSE at three scales, plus the error of log shading; `gradient` receives its derivative by s.
-double loss(const Example& example, const Plane& s, Plane& gradient);
+/// is LMSE at three scales, plus the error of log shading, plus `pair_weight` times the mean |step
+/// of ln R| over pairs of one paint, as WHDR judges; `gradient` receives its derivative by s.
+double loss(const Example& example, const Plane& s, Plane& gradient, double pair_weight = 0);
 
 /// Solves one example with the given parameters and returns the loss; adds the gradient by implicit
 /// differentiation when `gradient` is given.
 double evaluate(const Model& model, const std::vector<float>& parameters, const Example& example,
-                Solution& solution, std::vector<double>* gradient);
+                Solution& solution, std::vector<double>* gradient, double pair_weight = 0);
 
 }  // namespace inverse::training
