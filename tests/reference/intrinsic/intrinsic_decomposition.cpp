@@ -220,7 +220,8 @@ ChromaBins splat_bins(const GuideLevel& cells, const std::vector<double>& g,
       bins.mean[p.at[j]] += p.hat[j] * g[i] * rho[i];
     }
   }
-  for (std::size_t k = 0; k < bins.mean.size(); ++k) bins.mean[k] /= bins.weight[k] + 1e-6;
+  for (std::size_t k = 0; k < bins.mean.size(); ++k)
+    if (bins.weight[k] > 0) bins.mean[k] /= bins.weight[k];
   return bins;
 }
 
