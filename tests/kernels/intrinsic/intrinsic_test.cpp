@@ -59,7 +59,8 @@ TEST_F(IntrinsicTest, ColoredLightAgreesWithReference) {
       Layers layers;
       run([&](gpu::Commands& commands) {
         light.record(commands, frame->buffer, {slope}, true);
-        layers = method.record(commands, frame, {}, {.reset = true, .light = &light});
+        layers =
+            method.record(commands, frame, {.adaptive = false}, {.reset = true, .light = &light});
       });
       const Pixels carried = download(layers[Role::slope]), got = download(layers[Role::intrinsic]);
       EXPECT_EQ(carried[0], slope);
@@ -77,7 +78,7 @@ TEST_F(IntrinsicTest, ColoredLightAgreesWithReference) {
           ASSERT_NEAR(double(got[4 * i + c] * got[4 * i + 3]) * color[c], pixels[4 * i + c], 1e-5)
               << "reflectance in colored light must be the frame";
       }
-      EXPECT_LT(worst, 0.015) << name_of(extent) << ", slope " << slope;
+      EXPECT_LT(worst, 1e-3) << name_of(extent) << ", slope " << slope;
     }
 }
 
