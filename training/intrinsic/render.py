@@ -23,7 +23,7 @@ def render(seed, args):
         return None
     start = time.time()
     with tempfile.TemporaryDirectory() as folder:
-        options = {"seed": seed, "out": folder, "samples": args.samples, "threads": args.threads, "assets": args.assets, "kind": args.kind}
+        options = {"seed": seed, "out": folder, **{name: getattr(args, name) for name in ("assets", "kind", "long", "samples", "threads")}}
         command = ["nice", "-n", "19", "blender", "-b", "--factory-startup", "-noaudio", "-P", str(HERE / "scene/build.py"), "--"]
         command += [word for name, value in options.items() if value is not None for word in (f"--{name}", str(value))]
         try:
@@ -50,6 +50,7 @@ def main():
     parser.add_argument("--first", type=int, default=0, help="first seed")
     parser.add_argument("--count", type=int, default=300)
     parser.add_argument("--kind", help="only this kind: room, hall, desk, shelf, street, yard or country")
+    parser.add_argument("--long", type=int, default=352, help="pixels of the long side; the short one has 3/4 of them")
     parser.add_argument("--samples", type=int, default=14, help="a pixel, of each of the two renderings, outdoors; indoors 2.5 times as many")
     parser.add_argument("--threads", type=int, default=1, help="of each Blender")
     parser.add_argument("--jobs", type=int, default=1, help="Blenders at a time")

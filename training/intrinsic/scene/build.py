@@ -29,14 +29,13 @@ KINDS = {
     "yard": (outdoors.yard, 0.16),
     "country": (outdoors.country, 0.1),
 }
-LONG, SHORT = 352, 264
 ENOUGH = 0.13  # noise of a light (sample.shading_of) that needs no second round
 
 
-def settings(stage, samples, threads, portrait):
-    scene = stage.scene
+def settings(stage, samples, threads, long, portrait):
+    scene, short = stage.scene, long * 3 // 4
     scene.render.engine = "CYCLES"
-    scene.render.resolution_x, scene.render.resolution_y = (SHORT, LONG) if portrait else (LONG, SHORT)
+    scene.render.resolution_x, scene.render.resolution_y = (short, long) if portrait else (long, short)
     scene.render.threads_mode, scene.render.threads = "FIXED", threads
     scene.render.use_persistent_data = True
     cycles = scene.cycles
@@ -101,6 +100,7 @@ def main():
     parser.add_argument("--out", required=True)
     parser.add_argument("--assets")
     parser.add_argument("--kind", choices=KINDS)
+    parser.add_argument("--long", type=int, default=352, help="pixels of the long side; the short one has 3/4 of them")
     parser.add_argument("--samples", type=int, default=14, help="of each of the two pictures, outdoors; indoors 2.5 times as many")
     parser.add_argument("--threads", type=int, default=1)
     args = parser.parse_args(sys.argv[sys.argv.index("--") + 1 :])
@@ -114,7 +114,7 @@ def main():
     things = Things(stage, materials, Prints(stage, materials))
     draw = KINDS[kind][0](stage, materials, things)
     samples = args.samples * 5 // 2 if stage.indoors else args.samples
-    settings(stage, samples, args.threads, stage.chance(0.3))
+    settings(stage, samples, args.threads, args.long, stage.chance(0.3))
     bpy.context.view_layer.update()
     best = None
     for _ in range(60):
