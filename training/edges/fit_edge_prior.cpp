@@ -7,7 +7,7 @@
 // Examples are procedural (scenes.hpp); a share of each batch comes from the files of a directory
 // (scene_files.hpp), if one is given. Objects on black and palettes of diverse value are drawn more
 // often than they occur. The slope of light is that of the scene with an error, as an estimate has.
-// `--pairs` weighs steps of reflectance between pixels of one paint.
+// `--pairs` weighs steps of reflectance between pixels of one paint, in scenes from files.
 // training/edges/export_weights.py makes the C++ header.
 #include <algorithm>
 #include <array>
@@ -118,8 +118,9 @@ Corpus make_corpus(const Options& options) {
   const std::vector<std::string> files = scene_files(options.scenes_dir);
   corpus.examples.resize(std::size_t(options.scenes) + files.size());
   parallel(int(files.size()), [&](int k, int) {
-    corpus.examples[std::size_t(options.scenes + k)] =
-        example(load_scene(files[std::size_t(k)]), k + 1);
+    Example& e = corpus.examples[std::size_t(options.scenes + k)];
+    e = example(load_scene(files[std::size_t(k)]), k + 1);
+    if (options.pairs > 0) draw_pairs(e);
   });
   for (int k = 0; k < int(files.size()); ++k) corpus.filed.push_back(options.scenes + k);
   return corpus;

@@ -273,30 +273,6 @@ double pair_error(const Example& e, const Plane& s, double weight, Plane& gradie
   return error;
 }
 
-/// Up to 1500 pairs of pixels of equal reflectance (within .05 in every channel) that are not dark.
-std::vector<std::array<std::size_t, 2>> pairs_of(const Example& e) {
-  constexpr std::size_t kPairs = 1500, kTries = 40 * kPairs, kMinUsable = 100;
-  constexpr float kDarkest = -4;  // m
-  std::vector<std::size_t> usable;
-  for (std::size_t i = 0; i < e.m.size(); ++i) {
-    const float* r = &e.reflectance.data[3 * i];
-    if (e.mask.data[i] > 0.5F && e.shading.data[i] > 1e-4F && e.m[i] > kDarkest &&
-        std::min({r[0], r[1], r[2]}) > 1e-3F)
-      usable.push_back(i);
-  }
-  std::vector<std::array<std::size_t, 2>> pairs;
-  std::mt19937 engine(unsigned(e.m.size()));
-  for (std::size_t k = 0; k < kTries && usable.size() > kMinUsable && pairs.size() < kPairs; ++k) {
-    const std::size_t i = usable[engine() % usable.size()], j = usable[engine() % usable.size()];
-    double apart = 0;
-    for (std::size_t c = 0; c < 3; ++c)
-      apart = std::max(apart, std::abs(std::log(double(e.reflectance.data[3 * i + c]) /
-                                                double(e.reflectance.data[3 * j + c]))));
-    if (apart < 0.05) pairs.push_back({i, j});
-  }
-  return pairs;
-}
-
 double window_energy(const Example& e, const bench::Image& truth, int k, int step) {
   double sum = 0;
   for (int y0 = 0; y0 == 0 || y0 + k <= e.height; y0 += step)
@@ -357,11 +333,31 @@ Example make_example(const Scene& scene, double k) {
       e.bin[j] = int(v) * kBins + int(u);
       e.bin_fraction[2 * j] = float(u - int(u)), e.bin_fraction[2 * j + 1] = float(v - int(v));
     }
-  e.pairs = pairs_of(e);
   const float cue = float(std::min(std::abs(k), 1.0));
   e.right.back().assign(n, cue), e.down.back().assign(n, cue),
       e.cell.back().assign(cell_count, cue);
   return e;
+}
+
+void draw_pairs(Example& e) {
+  constexpr std::size_t kPairs = 1500, kTries = 40 * kPairs, kMinUsable = 100;
+  constexpr double kEqual = 0.05;
+  constexpr float kDarkest = -4;  // m
+  const auto& r = e.reflectance.data;
+  std::vector<std::size_t> usable;
+  for (std::size_t i = 0; i < e.m.size(); ++i)
+    if (e.mask.data[i] > 0.5F && e.shading.data[i] > 1e-4F && e.m[i] > kDarkest &&
+        std::min({r[3 * i], r[3 * i + 1], r[3 * i + 2]}) > 1e-3F)
+      usable.push_back(i);
+  std::mt19937 engine(unsigned(e.m.size()));
+  for (std::size_t k = 0; k < kTries && usable.size() > kMinUsable && e.pairs.size() < kPairs;
+       ++k) {
+    const std::size_t i = usable[engine() % usable.size()], j = usable[engine() % usable.size()];
+    double apart = 0;
+    for (std::size_t c = 0; c < 3; ++c)
+      apart = std::max(apart, std::abs(std::log(double(r[3 * i + c]) / double(r[3 * j + c]))));
+    if (apart < kEqual) e.pairs.push_back({i, j});
+  }
 }
 
 double loss(const Example& e, const Plane& s, Plane& gradient, double pair_weight) {

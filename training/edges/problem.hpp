@@ -22,13 +22,17 @@ struct Example {
   std::vector<int> bin;                  ///< Cells: first of four bins.
   Plane bin_fraction;                    ///< Cells: two fractions each.
 
-  std::vector<std::array<std::size_t, 2>> pairs;  ///< Pixels of one paint.
+  std::vector<std::array<std::size_t, 2>> pairs;  ///< Pixels of one paint; see draw_pairs.
 
   int cell_of(int i) const { return i / width / 4 * cells_x + i % width / 4; }
 };
 
 /// Computes guide, cues and bins of a scene whose light the slope k is assumed to describe.
 Example make_example(const Scene& scene, double k);
+
+/// Draws up to 1500 pairs of pixels of equal reflectance (within .05 in every channel) that are not
+/// dark.
+void draw_pairs(Example& example);
 
 /// The two networks in one parameter vector. Their last cue is the slope of light, min(|k|, 1): the
 /// steeper it is, the surer an achromatic step is paint.
