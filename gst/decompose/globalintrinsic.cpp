@@ -86,7 +86,7 @@ class GlobalMethod final : public DecompositionMethod {
 
   Work work(uint64_t number) const override {
     const GlobalIntrinsic::Stats& stats = method_->stats(number);
-    Work work{stats.solve.plan.skipped, stats.solve.plan.run};
+    Work work = solve_work(stats.solve, method_->findings(number).solve);
     std::ranges::copy(stats.light.skipped, std::back_inserter(work.skipped));
     std::ranges::copy(stats.light.run, std::back_inserter(work.run));
     return work;

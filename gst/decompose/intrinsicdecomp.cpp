@@ -35,8 +35,7 @@ class IntrinsicMethod final : public DecompositionMethod {
   }
   bool typical(uint64_t number) const override { return inverse::typical(method_->stats(number)); }
   Work work(uint64_t number) const override {
-    const Plan& plan = method_->stats(number).plan;
-    return {plan.skipped, plan.run};
+    return solve_work(method_->stats(number), method_->findings(number));
   }
   void describe(GstStructure* stats, uint64_t number) const override {
     describe_solve(stats, method_->stats(number), method_->findings(number));

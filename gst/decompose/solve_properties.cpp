@@ -1,12 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "solve_properties.hpp"
 
+#include <string>
 #include <utility>
 
 namespace inverse {
 
 bool typical(const ScaledIntrinsic::Stats& solve) {
   return !solve.plan.tiles() && !solve.crossed && !solve.compared;
+}
+
+DecompositionMethod::Work solve_work(const ScaledIntrinsic::Stats& solve,
+                                     const ScaledIntrinsic::Findings& found) {
+  DecompositionMethod::Work work{solve.plan.skipped, solve.plan.run};
+  std::string light = SceneLight::skipped(solve.light, found.slope_found);
+  if (!light.empty()) work.skipped.push_back(std::move(light));
+  return work;
 }
 
 void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,

@@ -58,7 +58,7 @@ PropertyTable<P> solve_properties() {
                        "Multigrid cycles of a frame that starts from the one before")),
       number_or_auto<P>(
           "light-color-slope", [](P& p) -> std::optional<float>& { return p.light.slope; },
-          -LightColor::kMaxSlope, LightColor::kMaxSlope,
+          -SceneLight::kMaxSlope, SceneLight::kMaxSlope,
           "Step of ln red/blue of light with a step of its ln brightness, -2 to 2; auto = found in "
           "the frames, 0 = gray light"),
       number<P>(
@@ -118,6 +118,10 @@ PropertyTable<P> solve_properties() {
 /// The blurb of `quality`.
 inline constexpr const char* kSolveSets =
     "Work for each frame: lower is faster, higher is more accurate; explicit settings win";
+
+/// What of a completed frame's solve was skipped, and what was run although it might be.
+DecompositionMethod::Work solve_work(const ScaledIntrinsic::Stats& solve,
+                                     const ScaledIntrinsic::Findings& found);
 
 /// Adds fields about the solve of a completed frame.
 void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,

@@ -143,7 +143,7 @@ class GlobalIntrinsic {
   }
   void measure_light_color(gpu::Commands& commands, const Plane& input, const Params& params);
   /// The color of the frame's light; null if it is gray.
-  LightColor* colored_light() { return colored_ ? &light_color_ : nullptr; }
+  SceneLight* colored_light() { return colored_ ? &light_color_ : nullptr; }
   const gpu::BufferPtr& light_state() const {
     return colored_ ? light_color_.state() : gray_light_;
   }
@@ -179,7 +179,7 @@ class GlobalIntrinsic {
   std::shared_ptr<gpu::Device> device_;
   Extent extent_, grid_, coarse_;
   int32_t factor_ = 1;
-  LightColor light_color_;
+  SceneLight light_color_;
   bool colored_ = false;  // the frame's light
   ScaledIntrinsic solve_;
   PlanePool planes_, bases_, lamps_;

@@ -219,7 +219,7 @@ void IntrinsicDecomposition::evaluate_edges(gpu::Commands& commands, const Param
 }
 
 void IntrinsicDecomposition::find_scale(gpu::Commands& commands, const Params& params,
-                                        const LightColor* light) {
+                                        const SceneLight* light) {
   using History = OutputScale::History;
   scale_.record(commands, guide_, multigrid_.field(), anchor_.cut_decision(),
                 plan_.history                   ? History::decided
@@ -348,7 +348,7 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
     findings.slope = numbers.slope[Light::SLOPE_K];
     findings.slope_confidence = numbers.slope[Light::SLOPE_CONFIDENCE];
     findings.slope_found =
-        static_cast<LightColor::Did>(static_cast<uint32_t>(numbers.slope[Light::SLOPE_DONE]));
+        static_cast<SceneLight::Did>(static_cast<uint32_t>(numbers.slope[Light::SLOPE_DONE]));
   }
   if (plan.measures_bins)
     findings.binding = std::sqrt(numbers.binding[Bins::BINDING_EFFECT] /

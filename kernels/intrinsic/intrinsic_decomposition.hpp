@@ -9,7 +9,7 @@
 #include "kernels/image/layers.hpp"
 #include "kernels/intrinsic/chroma/chroma_bins.hpp"
 #include "kernels/intrinsic/guide/guide.hpp"
-#include "kernels/intrinsic/light_color/light_color.hpp"
+#include "kernels/intrinsic/light_color/scene_light.hpp"
 #include "kernels/intrinsic/multigrid/multigrid.hpp"
 #include "kernels/intrinsic/output/output_scale.hpp"
 #include "kernels/intrinsic/prior/edge_prior.hpp"
@@ -30,7 +30,7 @@ namespace inverse {
 class IntrinsicDecomposition {
  public:
   struct Params {
-    LightColor::Params light;
+    SceneLight::Params light;
     EdgePrior::Params prior;
     TemporalAnchor::Params anchor;
     /// Multigrid cycles of a frame without history, 1…32.
@@ -51,7 +51,7 @@ class IntrinsicDecomposition {
     /// frame before. Empty: not known.
     std::span<const uint8_t> changed = {};
     bool repeated = false;        ///< the picture is that of the frame before, bit by bit
-    LightColor* light = nullptr;  ///< what it measured of this frame; null: light is gray
+    SceneLight* light = nullptr;  ///< what it measured of this frame; null: light is gray
   };
   struct Stats {
     Plan plan;
@@ -94,7 +94,7 @@ class IntrinsicDecomposition {
     uint32_t tiles_active = 0;   ///< that were worked on
     float slope = 0;             ///< of the color of light; 0: gray
     float slope_confidence = 1;  ///< 0…1
-    LightColor::Did slope_found = LightColor::Did::reused;
+    SceneLight::Did slope_found = SceneLight::Did::reused;
   };
   /// Of one of the last kFramesInFlight frames, once its Commands have been waited for.
   Findings findings(uint64_t frame) const;
@@ -119,7 +119,7 @@ class IntrinsicDecomposition {
   void solve(gpu::Commands& commands, const Params& params);
   PlanePtr write_layers(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                         const PlanePtr& slope);
-  void find_scale(gpu::Commands& commands, const Params& params, const LightColor* light);
+  void find_scale(gpu::Commands& commands, const Params& params, const SceneLight* light);
   /// The plane for the layers: if only tiles are worked on, one that has the others.
   PlanePtr layers_plane(gpu::Commands& commands);
   void record_report(gpu::Commands& commands, const Params& params, const PlanePtr& slope);

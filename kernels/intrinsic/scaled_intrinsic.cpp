@@ -12,7 +12,7 @@ ScaledIntrinsic::ScaledIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   IntrinsicDecomposition(device_, kTiny);
   Step(device_, kTiny);
   LayerDistance(device_, kTiny);
-  LightColor(device_, kTiny);
+  SceneLight(device_, kTiny);
 }
 
 void ScaledIntrinsic::set_up(size_t halvings) {
@@ -22,18 +22,14 @@ void ScaledIntrinsic::set_up(size_t halvings) {
   if (!methods_[halvings]) methods_[halvings].emplace(device_, extent);
 }
 
-std::optional<ScaledIntrinsic::Found> ScaledIntrinsic::found_before() const {
+std::optional<ResolutionPlanner::Found> ScaledIntrinsic::found_before() const {
   if (recorded_ < gpu::kFramesInFlight) return {};
   const Past& done = past(recorded_);  // the last frame that is sure to be done
   const auto& method = methods_[done.stats.halvings];
-  Found found{{.compared = done.stats.compared,
-               .distance = done.stats.compared ? distance_->value(recorded_) : 0},
-              {}};
-  if (!method) return found;
-  const auto of_method = method->findings(done.number);
-  found.cut = of_method.cut;
-  found.light = of_method.slope_found;
-  return found;
+  return ResolutionPlanner::Found{
+      .cut = method && method->findings(done.number).cut,
+      .compared = done.stats.compared,
+      .distance = done.stats.compared ? distance_->value(recorded_) : 0};
 }
 
 void ScaledIntrinsic::release_half() {
@@ -87,7 +83,8 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
                                const FrameInfo& frame) {
   if (frame.reset) restart();
   FrameInfo info = frame;
-  const std::optional<Found> found = found_before();
+  const auto found = found_before();
+  if (!params.light.colored()) light_.reset();  // what comes later is another scene to it
   if (!info.light && params.light.colored()) {
     if (!light_) light_.emplace(device_, extent_);
     light_->record(commands, input->buffer, params.light, first_);
@@ -113,12 +110,9 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   else
     shown = fade_.record(commands, input, intrinsic, slope);
   Past& past = past_[recorded_];
-  past = {{method(now).stats(method(now).recorded() - 1), now, crossed, false},
+  past = {{method(now).stats(method(now).recorded() - 1), params.light, now, crossed, false},
           method(now).recorded() - 1,
           planner_.half_distance()};
-  const auto light_before = found ? std::optional(found->light) : std::nullopt;
-  if (const std::string reason = LightColor::skipped(params.light, light_before); !reason.empty())
-    past.stats.plan.skipped.push_back(reason);
   if (choice.full_because)
     past.stats.plan.run.push_back(std::string("full resolution: ") + choice.full_because);
   if (choice.compares) {

@@ -33,6 +33,7 @@ class ScaledIntrinsic {
   };
   using FrameInfo = IntrinsicDecomposition::FrameInfo;
   struct Stats : IntrinsicDecomposition::Stats {
+    SceneLight::Params light;
     size_t halvings = 0;
     bool crossed = false;   ///< solved at the last frame's resolution, too, to continue from it
     bool compared = false;  ///< solved at the other resolution, too, to measure their distance
@@ -91,10 +92,7 @@ class ScaledIntrinsic {
   IntrinsicDecomposition& method(size_t halvings) { return *methods_[halvings]; }
   void set_up(size_t halvings);
   /// Of the last frame that is sure to be done; empty if there is none.
-  struct Found : ResolutionPlanner::Found {
-    LightColor::Did light = LightColor::Did::reused;
-  };
-  std::optional<Found> found_before() const;
+  std::optional<ResolutionPlanner::Found> found_before() const;
   /// Half resolution is set up again when it is next used.
   void release_half();
   void restart();
@@ -111,7 +109,7 @@ class ScaledIntrinsic {
   std::array<std::optional<IntrinsicDecomposition>, kResolutions> methods_;
   std::array<std::optional<Step>, kResolutions - 1> steps_;  // [k] from k halvings to k + 1
   std::array<bool, kResolutions> stays_{};                   // set up for good
-  std::optional<LightColor> light_;
+  std::optional<SceneLight> light_;
   std::optional<LayerDistance> distance_;
   LayerFade fade_;
   ResolutionPlanner planner_;

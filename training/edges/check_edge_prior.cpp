@@ -33,8 +33,8 @@ struct Score {
 /// 1 if the first of two reflectances is darker, 2 if the second is, 0 if they are equal.
 int judgment(double ratio) { return ratio > 1.1 ? 2 : 1 / ratio > 1.1 ? 1 : 0; }
 
-/// Adds the judgments of pairs of points, the same ones for all weights.
-void judge(const Example& e, const Plane& s, Score& out) {
+/// Adds the judgments of pairs of points, the same ones for all weights and slopes.
+void judge(const Example& e, const bench::Image& paint, const Plane& s, Score& out) {
   std::mt19937 engine{1};
   const auto brightness = [&](const bench::Image& image, std::size_t i) {
     return std::max(1e-5F, image.data[3 * i] + image.data[3 * i + 1] + image.data[3 * i + 2]);
@@ -45,12 +45,10 @@ void judge(const Example& e, const Plane& s, Score& out) {
     if (e.mask.data[i] < 0.5F || e.mask.data[j] < 0.5F) continue;
     double chroma = 0;
     for (std::size_t c = 0; c < 3; ++c)
-      chroma = std::max(
-          chroma,
-          std::abs(
-              std::log((e.reflectance.data[3 * i + c] + 1e-3) / brightness(e.reflectance, i)) -
-              std::log((e.reflectance.data[3 * j + c] + 1e-3) / brightness(e.reflectance, j))));
-    const double truth = brightness(e.reflectance, i) / double(brightness(e.reflectance, j));
+      chroma = std::max(chroma,
+                        std::abs(std::log((paint.data[3 * i + c] + 1e-3) / brightness(paint, i)) -
+                                 std::log((paint.data[3 * j + c] + 1e-3) / brightness(paint, j))));
+    const double truth = brightness(paint, i) / double(brightness(paint, j));
     const bool same = std::abs(std::log(truth)) < 0.04 && chroma < 0.05;
     if (!same && std::abs(std::log(truth)) < 0.2) continue;
     int& kind = same ? equal : unequal;
@@ -63,7 +61,8 @@ void judge(const Example& e, const Plane& s, Score& out) {
   }
 }
 
-Score score(const Model& model, const std::vector<float>& weights, const Example& e) {
+Score score(const Model& model, const std::vector<float>& weights, const Example& e,
+            const bench::Image& paint) {
   Solution solution;
   Score out;
   out.loss = evaluate(model, weights, e, solution, nullptr);
@@ -74,7 +73,7 @@ Score score(const Model& model, const std::vector<float>& weights, const Example
     n += 1, sum += d, squares += d * d;
   }
   out.error = std::sqrt(std::max(0.0, squares / n - sum * sum / (n * n)));
-  judge(e, solution.s, out);
+  judge(e, paint, solution.s, out);
   return out;
 }
 
@@ -111,7 +110,7 @@ void check(const std::vector<std::string>& weight_files, int scenes, const std::
         const Model model(weights[j].edge_hidden, weights[j].cell_hidden);
         if (weights[j].values.size() != std::size_t(model.count()))
           throw std::runtime_error(weight_files[j] + " holds no weights of this model");
-        const Score s = score(model, weights[j].values, e);
+        const Score s = score(model, weights[j].values, e, scene.reflectance);
         Score& sum = sums[j][kind][n];
         sum.loss += s.loss, sum.error += s.error, sum.wrong += s.wrong, sum.judged += s.judged;
       }

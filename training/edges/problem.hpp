@@ -30,9 +30,9 @@ struct Example {
 /// Computes guide, cues and bins of a scene whose light the slope k is assumed to describe.
 Example make_example(const Scene& scene, double k);
 
-/// Draws up to 1500 pairs of pixels of equal reflectance (within .05 in every channel) that are not
-/// dark.
-void draw_pairs(Example& example);
+/// Draws up to 1500 pairs of pixels of equal `paint` (within .05 of ln in every channel) that are
+/// not dark. `paint` is the scene's reflectance: the example's own depends on the slope assumed.
+void draw_pairs(Example& example, const bench::Image& paint);
 
 /// The two networks in one parameter vector. Their last cue is the slope of light, min(|k|, 1): the
 /// steeper it is, the surer an achromatic step is paint.

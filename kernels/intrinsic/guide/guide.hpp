@@ -18,7 +18,7 @@ class Guide {
  public:
   /// Throws Error(limit) if the planes do not fit the device.
   Guide(const std::shared_ptr<gpu::Device>& device, Extent extent);
-  /// Records the guide of a frame in light of the color `light` (LightColor::state); null: gray
+  /// Records the guide of a frame in light of the color `light` (SceneLight::state); null: gray
   /// light. If `listed` is not null, only of its tiles; statistics of the frame are then of these
   /// and of the old others.
   void record(gpu::Commands& commands, const gpu::BufferPtr& frame, const gpu::BufferPtr& light,

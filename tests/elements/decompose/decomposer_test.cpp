@@ -387,6 +387,68 @@ TEST(Properties, ElementsDoNotStartWithATuningThatCannotBeRead) {
   expect_one(line.errors, "there is no \"cycle\"", "warm-cycles");
 }
 
+namespace {
+
+/// 64 x 48 pixels of RGBA: patches of paint under light that falls off and has this slope.
+std::vector<uint8_t> picture_in_light(float slope) {
+  std::vector<uint8_t> picture;
+  for (unsigned y = 0; y < 48; ++y)
+    for (unsigned x = 0; x < 64; ++x) {
+      const unsigned patch = (x / 16 + 4 * (y / 12)) * 7 % 16;
+      const float light = std::log(1 - 0.7F * float(x % 16 + y) / 64);
+      for (unsigned c = 0; c < 3; ++c) {
+        const float paint = 0.35F + 0.025F * float((patch * (c + 3)) % 16);
+        const float lit = paint * std::exp(light * (1 + slope * (0.5F - 0.5F * float(c))));
+        picture.push_back(static_cast<uint8_t>(255 * std::pow(lit, 1 / 2.2F)));
+      }
+      picture.push_back(255);
+    }
+  return picture;
+}
+
+}  // namespace
+
+TEST(Properties, ASlopeOfLightIsMeasuredAnewAfterGrayLight) {
+  const std::string caps = VideoHarness::caps("RGBA", 64, 48);
+  for (const std::string element : {"intrinsicdecomp", "globalintrinsic"}) {
+    VideoHarness harness(element + " adaptive=false", caps, caps);
+    const auto measured = [&](VideoHarness& in, float slope) {
+      in.process(picture_in_light(slope));
+      return stat<double>(in.find(element), "light-color-slope");
+    };
+    VideoHarness fresh(element + " adaptive=false", caps, caps);
+    const double expected = measured(fresh, 0.3F);
+    ASSERT_GT(std::abs(measured(harness, 0.6F) - expected), 0.05)
+        << "the scenes must be what this test takes them for";
+    g_object_set(harness.find(element), "light-color-slope", "0", nullptr);
+    EXPECT_EQ(measured(harness, 0.3F), 0);
+    g_object_set(harness.find(element), "light-color-slope", "auto", nullptr);
+    EXPECT_NEAR(measured(harness, 0.3F), expected, 1e-6) << element;
+  }
+}
+
+TEST(Properties, StatsSayWhyTheSlopeOfLightWasNotMeasured) {
+  const std::string caps = VideoHarness::caps("RGBA", 64, 48);
+  VideoHarness harness("intrinsicdecomp adaptive=false", caps, caps);
+  const auto skipped = [&](const std::vector<uint8_t>& picture) {
+    harness.process(picture);
+    return stat<std::string>(harness.find("intrinsicdecomp"), "skipped");
+  };
+  const auto picture = picture_in_light(0.6F);
+  EXPECT_EQ(skipped(picture).find("color of light"), std::string::npos) << "it was";
+  expect_contains(skipped(picture), "it is due every 8 frames");
+  harness.flush();
+  std::vector<uint8_t> gray = picture, even = picture;
+  for (size_t i = 0; i < gray.size(); i += 4) {
+    gray[i + 1] = gray[i + 2] = gray[i];
+    const bool red = i / 32 % 2;
+    even[i] = red ? 200 : 100, even[i + 1] = 140, even[i + 2] = red ? 98 : 196;
+  }
+  expect_contains(skipped(gray), "the frame has no color");
+  harness.flush();
+  expect_contains(skipped(even), "the frame has no contrast");
+}
+
 TEST(Properties, TheSlopeOfLightIsANumberOrAuto) {
   const std::string caps = VideoHarness::caps("RGBA", 64, 48);
   VideoHarness harness("intrinsicdecomp adaptive=false", caps, caps);

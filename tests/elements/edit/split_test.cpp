@@ -104,6 +104,37 @@ TEST_F(Split, LinearSixteenBitPadsCarryTheNumbersOfTheLayers) {
   }
 }
 
+TEST_F(Split, ReflectanceTimesShadingInColoredLightIsTheFrame) {
+  for (const char* chain :
+       {"intrinsicdecomp light-color-slope=0.8", "intrinsicdecomp light-color-slope=-0.8"}) {
+    decompose(37, 21, chain);
+    constexpr float kScale = 0.25F;
+    g_object_set(element(), "encoding", 0 /* linear */, "reflectance-scale", kScale,
+                 "shading-scale", kScale, nullptr);
+    for (const char* name : {"reflectance", "shading"})
+      gst_harness_set_sink_caps_str(pad(name), "video/x-raw, format=RGBA64_LE");
+    ASSERT_EQ(push(random_frame(caps_, 3)), GST_FLOW_OK);
+    const auto reflectance = pull("reflectance"), shading = pull("shading");
+    ASSERT_EQ(shading.size(), 37U * 21 * 8);
+    const auto value = [&](const std::vector<uint8_t>& of, size_t n, size_t c) {
+      return float(of[8 * n + 2 * c] + 256 * of[8 * n + 2 * c + 1]) / 65535 / kScale;
+    };
+    const auto& input = layers_[GST_INVERSE_ROLE_INPUT];
+    float reddest = 0, bluest = 0;
+    for (size_t n = 0; n < 37 * 21; ++n) {
+      const float tint = std::log((value(shading, n, 0) + 1e-3F) / (value(shading, n, 2) + 1e-3F));
+      reddest = std::max(reddest, tint), bluest = std::min(bluest, tint);
+      for (size_t c = 0; c < 3; ++c) {
+        const float r = value(reflectance, n, c), s = value(shading, n, c);
+        if (std::max(r, s) < 0.999F / kScale) {
+          ASSERT_NEAR(r * s, input[4 * n + c], 1e-4 * (1 + r + s)) << chain << " " << n;
+        }
+      }
+    }
+    EXPECT_GT(reddest - bluest, 0.1F) << chain;
+  }
+}
+
 TEST_F(Split, EightBitPadsFollowTheSrgbCurve) {
   decompose(20, 12, "intrinsicdecomp light-color-slope=0");
   gst_harness_set_sink_caps_str(pad("reflectance"), "video/x-raw, format=RGBA");

@@ -163,7 +163,7 @@ void turn_knobs(const Case& one, Params& params) {
     params.anchor.hold = 0.99F;
     params.anchor.hold_light = less ? 1e-3F : 10;
     params.scale.white_quantile = less ? 0 : 1;
-    params.light.slope = less ? -LightColor::kMaxSlope : LightColor::kMaxSlope;
+    params.light.slope = less ? -SceneLight::kMaxSlope : SceneLight::kMaxSlope;
   }
 }
 

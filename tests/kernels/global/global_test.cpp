@@ -34,7 +34,7 @@ TEST_F(GlobalTest, AgreesWithReferenceInColoredLight) {
       ASSERT_NEAR(gray[c] * gray[3] * got.light[i + c], frame[i + c], 1e-5) << i;
   }
   // By the specification, from the same reference and white.
-  LightColor measured(device, extent);
+  SceneLight measured(device, extent);
   run([&](gpu::Commands& commands) {
     measured.record(commands, input(extent, frame)->buffer, params.light, true);
     measured.record_move(commands, false);

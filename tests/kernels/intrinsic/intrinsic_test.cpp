@@ -54,7 +54,7 @@ TEST_F(IntrinsicTest, ColoredLightAgreesWithReference) {
     for (const float slope : {0.6F, -1.2F, 2.0F}) {
       const Pixels pixels = scene(extent, 1);
       IntrinsicDecomposition method(device, extent);
-      LightColor light(device, extent);
+      SceneLight light(device, extent);
       const PlanePtr frame = input(extent, pixels);
       Layers layers;
       run([&](gpu::Commands& commands) {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The slope of the color of light against tests/reference/intrinsic/scene_light.*.
-#include "kernels/intrinsic/light_color/light_color.hpp"
-
 #include "intrinsic_fixture.hpp"
+#include "kernels/intrinsic/light_color/scene_light.hpp"
 #include "kernels/solve/scale_normalization.hpp"
 #include "tests/reference/intrinsic/scene_light.hpp"
 
@@ -32,7 +31,7 @@ Pixels in_light(Extent extent, unsigned seed, float slope) {
 class LightColorTest : public IntrinsicTest {
  protected:
   /// LIGHT_… of a frame. `brighter`: how its exposure changes, as ScaleNormalization finds it.
-  Pixels record(LightColor& light, Extent extent, const Pixels& pixels, bool first,
+  Pixels record(SceneLight& light, Extent extent, const Pixels& pixels, bool first,
                 std::optional<float> slope = {}, float brighter = 0) {
     const Plane frame = plane(extent, pixels);
     Pixels scale(4 * Scale::SCALE_SIZE);
@@ -50,8 +49,8 @@ class LightColorTest : public IntrinsicTest {
 TEST_F(LightColorTest, AgreesWithReference) {
   for (const Extent extent : {Extent{349, 287}, Extent{96, 72}, Extent{61, 130}, Extent{5, 3},
                               Extent{1, 1}, Extent{1000, 2}}) {
-    LightColor light(device, extent);
-    reference::SceneLight expected(LightColor::weights());
+    SceneLight light(device, extent);
+    reference::SceneLight expected(SceneLight::weights());
     for (int k = 0; k < 20; ++k) {
       // Frames of a scene whose light changes a little, a slope that is given for a while, a cut,
       // hostile pixels.
@@ -67,7 +66,7 @@ TEST_F(LightColorTest, AgreesWithReference) {
       const Pixels got = record(light, extent, pixels, first, given, brighter);
       const auto& want = expected.update(
           rgb_of(pixels).data(), int(extent.width), int(extent.height), first,
-          first || k % LightColor::kPeriod == 0 || (k > 18 && (k - 18) % LightColor::kPeriod == 0),
+          first || k % SceneLight::kPeriod == 0 || (k > 18 && (k - 18) % SceneLight::kPeriod == 0),
           given);
       const std::string what = name_of(extent) + ", frame " + std::to_string(k);
       EXPECT_EQ(uint32_t(got[4 * State::LIGHT_TARGET + 3]), uint32_t(want.did)) << what;
@@ -83,7 +82,7 @@ TEST_F(LightColorTest, AgreesWithReference) {
 
 TEST_F(LightColorTest, TheFirstSolverOfAFrameDecidesWhetherLightMoves) {
   const Extent extent{96, 72};
-  LightColor light(device, extent);
+  SceneLight light(device, extent);
   const Pixels before = record(light, extent, in_light(extent, 3, 0.5F), true);
   const Plane other = plane(extent, in_light(extent, 4, -0.8F));
   run([&](gpu::Commands& commands) {
@@ -103,13 +102,13 @@ TEST_F(LightColorTest, TheFirstSolverOfAFrameDecidesWhetherLightMoves) {
 
 TEST_F(LightColorTest, AGivenSlopeIsInForceAtOnce) {
   const Extent extent{64, 48};
-  LightColor light(device, extent);
+  SceneLight light(device, extent);
   const Pixels first = record(light, extent, scene(extent, 1), true, 0.2F);
   for (const float slope : {0.7F, -1.5F, 5.0F}) {
     Pixels pixels = scene(extent, 1);
     for (float& v : pixels) v *= 0.9F;
     const Pixels got = record(light, extent, pixels, false, slope);
-    EXPECT_EQ(got[0], std::min(slope, LightColor::kMaxSlope));
+    EXPECT_EQ(got[0], std::min(slope, SceneLight::kMaxSlope));
     EXPECT_EQ(got[2], 1);
     EXPECT_EQ(got[1], first[1]) << "white light is that of the scene";
   }
@@ -119,16 +118,22 @@ TEST_F(LightColorTest, FramesWithoutColorOrContrastHaveGrayLight) {
   const Extent extent{64, 48};
   Pixels gray = scene(extent, 1);
   for (size_t i = 0; i < gray.size(); i += 4) gray[i + 1] = gray[i + 2] = gray[i];
-  using Did = LightColor::Did;
+  Pixels even(gray.size());  // colors of one brightness
+  for (size_t i = 0; i < even.size(); i += 4) {
+    const float redder = i / 32 % 2 ? 1.3F : 0.8F;
+    even[i] = 0.4F * redder, even[i + 1] = 0.4F, even[i + 2] = 0.4F / redder;
+  }
+  using Did = SceneLight::Did;
   const struct {
     Pixels pixels;
     Did did;
   } frames[] = {{gray, Did::no_color},
                 {Pixels(gray.size(), 0.0F), Did::no_color},
                 {Pixels(gray.size(), kNan), Did::no_color},
-                {Pixels(gray.size(), 1e9F), Did::no_color}};
+                {Pixels(gray.size(), 1e9F), Did::no_color},
+                {even, Did::no_contrast}};
   for (const auto& frame : frames) {
-    LightColor light(device, extent);
+    SceneLight light(device, extent);
     const Pixels got = record(light, extent, frame.pixels, true);
     EXPECT_EQ(got[0], 0);
     EXPECT_EQ(uint32_t(got[4 * State::LIGHT_TARGET + 3]), uint32_t(frame.did));

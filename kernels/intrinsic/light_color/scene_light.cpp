@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "light_color.hpp"
+#include "scene_light.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -17,26 +17,33 @@ extern const std::size_t kLightColorWeights_size;
 
 namespace {
 using Scene = shaders::intrinsic_light_color_scene;
-constexpr uint32_t kLanes = 8;      // of kernels that work on one
+constexpr uint32_t kLanes = 8;  // of kernels that work on one
+static_assert(4 * (Scene::LIGHT_SIZE - Scene::LIGHT_VOTES) >= Scene::CANDIDATES);
 constexpr float kRate = 1.0F / 16;  // least share of a measurement in the scene's slope
 
 }  // namespace
 
-std::span<const float> LightColor::weights() {
+std::span<const float> SceneLight::weights() {
   return {kLightColorWeights, kLightColorWeights_size};
 }
 
-std::string LightColor::skipped(const Params& params, std::optional<Did> before) {
+std::string SceneLight::skipped(const Params& params, Did did) {
   if (!params.colored()) return "color of light: light-color-slope=0 makes it gray";
   if (params.slope) return "measuring the color of light: light-color-slope gives it";
-  if (before == Did::no_color) return "measuring the color of light: the frame has no color";
-  if (before == Did::no_contrast) return "measuring the color of light: the frame has no contrast";
-  if (before == Did::reused)
-    return "measuring the color of light: it is due every " + std::to_string(kPeriod) + " frames";
+  switch (did) {
+    case Did::measured:
+      return {};
+    case Did::reused:
+      return "measuring the color of light: it is due every " + std::to_string(kPeriod) + " frames";
+    case Did::no_color:
+      return "measuring the color of light: the frame has no color";
+    case Did::no_contrast:
+      return "measuring the color of light: the frame has no contrast";
+  }
   return {};
 }
 
-LightColor::LightColor(const std::shared_ptr<gpu::Device>& device, Extent extent)
+SceneLight::SceneLight(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : extent_(extent),
       factor_((std::max(extent.width, extent.height) + Scene::LIGHT_POINTS - 1) /
               Scene::LIGHT_POINTS),
@@ -76,7 +83,7 @@ LightColor::LightColor(const std::shared_ptr<gpu::Device>& device, Extent extent
   memcpy(weights_->map(), weights().data(), weights().size_bytes());
 }
 
-void LightColor::record(gpu::Commands& commands, const gpu::BufferPtr& frame, const Params& params,
+void SceneLight::record(gpu::Commands& commands, const gpu::BufferPtr& frame, const Params& params,
                         bool first) {
   first |= frames_ == 0;  // buffers are not cleared yet
   if (first) {
@@ -105,11 +112,11 @@ void LightColor::record(gpu::Commands& commands, const gpu::BufferPtr& frame, co
   decided_ = false;
 }
 
-void LightColor::record_move(gpu::Commands& commands, bool reuses) {
+void SceneLight::record_move(gpu::Commands& commands, bool reuses) {
   if (!std::exchange(decided_, true) && !reuses) commands.dispatch(move_, {.light = light_}, {});
 }
 
-void LightColor::measure(gpu::Commands& commands, const gpu::BufferPtr& frame) {
+void SceneLight::measure(gpu::Commands& commands, const gpu::BufferPtr& frame) {
   const auto at = [](uint32_t kernel) { return uint64_t{3} * sizeof(uint32_t) * kernel; };
   commands.dispatch_indirect(points_kernel_, {.frame = frame, .points = points_},
                              {.size = extent_, .cells = cells_, .factor = factor_}, arguments_,
@@ -128,7 +135,7 @@ void LightColor::measure(gpu::Commands& commands, const gpu::BufferPtr& frame) {
       {.rate = kRate}, arguments_, at(Scene::MEASURE_DECIDE));
 }
 
-PlanePtr LightColor::record_slope(gpu::Commands& commands, const gpu::BufferPtr& scale) {
+PlanePtr SceneLight::record_slope(gpu::Commands& commands, const gpu::BufferPtr& scale) {
   PlanePtr slope = slopes_.acquire();
   commands.dispatch(white_, {.light = light_, .scale = scale, .slope = slope->buffer}, {});
   return slope;

@@ -22,7 +22,7 @@ namespace inverse {
 /// The color of a scene's light, one number: its slope (image/light_color.glsl;
 /// docs/reference/methods/intrinsicdecomp.md, 13), and where light is white. All of it is on the
 /// device.
-class LightColor {
+class SceneLight {
  public:
   static constexpr float kMaxSlope = 2;
   struct Params {
@@ -40,12 +40,11 @@ class LightColor {
     no_contrast = shaders::intrinsic_light_color_scene::LIGHT_NO_CONTRAST
   };
 
-  /// Why work on it is skipped, as in Plan; empty if it is not. `before`: of one of the last
-  /// frames, if one is known.
-  static std::string skipped(const Params& params, std::optional<Did> before);
+  /// Why work on it was skipped in a frame, as in Plan; empty if it was not.
+  static std::string skipped(const Params& params, Did did);
 
   /// `extent` of frames.
-  LightColor(const std::shared_ptr<gpu::Device>& device, Extent extent);
+  SceneLight(const std::shared_ptr<gpu::Device>& device, Extent extent);
   /// Records the measurement of the light of a frame, linear RGB. `first`: it has no relation to
   /// the frame before. The slope is measured every kPeriod frames, in a new scene, and if none was
   /// yet.
