@@ -119,9 +119,8 @@ Corpus make_corpus(const Options& options) {
   corpus.examples.resize(std::size_t(options.scenes) + files.size());
   parallel(int(files.size()), [&](int k, int) {
     Example& e = corpus.examples[std::size_t(options.scenes + k)];
-    const Scene scene = load_scene(files[std::size_t(k)]);
-    e = example(scene, k + 1);
-    if (options.pairs > 0) draw_pairs(e, scene.reflectance);
+    e = example(load_scene(files[std::size_t(k)]), k + 1);
+    if (options.pairs > 0) draw_pairs(e);
   });
   for (int k = 0; k < int(files.size()); ++k) corpus.filed.push_back(options.scenes + k);
   return corpus;

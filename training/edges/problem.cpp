@@ -339,11 +339,11 @@ Example make_example(const Scene& scene, double k) {
   return e;
 }
 
-void draw_pairs(Example& e, const bench::Image& paint) {
+void draw_pairs(Example& e) {
   constexpr std::size_t kPairs = 1500, kTries = 40 * kPairs, kMinUsable = 100;
   constexpr double kEqual = 0.05;
   constexpr float kDarkest = -4;  // m
-  const auto& r = paint.data;
+  const auto& r = e.reflectance.data;
   std::vector<std::size_t> usable;
   for (std::size_t i = 0; i < e.m.size(); ++i)
     if (e.mask.data[i] > 0.5F && e.shading.data[i] > 1e-4F && e.m[i] > kDarkest &&

@@ -30,9 +30,10 @@ struct Example {
 /// Computes guide, cues and bins of a scene whose light the slope k is assumed to describe.
 Example make_example(const Scene& scene, double k);
 
-/// Draws up to 1500 pairs of pixels of equal `paint` (within .05 of ln in every channel) that are
-/// not dark. `paint` is the scene's reflectance: the example's own depends on the slope assumed.
-void draw_pairs(Example& example, const bench::Image& paint);
+/// Draws up to 1500 pairs of pixels of equal reflectance (within .05 of ln in every channel) that
+/// are not dark. Where the slope assumed is wrong, the reflectance that belongs to it differs in
+/// and out of a shadow, and so there is no pair.
+void draw_pairs(Example& example);
 
 /// The two networks in one parameter vector. Their last cue is the slope of light, min(|k|, 1): the
 /// steeper it is, the surer an achromatic step is paint.

@@ -95,7 +95,7 @@ TEST_F(IntrinsicTest, AccuracyOnTheClip) {
     RecordProperty("lmse", std::to_string(ours));
     std::printf("LMSE: R = I / max_c I %.4f, thesis %.4f, intrinsicdecomp %.4f\n", trivial,
                 chapter3, ours);
-    EXPECT_LT(ours, 0.05);  // .042 and .046 when this was written
+    EXPECT_LT(ours, 0.045);  // .040 and .044 when this was written
     EXPECT_LT(ours, chapter3);
     EXPECT_LT(ours, trivial);
   }
@@ -174,10 +174,12 @@ TEST_F(IntrinsicTest, AnchorLetsGoOfAMovingPicture) {
   for (auto* p : {&loose, &blind, &held}) p->warm_cycles = p->cycles;  // not what is tested
   loose.anchor.anchor_weight = 0;
   blind.anchor.anchor_motion = 100;  // detects no motion
+  const double shipped = watch({});  // of which the frames with history have half the cycles
   const double without = watch(loose), with = watch(held), deluded = watch(blind);
   std::printf("moving picture: LMSE %.4f without anchor, %.4f with it, %.4f if it knew no motion\n",
               without, with, deluded);
-  EXPECT_LT(with, 1.05 * without);  // 1.015 when this was written
+  EXPECT_LT(with, 1.05 * without);  // 1.01 when this was written
+  EXPECT_LT(shipped, 1.18 * without) << "1.16 when this was written: " << shipped / without;
   EXPECT_LT(with, deluded);
 }
 
