@@ -4,12 +4,14 @@
 
     fit_slope.py --samples DIR --scenes DIR --out weights.f16 [--mixtures 24] [--share 0.25] [--steps 3000] [--seed 1] [--start FILE]
 
-The estimator sees counts of steps between neighboring points, not pictures: features() gives what points.comp and steps.comp give for a
-176 × 132 picture. Every fifth seed of either source is held out. Prints errors on what is held out, whole and by kind of scene: rmse,
+The estimator sees counts of steps between neighboring points, not pictures. features() computes them for a 176 × 132 picture as points.comp,
+levels.comp, steps.comp and scene.comp do, but for two details of the scene counts: their points are means of logarithms, and their quantile
+of brightness is exact (on the device: logarithms of means, and a histogram). Every fifth seed of either source is held out. Prints errors on what is held out, whole and by kind of scene: rmse,
 correlation, and rms of the error over the predicted deviation (1 if the estimator is as sure as it may be). Needs PyTorch; features are
 cached in --cache."""
 import argparse
 import concurrent.futures
+import hashlib
 import pathlib
 import sys
 
@@ -99,12 +101,16 @@ def procedural(path, _count):
 
 
 def load(cache, paths, count, of_one):
-    """[(path, arrays)] in the order of the seeds. What the cache has is not made again."""
+    """[(path, arrays)] in the order of the seeds. What the cache has of the same files and code is not made again."""
     cache.mkdir(parents=True, exist_ok=True)
     paths = sorted(paths, key=lambda p: int(p.stem))
 
+    code = hashlib.sha1(b"".join(pathlib.Path(of).read_bytes() for of in (__file__, mix.__file__, samples.__file__)))
+
     def one(path):
-        return cache / f"{of_one.__name__}-{path.stem}-{count}.npz"
+        key = code.copy()
+        key.update(f"{path.resolve()} {path.stat().st_size} {path.stat().st_mtime_ns}".encode())
+        return cache / f"{of_one.__name__}-{path.stem}-{count}-{key.hexdigest()[:12]}.npz"
 
     with concurrent.futures.ProcessPoolExecutor() as pool:
         missing = [p for p in paths if not one(p).exists()]
