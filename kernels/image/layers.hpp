@@ -13,7 +13,8 @@ enum class Role : uint8_t {
   input,  ///< linear RGB of the frame, 1 = full scale; w = alpha
   model,  ///< R.rgb and S of the decomposer, before any edit; needed for the residual input − R·S
   intrinsic,  ///< reflectance R.rgb (may exceed 1) and shading S, changed by editors; R·S ≈ input
-  mask,       ///< x = matte 0…1 for the next editor
+              ///< times the colors of light of `light` and `slope`, where there are any
+  mask,         ///< x = matte 0…1 for the next editor
   model_light,  ///< light of the decomposer, before any edit
   light,  ///< of frames with indirect light: rgb = color of the light, with R·S·rgb ≈ input (mean
           ///< or geometric mean 1 before edits), changed by editors; w = direct share of S, 0…1

@@ -31,8 +31,8 @@ G_BEGIN_DECLS
  * @GST_INVERSE_ROLE_MASK: x = matte 0...1
  * @GST_INVERSE_ROLE_MODEL_LIGHT: light as the decomposer made it
  * @GST_INVERSE_ROLE_LIGHT: of `global` frames: the color of light, RGB, so that reflectance times
- * shading times it is the frame; without edits its mean or geometric mean is 1. w = share of the
- * shading that is direct
+ * shading times it (times the color of GST_INVERSE_ROLE_SLOPE where there is one) is the frame;
+ * without edits its mean or geometric mean is 1. w = share of the shading that is direct
  * @GST_INVERSE_ROLE_INDIRECT_0: shares of the shading that bounced off surfaces of base colors
  * 0...3; the next three planes go on to 15, and are absent where there are no such colors
  * @GST_INVERSE_ROLE_BASES: the 16 base colors, RGB; w = 1, or 0 where there is no such color. 16

@@ -6,7 +6,8 @@
 
 Prints a table: rms change of ln R from frame to frame along dense optical flow (DIS), and over 60 frames along tracked points (Lucas and
 Kanade), the median over points (all of the picture brightens or darkens) and the rms about it; mean over the clip. The input's own changes
-are beside them. R is the mean channel; points below .5 % of full scale do not count. Needs python3-opencv."""
+are beside them; a dash where a clip is too short or too few points last. R is the mean channel; points below .5 % of full scale do not count.
+Needs python3-opencv."""
 import argparse
 import pathlib
 import subprocess
@@ -117,7 +118,8 @@ def main():
             lit = [linear(f).mean(2) > DARK for f in frames]
             planes = [[brightness(r) for r in reflectance], [brightness(linear(f)) for f in frames]]
             step, (drift, own) = flow_changes(gray, planes, lit), span_changes(gray, planes, lit)
-            cells = " | ".join(f"{a:.4f} ({b:.4f})" for a, b in (step, (drift[0], own[0]), (drift[1], own[1])))
+            pairs = (step, (drift[0], own[0]), (drift[1], own[1]))
+            cells = " | ".join("–" if np.isnan(a) else f"{a:.4f} ({b:.4f})" for a, b in pairs)
             print(f"| {clip.stem} | {element} | {cells} |", flush=True)
 
 

@@ -166,7 +166,7 @@ Light light_of(const std::vector<double>& rgb, const std::vector<double>& shadin
       const Chroma t = tint_of(shading[i], light);
       const double fraction = split(shading[i], light).fraction;
       Chroma e = z - t - base(label);
-      const double c = belief(e, fraction, seen.statistics, params.tint);
+      const double c = label_confidence(e, fraction, seen.statistics, params.tint);
       e = c * e + (1 - c) * blend(residual.smooth, grid, x, y);
       const Chroma a = blend(residual.slope, grid, x, y), b = blend(residual.offset, grid, x, y);
       const double share = seen.statistics.gate * std::min(1.0, 3 * fraction);

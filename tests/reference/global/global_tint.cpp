@@ -29,8 +29,8 @@ constexpr double kMinConfidence = 0.05;  // of a window's points
 
 }  // namespace
 
-double belief(const Chroma& residual, double fraction, const TintStatistics& statistics,
-              const TintParams& params) {
+double label_confidence(const Chroma& residual, double fraction, const TintStatistics& statistics,
+                        const TintParams& params) {
   const double tint = params.tint_sigma * statistics.full * fraction;
   return std::exp(-norm2(residual) /
                   (2 * (params.residual_sigma * params.residual_sigma + tint * tint)));
@@ -55,7 +55,8 @@ Residual residual_field(const std::vector<Chroma>& raw, const std::vector<double
   const std::size_t n = raw.size();
   const int radius = std::max(1, int(std::lround(params.window * width)));
   std::vector<double> c(n);
-  for (std::size_t i = 0; i < n; ++i) c[i] = belief(raw[i], fraction[i], statistics, params);
+  for (std::size_t i = 0; i < n; ++i)
+    c[i] = label_confidence(raw[i], fraction[i], statistics, params);
   const auto windows = box(width, height, radius, [](std::size_t) { return 1.0; });
   const auto confidence = box(width, height, radius, [&](std::size_t i) { return c[i]; });
   Residual out;

@@ -30,8 +30,8 @@ struct Residual {
 };
 
 /// Confidence in a pixel's residual.
-double belief(const Chroma& residual, double fraction, const TintStatistics& statistics,
-              const TintParams& params);
+double label_confidence(const Chroma& residual, double fraction, const TintStatistics& statistics,
+                        const TintParams& params);
 
 TintStatistics tint_statistics(const std::vector<Chroma>& tint, const std::vector<double>& fraction,
                                const std::vector<double>& weight, const TintParams& params);
