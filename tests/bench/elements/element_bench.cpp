@@ -11,7 +11,6 @@
 #include <cstdio>
 #include <fstream>
 #include <map>
-#include <numeric>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -24,6 +23,7 @@
 namespace {
 
 using inverse::bench::Clock;
+using inverse::bench::mean;
 using inverse::bench::median;
 using inverse::bench::milliseconds;
 using inverse::bench::processor_ms;
@@ -166,12 +166,10 @@ int main(int count, char** arguments) {
     const double pixels = static_cast<double>(size.width) * size.height;
     for (size_t i = 0; i < lines.size(); ++i) {
       const Figures& f = figures[i];
-      // What only some frames do is in the mean.
-      const double mean = std::reduce(f.processor.begin(), f.processor.end()) /
-                          static_cast<double>(f.processor.size());
       std::printf("| %s | %dx%d | %.1f | %.1f | %.1f | %.1f | %.0f | %.0f | %.0f | ",
                   lines[i].c_str(), size.width, size.height, median(f.wall), median(f.processor),
-                  mean, median(f.device), median(f.wall) * 1e6 / pixels, f.first.front(),
+                  mean(f.processor),  // has what only some frames do
+                  median(f.device), median(f.wall) * 1e6 / pixels, f.first.front(),
                   f.device_bytes / pixels);
       for (const auto& [name, values] : f.stages)
         std::printf("%s %.1f ", name.c_str(), median(values));

@@ -42,12 +42,6 @@ double distance(const Image& frame, const Image& a, const Image& b) {
   return std::sqrt(std::max(squares / weights - mean * mean, 0.0));
 }
 
-double mean(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += v;
-  return values.empty() ? 0 : sum / double(values.size());
-}
-
 /// One setting on one scene.
 struct Run {
   ScaledIntrinsic method;

@@ -112,14 +112,17 @@ def main():
     size = tuple(int(n) for n in args.size.split("x"))
     print("| clip | element | frame to frame: ln R (input) | 60 frames, all: ln R (input) | about that: ln R (input) |\n|---|---|---|---|---|")
     for clip in args.clips:
+        planes = []
         for element in args.elements:
             frames, reflectance = run(clip, size, args.frames, element)
-            gray = [cv2.cvtColor(f, cv2.COLOR_RGB2GRAY) for f in frames]
-            lit = [linear(f).mean(2) > DARK for f in frames]
-            planes = [[brightness(r) for r in reflectance], [brightness(linear(f)) for f in frames]]
-            step, (drift, own) = flow_changes(gray, planes, lit), span_changes(gray, planes, lit)
-            pairs = (step, (drift[0], own[0]), (drift[1], own[1]))
-            cells = " | ".join("–" if np.isnan(a) else f"{a:.4f} ({b:.4f})" for a, b in pairs)
+            planes.append([brightness(r) for r in reflectance])
+        planes.append([brightness(linear(f)) for f in frames])
+        gray = [cv2.cvtColor(f, cv2.COLOR_RGB2GRAY) for f in frames]
+        lit = [linear(f).mean(2) > DARK for f in frames]
+        # Points move alike for all elements: they are found once.
+        *changes, own = [(step, *span) for step, span in zip(flow_changes(gray, planes, lit), span_changes(gray, planes, lit))]
+        for element, change in zip(args.elements, changes):
+            cells = " | ".join("–" if np.isnan(a) else f"{a:.4f} ({b:.4f})" for a, b in zip(change, own))
             print(f"| {clip.stem} | {element} | {cells} |", flush=True)
 
 

@@ -35,4 +35,11 @@ inline double median(std::vector<double> values) {
   return *middle;
 }
 
+/// 0 of nothing.
+inline double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v;
+  return values.empty() ? 0 : sum / double(values.size());
+}
+
 }  // namespace inverse::bench
