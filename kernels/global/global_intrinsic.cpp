@@ -164,10 +164,9 @@ uint32_t GlobalIntrinsic::planes_needed(const Params& params) const {
 
 void GlobalIntrinsic::measure_light_color(gpu::Commands& commands, const Plane& input,
                                           const Params& params) {
-  const bool before = frames_ > 0 && colored_;
   colored_ = params.light.colored();
-  if (!colored_) return;
-  light_color_.record(commands, input.buffer, params.light, !before);
+  if (!colored_) return light_color_.restart();
+  light_color_.record(commands, input.buffer, params.light, frames_ == 0);
   // Without color in the frame only the solve may reuse something.
   if (!plan_.gray) light_color_.record_move(commands, plan_.reused());
   commands.stage("light-color");

@@ -11,9 +11,9 @@ namespace inverse {
 /// Content of a plane of a decomposed frame.
 enum class Role : uint8_t {
   input,  ///< linear RGB of the frame, 1 = full scale; w = alpha
-  model,  ///< R.rgb and S of the decomposer, before any edit; needed for the residual input − R·S
-  intrinsic,  ///< reflectance R.rgb (may exceed 1) and shading S, changed by editors; R·S ≈ input
-              ///< times the colors of light of `light` and `slope`, where there are any
+  model,  ///< R.rgb and S of the decomposer, before any edit; needed for the residual of the input
+  intrinsic,    ///< reflectance R.rgb (may exceed 1) and shading S, changed by editors; R·S, times
+                ///< the colors of `light` and `slope` where there are any, ≈ input
   mask,         ///< x = matte 0…1 for the next editor
   model_light,  ///< light of the decomposer, before any edit
   light,  ///< of frames with indirect light: rgb = color of the light, with R·S·rgb ≈ input (mean

@@ -84,8 +84,9 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   if (frame.reset) restart();
   FrameInfo info = frame;
   const auto found = found_before();
-  if (!params.light.colored()) light_.reset();  // what comes later is another scene to it
-  if (!info.light && params.light.colored()) {
+  if (!params.light.colored()) {
+    if (light_) light_->restart();
+  } else if (!info.light) {
     if (!light_) light_.emplace(device_, extent_);
     light_->record(commands, input->buffer, params.light, first_);
     commands.stage("light-color");

@@ -17,9 +17,9 @@ extern const std::size_t kLightColorWeights_size;
 
 namespace {
 using Scene = shaders::intrinsic_light_color_scene;
-constexpr uint32_t kLanes = 8;  // of kernels that work on one
-static_assert(4 * (Scene::LIGHT_SIZE - Scene::LIGHT_VOTES) >= Scene::CANDIDATES);
+constexpr uint32_t kLanes = 8;      // of kernels that work on one
 constexpr float kRate = 1.0F / 16;  // least share of a measurement in the scene's slope
+static_assert(4 * (Scene::LIGHT_SIZE - Scene::LIGHT_VOTES) >= Scene::CANDIDATES);
 
 }  // namespace
 

@@ -50,6 +50,8 @@ class SceneLight {
   /// yet.
   void record(gpu::Commands& commands, const gpu::BufferPtr& frame, const Params& params,
               bool first);
+  /// The next frame has no relation to those so far: frames between are not recorded.
+  void restart() { frames_ = 0; }
   /// Records taking that over for the frame, unless it reuses layers, whose light must stay what it
   /// was. The first call for a frame decides: that of the solver whose layers are shown.
   void record_move(gpu::Commands& commands, bool reuses);
@@ -69,7 +71,7 @@ class SceneLight {
   Extent extent_, cells_;
   uint32_t factor_;          // pixels along a cell
   uint32_t count_, coarse_;  // points of all levels, and of those but the first
-  uint32_t frames_ = 0;      // since the last first one
+  uint32_t frames_ = 0;      // since the last first one; 0: the next one is
   bool decided_ = false;     // whether light moves in this frame
   gpu::Program<shaders::intrinsic_light_color_points> points_kernel_;
   gpu::Program<shaders::intrinsic_light_color_levels> levels_;
