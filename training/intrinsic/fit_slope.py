@@ -6,9 +6,9 @@
 
 The estimator sees counts of steps between neighboring points, not pictures. features() computes them for a 176 × 132 picture as points.comp,
 levels.comp, steps.comp and scene.comp do, but for two details of the scene counts: their points are means of logarithms, and their quantile
-of brightness is exact (on the device: logarithms of means, and a histogram). Every fifth seed of either source is held out. Prints errors on what is held out, whole and by kind of scene: rmse,
-correlation, and rms of the error over the predicted deviation (1 if the estimator is as sure as it may be). Needs PyTorch; features are
-cached in --cache."""
+of brightness is exact (on the device: logarithms of means, and a histogram). Every fifth seed of either source is held out. Prints errors on
+what is held out, whole and by kind of scene: rmse, correlation, and rms of the error over the predicted deviation (1 if the estimator is as
+sure as it may be). Needs PyTorch; features are cached in --cache."""
 import argparse
 import concurrent.futures
 import hashlib
