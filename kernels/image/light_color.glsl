@@ -14,6 +14,12 @@ vec3 light_color(float k, float above) {
   return vec3(red, 1.0, 1.0 / red);
 }
 
+// The reflectance of a color in light of this shading that is `above` brighter than white light, ln: one division.
+vec3 reflectance_in(vec3 rgb, float shading, float k, float above) {
+  float red = exp(0.5 * k * above), inverse = 1.0 / (shading * red);
+  return rgb * (inverse * vec3(1.0, red, red * red));
+}
+
 // Light that has this shading.
 vec3 colored_light(vec4 slope, float shading) {
   return shading > 0.0 ? shading * light_color(slope[SLOPE_K], log(shading) - slope[SLOPE_WHITE]) : vec3(0.0);

@@ -25,8 +25,9 @@ void main() {
     uvec2 at = min(2u * cell + uvec2(k & 1u, k >> 1u), push.size - 1u);
     uint pixel = at.y * push.size.x + at.x;
     vec3 rgb = sanitize(FETCH(frame, int(pixel)).rgb);
-    if (kColored) rgb = in_white_light(rgb, now);
-    vec4 guide = guide_of(rgb);
+    float m = mean_log(rgb);
+    if (kColored) rgb = in_white_light(rgb, m, now);
+    vec4 guide = guide_of(rgb, m);
     STORE(fine, pixel, guide);
     sum += guide;
   }

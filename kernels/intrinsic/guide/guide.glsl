@@ -24,9 +24,9 @@ float mean_log(vec3 rgb) {
   return log(light.r * light.g * light.b) / 3.0;
 }
 
-vec4 guide_of(vec3 rgb) {
+// m is that of the frame; with colored light, rgb is the color in white light.
+vec4 guide_of(vec3 rgb, float m) {
   vec3 light = rgb + kIntensityFloor, color = rgb + kChromaFloor;
-  float m = mean_log(rgb);
   return vec4(m, 0.8660254 * log(color.r / color.g), log(sqrt(color.r * color.g) / color.b),
               log(max(max(light.r, light.g), light.b)) - m);
 }

@@ -2,5 +2,7 @@
 #include "intrinsic/guide/guide.glsl"
 #include "light.glsl"
 
-// A color of the frame as it were in white light: divided by the color that light of its brightness has. `now`: LIGHT_NOW.
-vec3 in_white_light(vec3 rgb, vec4 now) { return now.x == 0.0 ? rgb : rgb / light_color(now.x, mean_log(rgb) - now.y); }
+// A color of the frame, whose mean log intensity is m, as it were in white light: divided by the color that light of its brightness
+// has. `now`: LIGHT_NOW.
+vec3 in_white_light(vec3 rgb, float m, vec4 now) { return now.x == 0.0 ? rgb : reflectance_in(rgb, 1.0, now.x, m - now.y); }
+vec3 in_white_light(vec3 rgb, vec4 now) { return in_white_light(rgb, mean_log(rgb), now); }

@@ -83,8 +83,8 @@ void main() {
       uint pixel = (first + y) * push.size.x + 4u * cell.x + x;
       vec3 rgb = sanitize(FETCH(frame, int(pixel)).rgb);
       float light = exp(s.x - log_scale);
-      if (kColored) rgb /= light_color(of_light[SLOPE_K], s.x - log_scale - of_light[SLOPE_WHITE]);
-      STORE(intrinsic, pixel, vec4(rgb * (1.0 / light), light));
+      vec3 reflectance = kColored ? reflectance_in(rgb, light, of_light[SLOPE_K], s.x - log_scale - of_light[SLOPE_WHITE]) : rgb * (1.0 / light);
+      STORE(intrinsic, pixel, vec4(reflectance, light));
       s = s.yzwx;
     }
   }

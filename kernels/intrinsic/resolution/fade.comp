@@ -36,7 +36,8 @@ void main() {
     vec4 kept = LOAD(between, at);
     float off = (m - kept.y) / kStays;
     s += push.share * kept.x / (1.0 + off * off);
-    if (kColored) rgb /= light_color(FETCH(slope, 0)[SLOPE_K], s - FETCH(slope, 0)[SLOPE_WHITE]);
-    STORE(faded, at, vec4(rgb * exp(-s), exp(s)));
+    float light = exp(s);
+    rgb = kColored ? reflectance_in(rgb, light, FETCH(slope, 0)[SLOPE_K], s - FETCH(slope, 0)[SLOPE_WHITE]) : rgb * exp(-s);
+    STORE(faded, at, vec4(rgb, light));
   }
 }

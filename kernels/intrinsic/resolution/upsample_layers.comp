@@ -44,7 +44,8 @@ void main() {
     vec3 rgb = sanitize(FETCH(frame, int(pixel)).rgb);
     vec2 line = part[k >> 1u][k & 1u];
     float s = line.x * mean_log(rgb) + line.y;
-    if (kColored) rgb /= light_color(FETCH(slope, 0)[SLOPE_K], s - FETCH(slope, 0)[SLOPE_WHITE]);
-    STORE(intrinsic, pixel, vec4(rgb * exp(-s), exp(s)));
+    float light = exp(s);
+    rgb = kColored ? reflectance_in(rgb, light, FETCH(slope, 0)[SLOPE_K], s - FETCH(slope, 0)[SLOPE_WHITE]) : rgb * exp(-s);
+    STORE(intrinsic, pixel, vec4(rgb, light));
   }
 }

@@ -107,12 +107,12 @@ Guide make_guide(const double* rgb, int width, int height, const LightColor& lig
   for (std::size_t i = 0; i < n; ++i) {
     std::array<double, 3> v{}, f{}, k{};
     for (std::size_t c = 0; c < 3; ++c) v[c] = sanitize_linear(rgb[3 * i + c]);
+    for (const double c : v) l.m[i] += std::log(c + kIntensityFloor) / 3;
     v = in_white_light(v, light);
     for (std::size_t c = 0; c < 3; ++c) {
       f[c] = std::log(v[c] + kIntensityFloor);
       k[c] = std::log(v[c] + kChromaFloor);
     }
-    l.m[i] = (f[0] + f[1] + f[2]) / 3;
     l.u[i] = std::max({f[0], f[1], f[2]}) - l.m[i];
     l.c0[i] = kChromaScale * (k[0] - k[1]);
     l.c1[i] = 0.5 * (k[0] + k[1]) - k[2];
