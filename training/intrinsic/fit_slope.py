@@ -2,13 +2,12 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Fits the estimator of the color slope of light (kernels/intrinsic/light_color) on mixtures of path-traced samples and on procedural scenes.
 
-    fit_slope.py --samples DIR --scenes DIR --out weights.f16 [--mixtures 24] [--share 0.25] [--steps 3000] [--seed 1] [--start FILE]
+    fit_slope.py --samples DIR --scenes DIR --out weights.f16 [--mixtures 24] [--share 0.25] [--steps 4000] [--seed 1] [--start FILE]
 
 The estimator sees counts of steps between neighboring points, not pictures. features() computes them for a 176 × 132 picture as points.comp,
-levels.comp, steps.comp and scene.comp do, but for two details of the scene counts: their points are means of logarithms, and their quantile
-of brightness is exact (on the device: logarithms of means, and a histogram). Every fifth seed of either source is held out. Prints errors on
-what is held out, whole and by kind of scene: rmse, correlation, and rms of the error over the predicted deviation (1 if the estimator is as
-sure as it may be). Needs PyTorch; features are cached in --cache."""
+levels.comp, steps.comp and scene.comp do. Every fifth seed of either source is held out. Prints errors on what is held out, whole and by
+kind of scene: rmse, correlation, and rms of the error over the predicted deviation (1 if the estimator is as sure as it may be). Needs
+PyTorch; features are cached in --cache."""
 import argparse
 import concurrent.futures
 import hashlib
@@ -63,20 +62,30 @@ def step_counts(x):
     return np.stack(result)
 
 
-def cloud(x):
-    """Of planes m, b, g: thousandths of the points of level 1 by brightness below the top (8, steps of .4) and by b (20, steps of .1)."""
-    x = halve(x)
-    dark = np.clip((np.quantile(x[..., 0], 0.95) - x[..., 0]) / 0.4, 0, 7).astype(int)
+def points_of(rgb):
+    """Planes m, b, g of a linear picture."""
+    f, c = np.log(rgb + 0.002), np.log(rgb + 0.01)
+    return np.stack([f.mean(-1), c[..., 0] - c[..., 2], 0.5 * (c[..., 0] + c[..., 2]) - c[..., 1]], -1)
+
+
+def bright(m):
+    """The quantile .95 of m, in bins of 1/32."""
+    above = np.cumsum(np.bincount(np.clip((m.ravel() + 6.4) * 32, 0, 255).astype(int), minlength=256)[::-1])
+    return -6.4 + (255 - np.argmax(above > int(0.05 * m.size)) + 0.5) / 32
+
+
+def cloud(rgb):
+    """Of a linear picture: thousandths of its points of level 2 by brightness below the top (8, steps of .4) and by b (20, steps of .1)."""
+    m, b, _ = np.moveaxis(points_of(halve(halve(rgb))), -1, 0)
+    dark = np.clip((bright(m) - m) / 0.4, 0, 7).astype(int)
     counts = np.zeros(160)
-    add_split(counts, dark * 20, np.clip(x[..., 1] / 0.1 + 10, 0, 18.999), np.ones_like(x[..., 1]))
+    add_split(counts, dark * 20, np.clip(b / 0.1 + 10, 0, 18.999), np.ones_like(b))
     return 1000 * counts / dark.size
 
 
 def features(rgb):
     """Step counts and scene counts of a linear picture."""
-    f, c = np.log(rgb + 0.002), np.log(rgb + 0.01)
-    x = np.stack([f.mean(-1), c[..., 0] - c[..., 2], 0.5 * (c[..., 0] + c[..., 2]) - c[..., 1]], -1)
-    return step_counts(x), cloud(x)
+    return step_counts(points_of(rgb)), cloud(rgb)
 
 
 def mixtures(path, count):
@@ -242,9 +251,9 @@ def main():
     parser.add_argument("--cache", type=pathlib.Path, default=pathlib.Path("out/slope"))
     parser.add_argument("--out", type=pathlib.Path, required=True)
     parser.add_argument("--mixtures", type=int, default=24, help="photographs of each sample")
-    parser.add_argument("--steps", type=int, default=3000)
+    parser.add_argument("--steps", type=int, default=4000)
     parser.add_argument("--rate", type=float, default=2e-3)
-    parser.add_argument("--decay", type=float, default=1e-2)
+    parser.add_argument("--decay", type=float, default=0.3)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--start", type=pathlib.Path, help="weights to go on from")
     args = parser.parse_args()

@@ -189,7 +189,7 @@ def mix(sample, seed, size=1, k=None, bend=0.4):
     light *= balance / balance.mean()
     mask, reflectance = sample["mask"], sample["R"]
     light = np.maximum(light, 1e-6 * light[mask > 0].mean())
-    draw = rng.uniform(-1.4, 0.6) if kinds.count("sky") == 0 else rng.uniform(-0.4, 0.95)
+    draw = rng.uniform(-1.4, 0.6) if kinds.count("sky") == 0 else rng.uniform(-0.2, 0.7)
     if k is None and rng.random() < bend and np.count_nonzero(flux) > 1:
         k = draw
     if k is not None:

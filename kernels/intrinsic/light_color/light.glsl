@@ -26,7 +26,7 @@
 // m; b = ln R/B; g = ln sqrt(R B)/G; weight, low in the dark.
 #define LIGHT_POINTS 176
 #define LIGHT_LEVELS 4
-// Level 1 is computed in every frame, to detect a new scene.
+// Level 2 is also computed in every frame, from the frame itself, to detect a new scene.
 
 // Steps between adjacent points are counted by level, by |dg|, by the size of dm, and by the slope db/dm, linear between bins.
 #define STEP_TINTS 3

@@ -68,7 +68,7 @@ SceneLight::SceneLight(const std::shared_ptr<gpu::Device>& device, Extent extent
   count_ = static_cast<uint32_t>(cells_.pixels()) + coarse_;
   using gpu::Buffer;
   using gpu::Element;
-  probe_ = Buffer::create(device, Element::vec4, half_of(cells_).pixels());
+  probe_ = Buffer::create(device, Element::vec4, half_of(half_of(cells_)).pixels());
   points_ = Buffer::create(device, Element::vec4, cells_.pixels());
   coarse_points_ = Buffer::create(device, Element::vec4, coarse_);
   cloud_ = Buffer::create(device, Element::scalar, Scene::CLOUD_COUNT);
@@ -90,9 +90,9 @@ void SceneLight::record(gpu::Commands& commands, const gpu::BufferPtr& frame, co
     frames_ = 0;
     for (const auto& state : {light_, cloud_, counts_}) commands.fill(state);
   }
-  const Extent probe = half_of(cells_);
+  const Extent probe = half_of(half_of(cells_));
   commands.dispatch(points_kernel_, {.frame = frame, .points = probe_},
-                    {.size = extent_, .cells = probe, .factor = 2 * factor_},
+                    {.size = extent_, .cells = probe, .factor = 4 * factor_},
                     line_of(probe.pixels()));
   const auto groups = [](const auto& program, uint64_t items) {
     return static_cast<uint32_t>((items - 1) / program.kernel()->workgroup() + 1);

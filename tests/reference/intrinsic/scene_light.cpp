@@ -174,7 +174,7 @@ std::array<double, SceneLight::kCandidates> SceneLight::votes_of(
 const SceneLight::State& SceneLight::update(const double* rgb, int width, int height, bool first,
                                             bool due, std::optional<double> given) {
   const int factor = (std::max(width, height) + kPoints - 1) / kPoints;
-  const PointLevel probe = points_of(rgb, width, height, 2 * factor);
+  const PointLevel probe = points_of(rgb, width, height, 4 * factor);
   const double bright = bright_of(probe);
   const std::vector<double> cloud = cloud_of(probe, bright);
   double change = 0;
