@@ -91,10 +91,11 @@ class GlobalTruth : public GpuTest {
     double split;     ///< the same of direct and indirect light at one scale, summed
     double tint;      ///< of the light's color, log units
   };
-  /// What is allowed: 5 % above 0.02081, 0.0896, 0.3818 and 0.1297, which were reached.
-  static constexpr Errors kMaxErrors{0.0219, 0.094, 0.401, 0.1362};
-  /// Of a first frame.
-  Errors errors(const GlobalIntrinsic::Params& params) {
+  /// What is allowed: 5 % above 0.02083, 0.0898, 0.4102 and 0.1302, which were reached.
+  static constexpr Errors kMaxErrors{0.0219, 0.0943, 0.4307, 0.1367};
+  /// Of a first frame. Its lights are white, and with all bounces their slope is -.03.
+  Errors errors(GlobalIntrinsic::Params params) {
+    params.light.slope = 0;
     const Extent extent{kWidth, kHeight};
     GlobalIntrinsic method(device, extent);
     const auto frame = std::make_shared<Plane>(plane(extent, truth().frame));
