@@ -8,15 +8,18 @@
 #define SLOPE_CONFIDENCE 2
 #define SLOPE_DONE 3  // what was done in the frame, LIGHT_... of light.glsl
 
-// Factors of the channels from white light to light that is `above` brighter, ln.
+// Factor of red from white light to light that is `above` brighter, ln. Bounded, so that its square and inverse are finite.
+float light_red(float k, float above) { return exp(clamp(0.5 * k * above, -20.0, 20.0)); }
+
+// The same of all channels.
 vec3 light_color(float k, float above) {
-  float red = exp(0.5 * k * above);
+  float red = light_red(k, above);
   return vec3(red, 1.0, 1.0 / red);
 }
 
-// The reflectance of a color in light of this shading that is `above` brighter than white light, ln: one division.
+// rgb / (shading light_color(k, above)), with one division.
 vec3 reflectance_in(vec3 rgb, float shading, float k, float above) {
-  float red = exp(0.5 * k * above), inverse = 1.0 / (shading * red);
+  float red = light_red(k, above), inverse = 1.0 / (shading * red);
   return rgb * (inverse * vec3(1.0, red, red * red));
 }
 

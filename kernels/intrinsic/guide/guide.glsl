@@ -3,7 +3,7 @@
 // u = max_c i - m, c0 = √3/2 (k_R - k_G), c1 = (k_R + k_G) / 2 - k_B: axes of equal scale, so that a distance of chroma does not
 // depend on the order of channels. Level 0 is one vec4 per pixel; levels above hold means of 2 x 2 cells (at an odd border the
 // last row or column counts twice). Level 2, the cells, has a second vec4 per cell: the mean activity |dm| and |dc| of the pixels'
-// steps to their four neighbors, each step half with either end.
+// steps to their four neighbors, each step half with either end. In colored light u, c0 and c1 are of the frame in white light.
 const float kIntensityFloor = 2e-3;
 const float kChromaFloor = 1e-2;
 const float kMaxLight = 1e4;

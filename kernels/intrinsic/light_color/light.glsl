@@ -26,7 +26,7 @@
 // m; b = ln R/B; g = ln sqrt(R B)/G; weight, low in the dark.
 #define LIGHT_POINTS 176
 #define LIGHT_LEVELS 4
-// Level 2 is also computed in every frame, from the frame itself, to detect a new scene.
+// Every frame has wide points as well, of cells four times as wide, to detect a new scene.
 
 // Steps between adjacent points are counted by level, by |dg|, by the size of dm, and by the slope db/dm, linear between bins.
 #define STEP_TINTS 3
@@ -46,7 +46,7 @@ const float kSlopeWidth = 0.1;
 #define MEASURE_DECIDE 5
 #define MEASURE_KERNELS 6
 
-// Points are counted by brightness below the brightest, and b.
+// The cloud: wide points counted by brightness below the brightest, and by b.
 #define CLOUD_LEVELS 8
 #define CLOUD_COLORS 20
 #define CLOUD_COUNT (CLOUD_LEVELS * CLOUD_COLORS)

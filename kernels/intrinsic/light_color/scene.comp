@@ -7,7 +7,7 @@
 
 // Statistics of the points: m of the brightest, whether the scene is a new one, whether k can be measured at all. Decides whether it
 // is measured in this frame: writes the workgroup counts of the kernels that do so, 0 to skip them. One workgroup.
-PLANE_IN(0, points);      // of level 2
+PLANE_IN(0, points);      // wide (light.glsl)
 PLANE_INOUT(1, light);
 SCALAR_INOUT(2, cloud);   // shares of points; on entry of the frame before
 WORD_OUT(3, arguments);   // three words for each of the kernels that measure

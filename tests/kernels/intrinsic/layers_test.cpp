@@ -86,7 +86,8 @@ TEST_F(LayersTest, FadeAgreesWithReference) {
     for (const auto& [range, light] : {std::pair{1.0F, reference::LightColor{}},
                                        {25.0F, {}},
                                        {1.0F, {0.6, 0, -1}},
-                                       {6.0F, {-1.2, 0, 0.5}}}) {
+                                       {6.0F, {-1.2, 0, 0.5}},
+                                       {6.0F, {2, 0, 0}}}) {
       const PlanePtr slope =
           light.slope != 0 ? shared_plane({1, 1}, {float(light.slope), float(light.white), 1, 0})
                            : nullptr;

@@ -72,9 +72,10 @@ TEST_F(LightColorTest, AgreesWithReference) {
       EXPECT_EQ(uint32_t(got[4 * State::LIGHT_TARGET + 3]), uint32_t(want.did)) << what;
       EXPECT_NEAR(got[0], want.slope, 8e-3) << what;
       EXPECT_NEAR(got[1], want.reference, 1e-4) << what;
-      // Counts are in steps of 1/256, and confidence changes five times as fast as the deviation.
-      EXPECT_NEAR(got[2], want.confidence, 2e-2) << what;
       EXPECT_NEAR(got[4], want.target, 8e-3) << what;
+      EXPECT_NEAR(got[5], want.spread, 4e-3) << what;
+      // It changes five times as fast as the spread.
+      EXPECT_NEAR(got[2], want.confidence, 2e-2) << what;
       EXPECT_EQ(int(got[6]), want.measurements) << what;
       expected.expose(static_cast<double>(brighter));
     }

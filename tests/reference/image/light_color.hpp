@@ -2,6 +2,7 @@
 // The color of light in double precision: the specification of kernels/image/light_color.glsl.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -17,7 +18,7 @@ struct LightColor {
 
 /// Factors of the channels R, G, B from white light to light that is `above` brighter, ln.
 inline std::array<double, 3> light_color(const LightColor& light, double above) {
-  const double red = std::exp(light.slope * above / 2);
+  const double red = std::exp(std::clamp(light.slope * above / 2, -20.0, 20.0));
   return {red, 1, 1 / red};
 }
 

@@ -12,7 +12,8 @@
 namespace inverse::reference {
 
 /// One level of the guide: box means of the finest level's log intensity m, log chroma (c0, c1) and
-/// value excess u = max_c i - m, and of its gradient activity (gm, gc).
+/// value excess u = max_c i - m, and of its gradient activity (gm, gc). In colored light (c0, c1)
+/// and max_c i are of the frame in white light.
 struct GuideLevel {
   int width = 0, height = 0;
   std::vector<double> m, c0, c1, u, gm, gc;
