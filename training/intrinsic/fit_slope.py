@@ -5,7 +5,7 @@
     fit_slope.py --samples DIR --scenes DIR --out weights.f16 [--mixtures 24] [--share 0.25] [--steps 4000] [--seed 1] [--start FILE]
 
 The estimator sees counts of steps between neighboring points, not pictures. features() computes them for a 176 × 132 picture as points.comp,
-levels.comp, steps.comp and scene.comp do. Every fifth seed of either source is held out. Prints errors on what is held out, whole and by
+levels.comp, steps.comp and scene.comp do from frames of that size. Every fifth seed of either source is held out. Prints errors on what is held out, whole and by
 kind of scene: rmse, correlation, and rms of the error over the predicted deviation (1 if the estimator is as sure as it may be). Needs
 PyTorch; features are cached in --cache."""
 import argparse
@@ -75,7 +75,7 @@ def bright(m):
 
 
 def cloud(rgb):
-    """Of a linear picture: thousandths of its points of level 2 by brightness below the top (8, steps of .4) and by b (20, steps of .1)."""
+    """Of a linear picture: thousandths of its wide points, means of 4 × 4 pixels, by brightness below the top (8, steps of .4) and by b (20, steps of .1)."""
     m, b, _ = np.moveaxis(points_of(halve(halve(rgb))), -1, 0)
     dark = np.clip((bright(m) - m) / 0.4, 0, 7).astype(int)
     counts = np.zeros(160)
@@ -84,7 +84,7 @@ def cloud(rgb):
 
 
 def features(rgb):
-    """Step counts and scene counts of a linear picture."""
+    """Step counts and cloud of a linear picture."""
     return step_counts(points_of(rgb)), cloud(rgb)
 
 
@@ -143,7 +143,7 @@ def split(loaded):
 
 
 class Votes(nn.Module):
-    """Log scores of the candidates: convolutions along the slopes, and a small dense part that sees the scene's counts, too."""
+    """Log scores of the candidates: convolutions along the slopes, and a small dense part that sees the cloud, too."""
 
     def __init__(self):
         super().__init__()
@@ -188,7 +188,7 @@ def score(model, data):
     )
 
 
-ORDER = ("a", "b", "c", "d", "cloud", "e")  # as votes.comp reads them
+ORDER = ("a", "b", "c", "d", "cloud", "e")  # as in light.glsl
 
 
 def parameters(model):
@@ -212,7 +212,7 @@ def fit(sources, held, args):
     torch.manual_seed(args.seed)
     data = [torch.cat(a) for a in zip(*sources.values())]
     first = len(sources["traced"][2])
-    model = Votes()
+    model = shown = Votes()
     if args.start:
         load_weights(model, args.start)
         show("start", model.eval(), held)
@@ -255,7 +255,7 @@ def main():
     parser.add_argument("--rate", type=float, default=2e-3)
     parser.add_argument("--decay", type=float, default=0.3)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--start", type=pathlib.Path, help="weights to go on from")
+    parser.add_argument("--start", type=pathlib.Path, help="weights to go on from; with --steps 0 their errors are printed")
     args = parser.parse_args()
     traced, unseen = split(load(args.cache, args.samples.glob("*.npz"), args.mixtures, mixtures))
     sources, held = {"traced": traced}, {"traced": joined(arrays for _, arrays in unseen)}

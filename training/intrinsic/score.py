@@ -5,8 +5,9 @@
     score.py FOLDER [--element intrinsicdecomp] [--mixtures 2]
 
 Prints by kind of scene: LMSE of reflectance (Grosse et al. 2009, windows of 20 pixels), WHDR (Bell et al. 2014, δ = .1) over pairs of
-which a third has one paint, rms error of log reflectance, and of the slope. "several" are photographs whose light no one slope describes: it
-leaves more than .15 (rms) of ln R/B of the light. "as lit" are those whose light was not bent to another slope (mix.py). Needs python3-gi and GST_PLUGIN_PATH, INVERSE_MODELS."""
+which a third has one paint, rms error of log reflectance, and of the slope. "several slopes" are photographs whose light no one slope
+describes: it leaves more than .15 (rms) of ln R/B of the light. "not bent" are those with the slope of their lights (mix.py). Needs
+python3-gi and GST_PLUGIN_PATH, INVERSE_MODELS."""
 import argparse
 import collections
 import pathlib
@@ -113,12 +114,12 @@ def main():
             for name, slope in (("found", "auto"), ("given", true), ("gray", 0)):
                 (found,), k = reflectances([m["image"]], args.element, slope)
                 row = {**errors(found, m["R"], m["mask"], pairs), "k": k - true}
-                for kind in (scene["meta"]["kind"], "all", *["several"] * (m["axis"] > SEVERAL), *["as lit"] * (not m["bent"])):
+                for kind in (scene["meta"]["kind"], "all", *["several slopes"] * (m["axis"] > SEVERAL), *["not bent"] * (not m["bent"])):
                     rows[kind, name].append(row)
     print("kind, slope: photographs, LMSE, WHDR, rms ln R, rms error of slope")
     for (kind, name), of in sorted(rows.items()):
         means = [np.mean([r[n] for r in of]) for n in ("LMSE", "WHDR", "rms ln R")]
-        print(f"{kind:8} {name:6} {len(of):4} " + " ".join(f"{v:.4f}" for v in [*means, np.sqrt(np.mean([r['k'] ** 2 for r in of]))]))
+        print(f"{kind:14} {name:6} {len(of):4} " + " ".join(f"{v:.4f}" for v in [*means, np.sqrt(np.mean([r['k'] ** 2 for r in of]))]))
 
 
 if __name__ == "__main__":
