@@ -26,8 +26,8 @@ const float kStays = 0.2;  // as TemporalAnchor's hold_texture, log units
 const float kMinShading = 1e-20;
 
 void main() {
-  uint at = gl_GlobalInvocationID.x;
-  if (at >= push.size.x * push.size.y) return;
+  if (gl_GlobalInvocationID.x >= push.size.x) return;
+  uint at = gl_GlobalInvocationID.y * push.size.x + gl_GlobalInvocationID.x;
   vec3 rgb = sanitize(FETCH(frame, int(at)).rgb);
   float m = mean_log(rgb), s = log(max(FETCH(intrinsic, int(at)).w, kMinShading));
   if (kStart) {

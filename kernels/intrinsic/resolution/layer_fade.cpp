@@ -21,7 +21,8 @@ void LayerFade::dispatch(gpu::Commands& commands, const Fade& fade, const PlaneP
                      .between = gpu::aliased(between_->buffer),
                      .faded = faded->buffer,
                      .slope = (slope ? slope : now)->buffer},
-                    {.size = frame->extent, .share = share_}, line_of(frame->extent.pixels()));
+                    {.size = frame->extent, .share = share_},
+                    {frame->extent.width, frame->extent.height});
   commands.keep(between_);
 }
 

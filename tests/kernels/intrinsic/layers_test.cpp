@@ -125,4 +125,26 @@ TEST_F(LayersTest, FadeAgreesWithReference) {
     }
 }
 
+TEST_F(LayersTest, FadeTakesFramesOfMorePixelsThanALineOfWorkgroupsHas) {
+  const Extent size{32767, 129};
+  const auto all = [&](float r, float g, float b, float s) {
+    Pixels pixels(4 * size.pixels());
+    for (size_t i = 0; i < pixels.size(); i += 4)
+      pixels[i] = r, pixels[i + 1] = g, pixels[i + 2] = b, pixels[i + 3] = s;
+    return shared_plane(size, pixels);
+  };
+  const PlanePtr frame = all(0.2F, 0.2F, 0.2F, 1), shown = all(0.4F, 0.4F, 0.4F, 0.5F),
+                 now = all(0.8F, 0.8F, 0.8F, 0.25F);
+  LayerFade fade(device, size);
+  PlanePtr got;
+  run([&](gpu::Commands& commands) {
+    fade.start(commands, frame, shown, now);
+    got = fade.record(commands, frame, now, nullptr);
+  });
+  const Pixels faded = download(got->buffer);
+  const float expected = 0.25F * std::pow(2.0F, float(LayerFade::kShare));
+  for (const size_t pixel : {size_t{0}, size.pixels() / 2, size.pixels() - 1})
+    EXPECT_NEAR(faded[4 * pixel + 3], expected, 1e-5F) << "pixel " << pixel;
+}
+
 }  // namespace inverse::testing
