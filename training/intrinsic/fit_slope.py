@@ -5,9 +5,9 @@
     fit_slope.py --samples DIR --scenes DIR --out weights.f16 [--mixtures 24] [--share 0.25] [--steps 4000] [--seed 1] [--start FILE]
 
 The estimator sees counts of steps between neighboring points, not pictures. features() computes them for a 176 × 132 picture as points.comp,
-levels.comp, steps.comp and scene.comp do from frames of that size. Every fifth seed of either source is held out. Prints errors on what is held out, whole and by
-kind of scene: rmse, correlation, and rms of the error over the predicted deviation (1 if the estimator is as sure as it may be). Needs
-PyTorch; features are cached in --cache."""
+levels.comp, steps.comp and scene.comp do from frames of that size. Every fifth seed of either source is held out. Prints errors on what
+is held out, whole and by kind of scene: rmse, correlation, and rms of the error over the predicted deviation (1 if the estimator is as
+sure as it may be). Needs PyTorch; features are cached in --cache."""
 import argparse
 import concurrent.futures
 import hashlib
@@ -75,7 +75,8 @@ def bright(m):
 
 
 def cloud(rgb):
-    """Of a linear picture: thousandths of its wide points, means of 4 × 4 pixels, by brightness below the top (8, steps of .4) and by b (20, steps of .1)."""
+    """Of a linear picture: thousandths of its wide points, means of 4 × 4 pixels, by brightness below the top (8, steps of .4) and by b
+    (20, steps of .1)."""
     m, b, _ = np.moveaxis(points_of(halve(halve(rgb))), -1, 0)
     dark = np.clip((bright(m) - m) / 0.4, 0, 7).astype(int)
     counts = np.zeros(160)
