@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -58,6 +59,14 @@ struct Layers {
     for (const PlanePtr& plane : planes)
       if (plane) return plane;
     return nullptr;
+  }
+  /// Device memory of the planes, each counted once.
+  size_t bytes() const {
+    size_t bytes = 0;
+    for (auto plane = planes.begin(); plane != planes.end(); ++plane)
+      if (*plane && std::find(planes.begin(), plane, *plane) == plane)
+        bytes += (*plane)->extent.pixels() * gpu::element_bytes(gpu::Element::vec4);
+    return bytes;
   }
   /// Whether the light has a color and layers of its own.
   bool global() const { return (*this)[Role::light] && (*this)[Role::model_light]; }

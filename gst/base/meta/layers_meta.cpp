@@ -7,6 +7,7 @@
 
 #include "gst/base/log/log.hpp"
 #include "kernels/gpu/commands.hpp"
+#include "layers_memory.hpp"
 #include "registered_once.hpp"
 
 namespace inverse {
@@ -118,6 +119,8 @@ void attach_layers(GstBuffer* buffer, const Layers& layers) {
   meta->width = layers.extent.width;
   meta->height = layers.extent.height;
   layers_in(meta) = layers;
+  if (gst_buffer_n_memory(buffer) == 0)
+    gst_buffer_append_memory(buffer, new_layers_memory(layers.bytes()));
 }
 
 const Layers* layers_of(GstBuffer* buffer) {
