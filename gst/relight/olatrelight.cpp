@@ -224,6 +224,8 @@ class RelightElement final : public Filter {
     report = {drawn_, same};
     report.stats.fitted = method_->stats().fitted;
     frame.picture = {picture_};
+    // Another thread may reuse the planes that came in, once they are released.
+    frame.commands.keep(std::make_shared<Layers>(std::move(frame.layers)));
     frame.layers = {picture_->extent, {}};
     frame.layers[Role::input] = picture_;  // for its alpha
   }

@@ -26,12 +26,13 @@ PLANE_OUT(6, picture);
 layout(push_constant) uniform Push {
   uvec2 size;
   float strength;  // 0: the input, 1: the edit
+  uint first_row;
 } push;
 
 const float kRatioFloor = 2e-3;     // linear light, 1 = full scale
 
 void main() {
-  uvec2 at = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y * kRows);
+  uvec2 at = uvec2(gl_GlobalInvocationID.x, push.first_row + gl_GlobalInvocationID.y * kRows);
   if (at.x >= push.size.x) return;
   uint last = min(at.y + kRows, push.size.y);
   for (uint y = at.y; y < last; ++y) {
@@ -51,6 +52,6 @@ void main() {
                   : MODE == kRatio      ? seen.rgb * ((to + kRatioFloor) / (from + kRatioFloor))
                                         : seen.rgb + (to - from);
     vec3 drawn = MODE >= kDifference ? edited : seen.rgb + push.strength * (edited - seen.rgb);
-    STORE(picture, n, vec4(clamp(drawn, vec3(0.0), vec3(kLargest)), min(seen.w, 1.0)));
+    STORE(picture, BY_ROWS(n), vec4(clamp(drawn, vec3(0.0), vec3(kLargest)), min(seen.w, 1.0)));
   }
 }

@@ -40,13 +40,13 @@ PlanePtr Compose::record_mask(gpu::Commands& commands, const Layers& layers) {
 PlanePtr Compose::recombine(gpu::Commands& commands, bool difference, const Layers& layers,
                             float strength) {
   PlanePtr picture = planes_.acquire();
-  commands.dispatch(gpu::Program<shaders::edit_recombine>(device_, {.difference = difference}),
-                    {.frame = layers[Role::input]->buffer,
-                     .diffuse = layers[Role::diffuse]->buffer,
-                     .specular = layers[Role::specular]->buffer,
-                     .picture = picture->buffer},
-                    {.size = layers.extent, .strength = strength},
-                    {layers.extent.width, (layers.extent.height - 1) / kRows + 1});
+  commands.dispatch_rows(gpu::Program<shaders::edit_recombine>(device_, {.difference = difference}),
+                         {.frame = layers[Role::input]->buffer,
+                          .diffuse = layers[Role::diffuse]->buffer,
+                          .specular = layers[Role::specular]->buffer,
+                          .picture = gpu::by_rows(picture->buffer)},
+                         {.size = layers.extent, .strength = strength, .first_row = 0},
+                         {layers.extent.width, layers.extent.height, kRows});
   return picture;
 }
 
@@ -56,7 +56,7 @@ PlanePtr Compose::run(gpu::Commands& commands, uint32_t mode, const Layers& laye
   const bool light = layers.global() && mode != Mode::kMask;
   const PlanePtr& slope = layers[Role::slope];
   const Role before = light ? Role::model_light : Role::model;
-  commands.dispatch(
+  commands.dispatch_rows(
       gpu::Program<Mode>(device_, {.mode = mode, .light = light, .slope = slope != nullptr}),
       {.frame = layers[Role::input]->buffer,
        .model = layers[Role::model]->buffer,
@@ -64,9 +64,9 @@ PlanePtr Compose::run(gpu::Commands& commands, uint32_t mode, const Layers& laye
        .model_light = layers[before]->buffer,
        .light = layers[light ? Role::light : Role::model]->buffer,
        .slope = (slope ? slope : layers[Role::model])->buffer,
-       .picture = picture->buffer},
-      {.size = layers.extent, .strength = strength},
-      {layers.extent.width, (layers.extent.height - 1) / kRows + 1});
+       .picture = gpu::by_rows(picture->buffer)},
+      {.size = layers.extent, .strength = strength, .first_row = 0},
+      {layers.extent.width, layers.extent.height, kRows});
   return picture;
 }
 

@@ -94,19 +94,19 @@ void LightEdit::run(gpu::Commands& commands, Layers& layers, uint32_t by, const 
   const PlanePtr light = plane_to_edit(layers[Role::light], planes_);
   const auto share = [&](uint32_t n) { return layers[indirect_role(n < planes ? n : 0)]->buffer; };
   const gpu::BufferPtr& from = layers[Role::light]->buffer;
-  commands.dispatch(retint,
-                    {.light = from,
-                     .share0 = share(0),
-                     .share1 = share(1),
-                     .share2 = share(2),
-                     .share3 = share(3),
-                     .change = change_,
-                     .mask = inputs.matte ? inputs.matte->buffer : from,
-                     .edited = gpu::aliased(light->buffer)},
-                    {.size = layers.extent},
-                    {layers.extent.width, (layers.extent.height - 1) / kRows + 1});
-  layers[Role::light] = light;
-  if (!inputs.matte) layers[Role::bases] = edited;
+  commands.dispatch_rows(retint,
+                         {.light = from,
+                          .share0 = share(0),
+                          .share1 = share(1),
+                          .share2 = share(2),
+                          .share3 = share(3),
+                          .change = change_,
+                          .mask = inputs.matte ? inputs.matte->buffer : from,
+                          .edited = gpu::by_rows(gpu::aliased(light->buffer))},
+                         {.size = layers.extent, .first_row = 0},
+                         {layers.extent.width, layers.extent.height, kRows});
+  replace(commands, layers, Role::light, light);
+  if (!inputs.matte) replace(commands, layers, Role::bases, edited);
 }
 
 }  // namespace inverse

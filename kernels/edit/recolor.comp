@@ -9,7 +9,7 @@
 float within(float distance, float tolerance) { return falling((distance - tolerance) * push.fall_off); }
 
 void main() {
-  uvec2 at = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y * kRows);
+  uvec2 at = uvec2(gl_GlobalInvocationID.x, push.first_row + gl_GlobalInvocationID.y * kRows);
   if (at.x >= push.size.x) return;
   uint last = min(at.y + kRows, push.size.y);
   for (uint y = at.y; y < last; ++y) {

@@ -40,13 +40,18 @@ Push push_of(const RecolorParams& params, Extent extent) {
                                  : limited(params.value_tolerance, 0, RecolorParams::kAnyValue),
           .fall_off = 1 / limited(params.softness, kHardestEdge, kLargest),
           .clusters = 0,
-          .cluster = 0};
+          .cluster = 0,
+          .first_row = 0};
 }
 
 }  // namespace
 
 PlanePtr plane_to_edit(const PlanePtr& plane, PlanePool& planes) {
   return plane.use_count() == 1 ? plane : planes.acquire();
+}
+
+void replace(gpu::Commands& commands, Layers& layers, Role role, PlanePtr plane) {
+  if (layers[role] != plane) commands.keep(std::exchange(layers[role], std::move(plane)));
 }
 
 Recolor::Recolor(const std::shared_ptr<gpu::Device>& device, Extent extent)
@@ -82,22 +87,22 @@ void Recolor::record(gpu::Commands& commands, Layers& layers, const RecolorParam
   const size_t variant = (matte ? 1 : 0) + (mask ? 2 : 0);
   Push push = push_of(params, layers.extent);
   const gpu::BufferPtr matte_of = matte ? layers[Role::mask]->buffer : from;
-  const gpu::BufferPtr published = mask ? mask->buffer : nothing_;
-  const gpu::Items strips{layers.extent.width, (layers.extent.height - 1) / kRows + 1};
+  const gpu::Out published = mask ? gpu::Out(gpu::by_rows(mask->buffer)) : gpu::Out(nothing_);
+  const gpu::Rows strips{layers.extent.width, layers.extent.height, kRows};
   if (by_cluster) {
     const Plane& model = *layers[Role::model];
     if (!palette_) palette_.emplace(device_, layers.extent);
     palette_->record_update(commands, model, params.clusters);
     push.clusters = palette_->palette().params().clusters;
     push.cluster = std::min(params.cluster, kMaxClusters - 1);
-    commands.dispatch(by_cluster_[variant],
-                      {.intrinsic = from,
-                       .mask = matte_of,
-                       .edited = gpu::aliased(edited->buffer),
-                       .published = published,
-                       .model = model.buffer,
-                       .palette = palette_->palette().colors()},
-                      push, strips);
+    commands.dispatch_rows(by_cluster_[variant],
+                           {.intrinsic = from,
+                            .mask = matte_of,
+                            .edited = gpu::by_rows(gpu::aliased(edited->buffer)),
+                            .published = published,
+                            .model = model.buffer,
+                            .palette = palette_->palette().colors()},
+                           push, strips);
   } else if (by_base) {
     const Role role = layers[Role::model_bases] ? Role::model_bases : Role::bases;
     const gpu::BufferPtr& model = layers[Role::model]->buffer;
@@ -106,24 +111,24 @@ void Recolor::record(gpu::Commands& commands, Layers& layers, const RecolorParam
     commands.dispatch(base_key_, {.key = base_color_, .model = model, .bases = bases},
                       {.size = layers.extent, .index = push.cluster, .fall_off = push.fall_off},
                       {});
-    commands.dispatch(by_base_[variant],
-                      {.intrinsic = from,
-                       .mask = matte_of,
-                       .edited = gpu::aliased(edited->buffer),
-                       .published = published,
-                       .model = model,
-                       .bases = bases,
-                       .key = base_color_},
-                      push, strips);
+    commands.dispatch_rows(by_base_[variant],
+                           {.intrinsic = from,
+                            .mask = matte_of,
+                            .edited = gpu::by_rows(gpu::aliased(edited->buffer)),
+                            .published = published,
+                            .model = model,
+                            .bases = bases,
+                            .key = base_color_},
+                           push, strips);
   } else {
-    commands.dispatch(by_key_[variant],
-                      {.intrinsic = from,
-                       .mask = matte_of,
-                       .edited = gpu::aliased(edited->buffer),
-                       .published = published},
-                      push, strips);
+    commands.dispatch_rows(by_key_[variant],
+                           {.intrinsic = from,
+                            .mask = matte_of,
+                            .edited = gpu::by_rows(gpu::aliased(edited->buffer)),
+                            .published = published},
+                           push, strips);
   }
-  layers[Role::intrinsic] = edited;
+  replace(commands, layers, Role::intrinsic, edited);
   if (lights) {
     if (!light_) light_.emplace(device_, layers.extent);
     light_->repaint(commands, layers,
@@ -131,7 +136,7 @@ void Recolor::record(gpu::Commands& commands, Layers& layers, const RecolorParam
                      by_cluster ? palette_->palette().colors() : base_color_},
                     params.target, params.strength);
   }
-  if (params.write_mask) layers[Role::mask] = mask;
+  if (params.write_mask) replace(commands, layers, Role::mask, mask);
 }
 
 }  // namespace inverse

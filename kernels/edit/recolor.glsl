@@ -24,6 +24,7 @@ layout(push_constant) uniform Push {
   float fall_off;  // 1 / softness
   int clusters;    // how many there are
   int cluster;     // the one to recolor
+  uint first_row;
 } push;
 
 // Mean reflectance below which values are not distinguished: a coal cellar has 0.02.
@@ -31,9 +32,9 @@ const float kValueFloor = 1e-3;
 
 void recolor(uint n, vec4 layers, float selection, float key_value) {
   if (MATTE) selection *= min(finite(FETCH(mask, int(n))).x, 1.0);
-  if (PUBLISH) STORE(published, n, vec4(selection, 0.0, 0.0, 0.0));
+  if (PUBLISH) STORE(published, BY_ROWS(n), vec4(selection, 0.0, 0.0, 0.0));
   float ratio = (mean3(layers.rgb) + kValueFloor) / key_value;
   vec3 target = push.target.rgb * exp(push.texture_kept * log(ratio));
   vec3 changed = min(layers.rgb + push.target.w * selection * (target - layers.rgb), vec3(kLargest));
-  STORE(edited, n, vec4(changed, layers.w));
+  STORE(edited, BY_ROWS(n), vec4(changed, layers.w));
 }

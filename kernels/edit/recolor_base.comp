@@ -10,7 +10,7 @@
 PLANE_IN(6, key);  // base_key.comp
 
 void main() {
-  uvec2 at = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y * kRows);
+  uvec2 at = uvec2(gl_GlobalInvocationID.x, push.first_row + gl_GlobalInvocationID.y * kRows);
   if (at.x >= push.size.x) return;
   float key_value = mean3(FETCH(key, 0).rgb) + kValueFloor;
   uint last = min(at.y + kRows, push.size.y);

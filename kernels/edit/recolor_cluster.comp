@@ -10,7 +10,7 @@ PLANE_IN(4, model);
 PLANE_IN(5, palette);  // Palette::colors()
 
 void main() {
-  uvec2 at = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y * kRows);
+  uvec2 at = uvec2(gl_GlobalInvocationID.x, push.first_row + gl_GlobalInvocationID.y * kRows);
   if (at.x >= push.size.x) return;
   int chosen = int(FETCH(palette, push.cluster).w);  // the cluster it was merged into; −1: it has no pixels
   vec4 color = FETCH(palette, kMaxClusters + max(chosen, 0));

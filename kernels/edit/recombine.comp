@@ -15,11 +15,12 @@ PLANE_OUT(3, picture);
 layout(push_constant) uniform Push {
   uvec2 size;
   float strength;  // 0: the frame, 1: the layers
+  uint first_row;
 } push;
 
 
 void main() {
-  uvec2 at = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y * kRows);
+  uvec2 at = uvec2(gl_GlobalInvocationID.x, push.first_row + gl_GlobalInvocationID.y * kRows);
   if (at.x >= push.size.x) return;
   uint last = min(at.y + kRows, push.size.y);
   for (uint y = at.y; y < last; ++y) {
@@ -27,6 +28,6 @@ void main() {
     vec4 seen = finite(FETCH(frame, n));
     vec3 change = finite(FETCH(diffuse, n)).rgb + finite(FETCH(specular, n)).rgb - seen.rgb;
     vec3 drawn = DIFFERENCE ? kMiddleGray + 0.5 * change : seen.rgb + push.strength * change;
-    STORE(picture, n, vec4(clamp(drawn, vec3(0.0), vec3(kLargest)), min(seen.w, 1.0)));
+    STORE(picture, BY_ROWS(n), vec4(clamp(drawn, vec3(0.0), vec3(kLargest)), min(seen.w, 1.0)));
   }
 }

@@ -16,7 +16,10 @@ PLANE_IN(4, share3);
 PLANE_IN(5, change);  // bases.comp
 PLANE_IN(6, mask);
 PLANE_OUT(7, edited);
-layout(push_constant) uniform Push { uvec2 size; } push;
+layout(push_constant) uniform Push {
+  uvec2 size;
+  uint first_row;
+} push;
 
 #define BOUNCED(k, share)                                                       \
   if (kPlanes > k) {                                                            \
@@ -26,7 +29,7 @@ layout(push_constant) uniform Push { uvec2 size; } push;
   }
 
 void main() {
-  uvec2 at = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y * kRows);
+  uvec2 at = uvec2(gl_GlobalInvocationID.x, push.first_row + gl_GlobalInvocationID.y * kRows);
   if (at.x >= push.size.x) return;
   uint last = min(at.y + kRows, push.size.y);
   for (uint y = at.y; y < last; ++y) {
@@ -37,6 +40,6 @@ void main() {
     BOUNCED(1, share1)
     BOUNCED(2, share2)
     BOUNCED(3, share3)
-    STORE(edited, n, finite(l));
+    STORE(edited, BY_ROWS(n), finite(l));
   }
 }

@@ -97,7 +97,7 @@ vec3 glossy(vec3 n) {
 }
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
+  uint i = line_index();
   if (i >= push.side * push.side) return;
   uvec2 at = uvec2(i % push.side, i / push.side);
   vec2 p = (vec2(at) + 0.5) / float(push.side) * 2.0 - 1.0;

@@ -20,13 +20,6 @@ constexpr float kBroad = 40;
 // small bright lamp, a larger one blurs.
 constexpr double kOverlap = 1.2;
 
-gpu::BufferPtr uploaded(const std::shared_ptr<gpu::Device>& device,
-                        const std::vector<PrefilteredLight::Vec4>& values) {
-  auto buffer = gpu::Buffer::create(device, gpu::Element::vec4, values.size(), gpu::Memory::upload);
-  memcpy(buffer->map(), values.data(), buffer->bytes());
-  return buffer;
-}
-
 float bounded(float value, float low, float high) {
   return value >= low ? std::min(value, high) : low;  // NaN: low
 }
@@ -92,7 +85,8 @@ LitSphere::LitSphere(const std::shared_ptr<gpu::Device>& device, uint32_t side)
 void LitSphere::set_light(const PrefilteredLight& light) {
   const auto& device = table_.buffer->device();
   light_ = std::make_shared<const Light>(
-      Light{uploaded(device, light.cells), uploaded(device, light.texels),
+      Light{gpu::make_table(device, gpu::Element::vec4, light.cells),
+            gpu::make_table(device, gpu::Element::vec4, light.texels),
             static_cast<uint32_t>(light.cells.size() / 2), light.rows, light.levels});
   recorded_.reset();
 }
@@ -109,10 +103,15 @@ void LitSphere::record(gpu::Commands& commands, const Surface& surface, const Vi
   const float gain = Surface::lobe_gain(s.shininess) * s.specular * state.view.intensity;
   const uint32_t side = table_.extent.width;
   const bool broad = s.shininess < kBroad;
-  const auto samples = uploaded(table_.buffer->device(), lobe(double{s.shininess}, light_->rows));
+  commands.write_table(
+      samples_, gpu::Element::vec4,
+      std::span<const PrefilteredLight::Vec4>(lobe(double{s.shininess}, light_->rows)));
   commands.dispatch(
       kernel_,
-      {.cells = light_->cells, .light = light_->texels, .samples = samples, .table = table_.buffer},
+      {.cells = light_->cells,
+       .light = light_->texels,
+       .samples = samples_,
+       .table = table_.buffer},
       {.diffuse = {s.diffuse[0] * state.view.intensity, s.diffuse[1] * state.view.intensity,
                    s.diffuse[2] * state.view.intensity, state.view.rotation},
        .gloss = gain,

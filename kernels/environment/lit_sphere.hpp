@@ -71,6 +71,7 @@ class LitSphere {
   Plane table_;
   gpu::Program<shaders::environment_lit_sphere> kernel_;
   std::shared_ptr<const Light> light_;
+  gpu::BufferPtr samples_;
   std::optional<State> recorded_;
   uint64_t version_ = 0;
 };

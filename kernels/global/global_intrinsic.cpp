@@ -54,12 +54,8 @@ GlobalIntrinsic::Params within_ranges(GlobalIntrinsic::Params params) {
   return params;
 }
 
-gpu::Items pixels_of(Extent extent) { return {extent.width, extent.height}; }
-
 /// Invocations for four horizontally adjacent pixels each.
-gpu::Items fours_of(Extent extent) {
-  return line_of((extent.width + uint64_t{3}) / 4 * extent.height);
-}
+gpu::Rows fours_of(Extent extent) { return {pack4_count(extent.width), extent.height, 1, true}; }
 
 /// Whether both find light in the same way; the parameters of the solve do not count.
 bool same_light(GlobalIntrinsic::Params a, const GlobalIntrinsic::Params& b) {
@@ -192,36 +188,36 @@ uint32_t GlobalIntrinsic::Report::slots() const {
 void GlobalIntrinsic::share_out(gpu::Commands& commands, Layers& layers, uint32_t count) {
   for (uint32_t n = 0; n < count; ++n) layers[indirect_role(n)] = planes_.acquire();
   const auto share = [&](uint32_t n) -> gpu::Out {
-    if (n < count) return layers[indirect_role(n)]->buffer;
-    return gpu::aliased(layers[indirect_role(0)]->buffer);  // it is not written
+    if (n < count) return gpu::by_rows(layers[indirect_role(n)]->buffer);
+    return gpu::by_rows(gpu::aliased(layers[indirect_role(0)]->buffer));  // it is not written
   };
-  commands.dispatch(kernels_.shares[count - 1],
-                    {.frame = layers[Role::input]->buffer,
-                     .tints = tints_,
-                     .slots = slots_,
-                     .fields = fields_,
-                     .bases = layers[Role::bases]->buffer,
-                     .light = layers[Role::light]->buffer,
-                     .scene = scene_,
-                     .light_state = light_state(),
-                     .share0 = share(0),
-                     .share1 = share(1),
-                     .share2 = share(2),
-                     .share3 = share(3)},
-                    sizes(), pixels_of(extent_));
+  commands.dispatch_rows(kernels_.shares[count - 1],
+                         {.frame = layers[Role::input]->buffer,
+                          .tints = tints_,
+                          .slots = slots_,
+                          .fields = fields_,
+                          .bases = layers[Role::bases]->buffer,
+                          .light = layers[Role::light]->buffer,
+                          .scene = scene_,
+                          .light_state = light_state(),
+                          .share0 = share(0),
+                          .share1 = share(1),
+                          .share2 = share(2),
+                          .share3 = share(3)},
+                         row_sizes(), {extent_.width, extent_.height});
   commands.stage("shares");
 }
 
 void GlobalIntrinsic::draw_labels(gpu::Commands& commands, const Plane& input,
                                   const Plane& target) {
-  commands.dispatch(gpu::Program<shaders::global_light_labels>(device_),
-                    {.frame = input.buffer,
-                     .tints = tints_,
-                     .slots = slots_,
-                     .scene = scene_,
-                     .light_state = light_state(),
-                     .picture = target.buffer},
-                    sizes(), pixels_of(extent_));
+  commands.dispatch_rows(gpu::Program<shaders::global_light_labels>(device_),
+                         {.frame = input.buffer,
+                          .tints = tints_,
+                          .slots = slots_,
+                          .scene = scene_,
+                          .light_state = light_state(),
+                          .picture = gpu::by_rows(target.buffer)},
+                         row_sizes(), {extent_.width, extent_.height});
 }
 
 Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, const Params& asked,
@@ -278,26 +274,27 @@ Layers GlobalIntrinsic::record_gray(gpu::Commands& commands, const PlanePtr& inp
 void GlobalIntrinsic::record_tint(gpu::Commands& commands, const PlanePtr& input,
                                   const Params& params, const PlanePtr& neutral_input,
                                   const PlanePtr& tau) {
-  kernels_.divide_tint.dispatch(commands, plan_.reused() ? &*changed_[recorded_] : nullptr,
-                                {.frame = input->buffer,
-                                 .memory = memory_,
-                                 .tints = tints_,
-                                 .slots = slots_,
-                                 .received = received_,
-                                 .smooth_part = fits_[0],
-                                 .coefficients = fits_[2],
-                                 .scene = scene_,
-                                 .light_state = light_state(),
-                                 .plain = neutral_input->buffer,
-                                 .light = tau->buffer},
-                                {.size = extent_,
-                                 .grid = grid_,
-                                 .coarse = coarse_,
-                                 .factor = factor_,
-                                 .white_level = params.scale.white_level,
-                                 .residual_sigma = kResidualSigma,
-                                 .tint_sigma = kTintSigma},
-                                fours_of(extent_));
+  kernels_.divide_tint.dispatch_rows(commands, plan_.reused() ? &*changed_[recorded_] : nullptr,
+                                     {.frame = input->buffer,
+                                      .memory = memory_,
+                                      .tints = tints_,
+                                      .slots = slots_,
+                                      .received = received_,
+                                      .smooth_part = fits_[0],
+                                      .coefficients = fits_[2],
+                                      .scene = scene_,
+                                      .light_state = light_state(),
+                                      .plain = gpu::by_rows(neutral_input->buffer),
+                                      .light = gpu::by_rows(tau->buffer)},
+                                     {.size = extent_,
+                                      .grid = grid_,
+                                      .coarse = coarse_,
+                                      .factor = factor_,
+                                      .white_level = params.scale.white_level,
+                                      .residual_sigma = kResidualSigma,
+                                      .tint_sigma = kTintSigma,
+                                      .first_row = 0},
+                                     fours_of(extent_));
   commands.stage("divide-tint");
 }
 
@@ -312,14 +309,14 @@ PlanePtr GlobalIntrinsic::record_direct(gpu::Commands& commands, const PlanePtr&
     light = planes_.acquire();
     if (drawn_) commands.copy(kept_.light->buffer, light->buffer, light->buffer->bytes());
   }
-  kernels_.direct.dispatch(commands, drawn_,
-                           {.frame = neutral_input->buffer,
-                            .intrinsic = layers[Role::intrinsic]->buffer,
-                            .scene = scene_,
-                            .tau = gpu::aliased(tau->buffer),
-                            .light = light->buffer,
-                            .memory = memory_},
-                           {.size = extent_}, fours_of(extent_));
+  kernels_.direct.dispatch_rows(commands, drawn_,
+                                {.frame = neutral_input->buffer,
+                                 .intrinsic = layers[Role::intrinsic]->buffer,
+                                 .scene = scene_,
+                                 .tau = gpu::aliased(tau->buffer),
+                                 .light = gpu::by_rows(light->buffer),
+                                 .memory = gpu::by_rows(memory_)},
+                                {.size = extent_, .first_row = 0}, fours_of(extent_));
   commands.stage("direct");
   if (keeps) kept_.light = light;
   return light;

@@ -141,6 +141,9 @@ class GlobalIntrinsic {
   shaders::global_gather_emit::Push sizes() const {
     return {.size = extent_, .grid = grid_, .coarse = coarse_, .factor = factor_};
   }
+  shaders::global_light_labels::Push row_sizes() const {
+    return {.size = extent_, .grid = grid_, .coarse = coarse_, .factor = factor_, .first_row = 0};
+  }
   void measure_light_color(gpu::Commands& commands, const Plane& input, const Params& params);
   /// The color of the frame's light; null if it is gray.
   SceneLight* colored_light() { return colored_ ? &light_color_ : nullptr; }

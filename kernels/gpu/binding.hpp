@@ -27,12 +27,25 @@ struct Aliased {
 /// works in place, or does not touch what is bound here. Without that, Commands::dispatch throws.
 inline Aliased aliased(const BufferPtr& buffer) { return {buffer}; }
 
+/// A buffer of rows that a dispatch over gpu::Rows writes (by_rows).
+struct ByRows {
+  const BufferPtr& buffer;
+  bool aliased = false;
+};
+/// Says that the shader writes the rows of this buffer from `first_row` on: an index counts from
+/// there, so that Commands can bind one part after the other of what exceeds maxStorageBufferRange.
+/// What it only reads through a texel view is bound as a whole.
+inline ByRows by_rows(const BufferPtr& buffer) { return {buffer}; }
+inline ByRows by_rows(const Aliased& given) { return {given.buffer, true}; }
+
 /// A buffer at a binding. It has no default, so that none is left out.
 struct Binding {
   Binding(BufferPtr given) : buffer(std::move(given)) {}
   Binding(const Aliased& given) : buffer(given.buffer), aliased(true) {}
+  Binding(const ByRows& given) : buffer(given.buffer), aliased(given.aliased), by_rows(true) {}
   BufferPtr buffer;
   bool aliased = false;
+  bool by_rows = false;
 };
 /// One that the shader reads, writes, or both.
 struct In : Binding {

@@ -45,7 +45,7 @@ uint32_t memory_type(const Device& device, uint32_t allowed, VkMemoryPropertyFla
 uint64_t padded(const Device& device, uint64_t bytes) {
   constexpr uint64_t kPadding = 784;  // keeps the alignment of a vec4
   const bool alike = (bytes & 0xff00) != 0 && !std::has_single_bit(bytes);
-  const bool fits = bytes + kPadding <= device.limits().storage_buffer_bytes;
+  const bool fits = (bytes + kPadding) / 4 <= device.limits().texel_elements;
   return device.variant().padded_buffers && !alike && fits ? bytes + kPadding : bytes;
 }
 
@@ -59,12 +59,6 @@ std::shared_ptr<Buffer> Buffer::create(std::shared_ptr<Device> device, Element e
 Buffer::Buffer(std::shared_ptr<Device> device, Element element, uint64_t count, Memory memory)
     : device_(std::move(device)), element_(element), count_(count) {
   const Limits& limits = device_->limits();
-  if (bytes() > limits.storage_buffer_bytes)
-    throw Error(ErrorKind::limit, "a buffer of " + std::to_string(bytes()) +
-                                      " bytes exceeds maxStorageBufferRange of \"" +
-                                      device_->name() + "\", " +
-                                      std::to_string(limits.storage_buffer_bytes) +
-                                      " bytes; use a smaller frame or another device");
   const bool view = !device_->variant().portable;
   if (view && count_ > limits.texel_elements)
     throw Error(ErrorKind::limit,
@@ -91,19 +85,12 @@ Buffer::Buffer(std::shared_ptr<Device> device, Element element, uint64_t count, 
       required = kMapped;
       wanted = kMapped | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
     }
-    VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
-    allocate.allocationSize = needs.size;
-    allocate.memoryTypeIndex = memory_type(*device_, needs.memoryTypeBits, required, wanted);
-    check(vkAllocateMemory(device_->handle(), &allocate, nullptr, &memory_),
-          "allocating device memory");
-    allocated_ = needs.size;
-    device_->count_memory(static_cast<int64_t>(allocated_));
-    check(vkBindBufferMemory(device_->handle(), buffer_, memory_, 0), "binding device memory");
-    const auto flags =
-        device_->memory_properties().memoryTypes[allocate.memoryTypeIndex].propertyFlags;
-    if ((flags & kMapped) == kMapped)
-      check(vkMapMemory(device_->handle(), memory_, 0, VK_WHOLE_SIZE, 0, &mapped_),
-            "mapping device memory");
+    const uint32_t type = memory_type(*device_, needs.memoryTypeBits, required, wanted);
+    const auto flags = device_->memory_properties().memoryTypes[type].propertyFlags;
+    memory_ = device_->memory().allocate(needs, type, (flags & kMapped) == kMapped);
+    device_->count_memory(static_cast<int64_t>(memory_.size));
+    check(vkBindBufferMemory(device_->handle(), buffer_, memory_.memory, memory_.offset),
+          "binding device memory");
     if (view) {
       VkBufferViewCreateInfo view_info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
       view_info.buffer = buffer_;
@@ -123,9 +110,9 @@ Buffer::~Buffer() { release(); }
 void Buffer::release() {
   if (view_) vkDestroyBufferView(device_->handle(), view_, nullptr);
   if (buffer_) vkDestroyBuffer(device_->handle(), buffer_, nullptr);
-  if (memory_) {
-    vkFreeMemory(device_->handle(), memory_, nullptr);
-    device_->count_memory(-static_cast<int64_t>(allocated_));
+  if (memory_.block) {
+    device_->memory().free(memory_);
+    device_->count_memory(-static_cast<int64_t>(memory_.size));
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "device.hpp"
 #include "kernel_source.hpp"
+#include "memory.hpp"
 
 namespace inverse::gpu {
 
@@ -26,8 +27,9 @@ enum class Memory : uint8_t {
 /// Commands::fill.
 class Buffer {
  public:
-  /// `count` elements, at least one. Throws Error(limit) if the device cannot bind so large a
-  /// buffer, naming the limit, and Error(out_of_memory).
+  /// `count` elements, at least one. Throws Error(limit) if it is longer than a texel view can be,
+  /// naming the limit, and Error(out_of_memory). Kernels write what exceeds maxStorageBufferRange
+  /// in parts (by_rows).
   static std::shared_ptr<Buffer> create(std::shared_ptr<Device> device, Element element,
                                         uint64_t count, Memory memory = Memory::device);
   Buffer(const Buffer&) = delete;
@@ -39,10 +41,10 @@ class Buffer {
   uint64_t bytes() const { return count_ * element_bytes(element_); }
   /// The buffer in host memory, or null if it is not mapped. Coherent: no flushes. Writes are
   /// seen by work that is submitted later; reads see work whose Commands::wait has returned.
-  void* map() const { return mapped_; }
+  void* map() const { return memory_.mapped; }
   template <typename T>
   T* map_as() const {
-    return static_cast<T*>(mapped_);
+    return static_cast<T*>(memory_.mapped);
   }
   const std::shared_ptr<Device>& device() const { return device_; }
 
@@ -57,10 +59,8 @@ class Buffer {
   Element element_;
   uint64_t count_;
   VkBuffer buffer_ = VK_NULL_HANDLE;
-  VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  MemoryBlocks::Piece memory_;
   VkBufferView view_ = VK_NULL_HANDLE;
-  uint64_t allocated_ = 0;
-  void* mapped_ = nullptr;
 };
 
 using BufferPtr = std::shared_ptr<Buffer>;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <iterator>
 #include <mutex>
 
@@ -163,8 +164,18 @@ VkDescriptorSet Commands::descriptor_set(VkDescriptorSetLayout layout) {
   }
 }
 
+uint32_t Commands::rows_at_once(std::span<const Binding> buffers, uint32_t rows) const {
+  constexpr uint32_t kStep = 64;  // rows of items and alignment of offsets fit
+  uint64_t most = rows;
+  for (const Binding& binding : buffers)
+    if (binding.by_rows && binding.buffer->bytes() > device_->limits().window_bytes)
+      most = std::min(
+          most, device_->limits().window_bytes / (binding.buffer->bytes() / rows) / kStep * kStep);
+  return most >= rows ? rows : std::max(static_cast<uint32_t>(most), kStep);
+}
+
 void Commands::prepare(const KernelPtr& kernel, std::span<const Binding> buffers,
-                       std::span<const std::byte> push) {
+                       std::span<const std::byte> push, const Part& part) {
   const auto slots = kernel->slots();
   if (buffers.size() != slots.size() || buffers.size() > kSlotsPerSet)
     throw Error(ErrorKind::internal, std::string("kernel ") + kernel->name() + " has " +
@@ -187,7 +198,19 @@ void Commands::prepare(const KernelPtr& kernel, std::span<const Binding> buffers
                                              ": one buffer at bindings " + std::to_string(k) +
                                              " and " + std::to_string(i) +
                                              "; mark it gpu::aliased if intended");
-    infos[i] = {buffer->handle(), 0, VK_WHOLE_SIZE};
+    infos[i] = {buffer->handle(), 0, buffer->bytes()};
+    if (buffers[i].by_rows && part.count < part.rows) {
+      const uint64_t row = buffer->bytes() / part.rows;
+      infos[i].offset = part.first * row;
+      infos[i].range = part.count * row;
+    } else if (!slots[i].texel && buffer->bytes() > device_->limits().storage_buffer_bytes) {
+      throw Error(ErrorKind::limit, std::string("kernel ") + kernel->name() + " cannot bind " +
+                                        std::to_string(buffer->bytes()) +
+                                        " bytes, more than maxStorageBufferRange of \"" +
+                                        device_->name() + "\", " +
+                                        std::to_string(device_->limits().storage_buffer_bytes) +
+                                        " bytes; use a smaller frame or another device");
+    }
     views[i] = buffer->view();
     writes[i] = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
     writes[i].dstSet = set;
@@ -213,18 +236,11 @@ void Commands::prepare(const KernelPtr& kernel, std::span<const Binding> buffers
 }
 
 void Commands::run(const KernelPtr& kernel, std::span<const Binding> buffers,
-                   std::span<const std::byte> push, Items items) {
+                   std::span<const std::byte> push, Items items, const Part& part) {
   if (!items.x || !items.y || !items.z) return;
-  const uint32_t groups = (items.x - 1) / kernel->workgroup() + 1;
-  const Limits& limits = device_->limits();
-  if (groups > limits.workgroups[0] || items.y > limits.workgroups[1] ||
-      items.z > limits.workgroups[2])
-    throw Error(ErrorKind::limit,
-                std::string("kernel ") + kernel->name() + " needs " + std::to_string(groups) + "x" +
-                    std::to_string(items.y) + "x" + std::to_string(items.z) +
-                    " workgroups, more than maxComputeWorkGroupCount; use a smaller frame");
-  prepare(kernel, buffers, push);
-  vkCmdDispatch(buffer_, groups, items.y, items.z);
+  const Items groups = kernel->groups(items);
+  prepare(kernel, buffers, push, part);
+  vkCmdDispatch(buffer_, groups.x, groups.y, groups.z);
 }
 
 void Commands::build(const KernelPtr& kernel) {
@@ -277,10 +293,19 @@ void Commands::copy(const BufferPtr& source, const BufferPtr& target, uint64_t b
   vkCmdCopyBuffer(buffer_, source->handle(), target->handle(), 1, &region);
 }
 
-BufferPtr Commands::resident(const BufferPtr& uploaded) {
-  BufferPtr buffer = Buffer::create(device_, uploaded->element(), uploaded->count());
-  copy(uploaded, buffer, uploaded->bytes());
-  return buffer;
+void Commands::update_bytes(const BufferPtr& buffer, std::span<const std::byte> data) {
+  refuse_when("a copy");
+  if (data.size() > buffer->bytes() || data.size() % 4 != 0)
+    throw Error(ErrorKind::internal, "an update of " + std::to_string(data.size()) +
+                                         " bytes of a buffer of " +
+                                         std::to_string(buffer->bytes()));
+  touch(buffer->handle(), false, true);
+  barrier_if_needed();
+  kept_.push_back(buffer);
+  constexpr size_t kAtOnce = 65536;  // Vulkan's limit
+  for (size_t at = 0; at < data.size(); at += kAtOnce)
+    vkCmdUpdateBuffer(buffer_, buffer->handle(), at, std::min(kAtOnce, data.size() - at),
+                      &data[at]);
 }
 
 void Commands::fill(const BufferPtr& buffer, uint32_t word) {
@@ -381,6 +406,22 @@ bool Commands::done() const {
   return !in_flight_ || vkGetFenceStatus(device_->handle(), fence_) != VK_NOT_READY;
 }
 
+BufferPtr make_table(const std::shared_ptr<Device>& device, Element element,
+                     std::span<const std::byte> data) {
+  const size_t size = element_bytes(element), count = (data.size() + size - 1) / size;
+  const BufferPtr table = Buffer::create(device, element, count);
+  const bool staged = !table->map();
+  const BufferPtr target = staged ? Buffer::create(device, element, count, Memory::upload) : table;
+  if (!data.empty()) std::memcpy(target->map(), data.data(), data.size());
+  if (!staged) return table;
+  Commands commands(device);
+  commands.begin();
+  commands.copy(target, table, table->bytes());
+  commands.submit();
+  commands.wait();
+  return table;
+}
+
 void build_kernels(const std::shared_ptr<Device>& device) {
   if (!device->variant().warm_up) return;
   const Program<shaders::gpu_fill> fill(device);
@@ -402,10 +443,11 @@ void Commands::read_stages() {
                             ticks.size() * sizeof(uint64_t), ticks.data(), sizeof(uint64_t),
                             VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
   check(result, "reading timestamps");
+  const Limits& limits = device_->limits();
   for (size_t i = 0; i < stage_names_.size(); ++i)
     stages_.push_back(
-        {stage_names_[i], static_cast<double>(static_cast<int64_t>(ticks[i + 1] - ticks[i])) *
-                              device_->limits().timestamp_ns * 1e-6});
+        {stage_names_[i], static_cast<double>((ticks[i + 1] - ticks[i]) & limits.timestamp_mask) *
+                              limits.timestamp_ns * 1e-6});
 }
 
 }  // namespace inverse::gpu

@@ -2,6 +2,7 @@
 #pragma once
 #include <vulkan/vulkan.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -14,12 +15,6 @@
 #include "kernel.hpp"
 
 namespace inverse::gpu {
-
-/// How many invocations a dispatch needs; Commands rounds x up to whole workgroups (kernels check
-/// the remainder).
-struct Items {
-  uint32_t x = 1, y = 1, z = 1;
-};
 
 /// Device time between two stage marks.
 struct StageTime {
@@ -60,6 +55,22 @@ class Commands {
     static_assert(!requires { typename Shader::Push; });
     run(program.kernel(), buffers.all(), {}, items);
   }
+  /// As `dispatch`; `push` has a member `first_row`, of any value.
+  template <typename Shader, typename Push = typename Shader::Push>
+  void dispatch_rows(const Program<Shader>& program, const typename Shader::Buffers& buffers,
+                     Push push, const Rows& rows) {
+    static_assert(Push::layout == Shader::Push::layout && sizeof(Push) <= Kernel::kPushBytes);
+    const auto bindings = buffers.all();
+    const uint32_t at_once = rows_at_once(bindings, rows.rows);
+    for (uint32_t first = 0; first < rows.rows; first += at_once) {
+      const uint32_t count = std::min(at_once, rows.rows - first);
+      const uint32_t down = (count - 1) / rows.rows_an_item + 1;
+      push.first_row = first;
+      run(program.kernel(), bindings, std::as_bytes(std::span(&push, 1)),
+          rows.line ? Items(rows.width * down) : Items(rows.width, down),
+          {first, count, rows.rows});
+    }
+  }
   /// As `dispatch`, with the number of workgroups (three uint32) read from `arguments` at `offset`
   /// bytes on the device.
   template <typename Shader, typename Push = typename Shader::Push>
@@ -95,9 +106,18 @@ class Commands {
   /// Copies `bytes` from one buffer to another.
   void copy(const BufferPtr& source, const BufferPtr& target, uint64_t bytes,
             uint64_t source_offset = 0, uint64_t target_offset = 0);
-  /// A buffer of memory that kernels read fast, with what this one holds: for what is uploaded once
-  /// and read often.
-  BufferPtr resident(const BufferPtr& uploaded);
+  /// Copies up to a buffer's size from the host, which may change `data` at once.
+  template <typename T>
+  void update(const BufferPtr& buffer, std::span<const T> data) {
+    update_bytes(buffer, std::as_bytes(data));
+  }
+  /// As `update` into `table`, which is made anew, of device memory, if it is too short or null.
+  template <typename T>
+  void write_table(BufferPtr& table, Element element, std::span<const T> data) {
+    const size_t count = (data.size_bytes() + element_bytes(element) - 1) / element_bytes(element);
+    if (!table || table->count() < count) table = Buffer::create(device_, element, count);
+    if (!data.empty()) update(table, data);
+  }
   /// Sets every 32-bit word of a buffer.
   void fill(const BufferPtr& buffer, uint32_t word = 0);
 
@@ -136,18 +156,26 @@ class Commands {
     VkBuffer buffer;
     bool written;
   };
+  void update_bytes(const BufferPtr& buffer, std::span<const std::byte> data);
   void begin_when(const BufferPtr& condition, uint64_t offset);
   void end_when();
   void refuse_when(const char* what) const;
   void touch(VkBuffer buffer, bool reads, bool writes);
   void barrier_if_needed();
   void full_barrier();
+  /// The rows that buffers by_rows are bound from and to, of all that they have.
+  struct Part {
+    uint32_t first, count, rows;
+  };
+  static constexpr Part kWhole{0, 1, 1};
   void run(const KernelPtr& kernel, std::span<const Binding> buffers,
-           std::span<const std::byte> push, Items items);
+           std::span<const std::byte> push, Items items, const Part& part = kWhole);
+  /// How many rows of the buffers by_rows fit a binding: all, or a multiple of 64.
+  uint32_t rows_at_once(std::span<const Binding> buffers, uint32_t rows) const;
   void run_indirect(const KernelPtr& kernel, std::span<const Binding> buffers,
                     std::span<const std::byte> push, const BufferPtr& arguments, uint64_t offset);
   void prepare(const KernelPtr& kernel, std::span<const Binding> buffers,
-               std::span<const std::byte> push);
+               std::span<const std::byte> push, const Part& part = kWhole);
   VkDescriptorSet descriptor_set(VkDescriptorSetLayout layout);
   void image_layout(VkImage image, VkImageLayout from, VkImageLayout to);
   void read_stages();
@@ -174,5 +202,15 @@ class Commands {
 /// Builds all kernels that were made on the device and not yet recorded, so that no frame waits for
 /// the compiler; nothing if `INVERSE_WARM_UP=0`. Waits for the device. Throws Error(out_of_memory).
 void build_kernels(const std::shared_ptr<Device>& device);
+
+/// A buffer of device memory with this data, at least one element long: for what is written once
+/// and read often. Waits for the device if the host cannot write there.
+BufferPtr make_table(const std::shared_ptr<Device>& device, Element element,
+                     std::span<const std::byte> data);
+template <typename T>
+BufferPtr make_table(const std::shared_ptr<Device>& device, Element element,
+                     const std::vector<T>& data) {
+  return make_table(device, element, std::as_bytes(std::span(data)));
+}
 
 }  // namespace inverse::gpu

@@ -11,6 +11,12 @@
 
 layout(local_size_x_id = 0, local_size_y = 1, local_size_z = 1) in;
 
+// Index of this invocation in a dispatch of a line (gpu::Items), which goes on along y if the device does not allow so
+// many workgroups along x. Up to a workgroup and a row of them are beyond the end.
+uint line_index() {
+  return gl_GlobalInvocationID.y * (gl_NumWorkGroups.x * gl_WorkGroupSize.x) + gl_GlobalInvocationID.x;
+}
+
 // Inputs: PLANE_IN(binding, name) then FETCH(name, index). vec4, float and uint elements.
 #ifdef PORTABLE
 #define INVERSE_IN(slot, name, type) \
@@ -41,6 +47,9 @@ layout(local_size_x_id = 0, local_size_y = 1, local_size_z = 1) in;
 #define WORD_INOUT(slot, name) INVERSE_INOUT(slot, name, uint)
 #define STORE(name, index, value) name##_data[index] = (value)
 #define LOAD(name, index) name##_data[index]
+// Index of an element for STORE and LOAD of a buffer that is bound by rows (gpu::by_rows). The shader has the push
+// constants `size`, of the picture that it writes, and `first_row`.
+#define BY_ROWS(index) (uint(index) - push.first_row * uint(push.size.x))
 
 // Partial sums: SUM_PARTIALS(target, value) adds a vec4 over each subgroup (PORTABLE: workgroup) and stores it in that
 // group's slots of `target`, gl_WorkGroupSize.x / 4 a workgroup (gpu::partial_count); slots that a device does not use

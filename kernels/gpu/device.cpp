@@ -24,6 +24,28 @@ VKAPI_ATTR VkBool32 VKAPI_CALL abort_on_misuse(VkDebugUtilsMessageSeverityFlagBi
   std::abort();
 }
 
+bool lists(const std::vector<VkExtensionProperties>& all, const char* name) {
+  return std::any_of(all.begin(), all.end(), [&](const VkExtensionProperties& extension) {
+    return !std::strcmp(extension.extensionName, name);
+  });
+}
+
+std::vector<VkExtensionProperties> instance_extensions() {
+  uint32_t count = 0;
+  vkEnumerateInstanceExtensionProperties(nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> all(count);
+  vkEnumerateInstanceExtensionProperties(nullptr, &count, all.data());
+  return all;
+}
+
+bool has_extension(VkPhysicalDevice device, const char* name) {
+  uint32_t count = 0;
+  vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> all(count);
+  vkEnumerateDeviceExtensionProperties(device, nullptr, &count, all.data());
+  return lists(all, name);
+}
+
 /// The process' instance: one is enough, and making one costs tens of milliseconds.
 class Instance {
  public:
@@ -49,15 +71,21 @@ class Instance {
     messenger.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
     messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
     messenger.pfnUserCallback = abort_on_misuse;
-    const char* extension = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
     const bool validating = validate && *validate == '1';
+    std::vector<const char*> extensions;
     if (validating) {
       info.enabledLayerCount = 1;
       info.ppEnabledLayerNames = &layer;
-      info.enabledExtensionCount = 1;
-      info.ppEnabledExtensionNames = &extension;
+      extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
       info.pNext = &messenger;
     }
+    // Devices that do not have all of Vulkan (MoltenVK) are hidden without it.
+    if (lists(instance_extensions(), VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) {
+      extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
+      info.flags |= VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR;
+    }
+    info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
+    info.ppEnabledExtensionNames = extensions.data();
     const VkResult result = vkCreateInstance(&info, nullptr, &handle);
     if (result == VK_ERROR_LAYER_NOT_PRESENT)
       throw Error(
@@ -166,14 +194,7 @@ uint32_t compute_family(VkPhysicalDevice device) {
 }
 
 bool has_conditional(VkPhysicalDevice device) {
-  uint32_t count = 0;
-  vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr);
-  std::vector<VkExtensionProperties> all(count);
-  vkEnumerateDeviceExtensionProperties(device, nullptr, &count, all.data());
-  if (std::none_of(all.begin(), all.end(), [](const VkExtensionProperties& extension) {
-        return !std::strcmp(extension.extensionName, VK_EXT_CONDITIONAL_RENDERING_EXTENSION_NAME);
-      }))
-    return false;
+  if (!has_extension(device, VK_EXT_CONDITIONAL_RENDERING_EXTENSION_NAME)) return false;
   VkPhysicalDeviceConditionalRenderingFeaturesEXT conditional{
       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CONDITIONAL_RENDERING_FEATURES_EXT};
   VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
@@ -243,16 +264,20 @@ std::shared_ptr<Device> Device::open(const std::string& select) {
   VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
-  const char* extension = VK_EXT_CONDITIONAL_RENDERING_EXTENSION_NAME;
   VkPhysicalDeviceConditionalRenderingFeaturesEXT feature{
       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CONDITIONAL_RENDERING_FEATURES_EXT};
   feature.conditionalRendering = VK_TRUE;
   const bool conditional = has_conditional(devices[index]);
+  std::vector<const char*> extensions;
   if (conditional) {
-    info.enabledExtensionCount = 1;
-    info.ppEnabledExtensionNames = &extension;
+    extensions.push_back(VK_EXT_CONDITIONAL_RENDERING_EXTENSION_NAME);
     info.pNext = &feature;
   }
+  // Vulkan asks for it wherever it is (VK_KHR_portability_subset is a provisional header's).
+  constexpr const char* kPortability = "VK_KHR_portability_subset";
+  if (has_extension(devices[index], kPortability)) extensions.push_back(kPortability);
+  info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
   const auto owner = std::make_shared<OwnedDevice>();
   owner->instance = instance;
   check(vkCreateDevice(devices[index], &info, nullptr, &owner->handle),
@@ -274,7 +299,8 @@ std::shared_ptr<Device> Device::adopt(Borrowed borrowed) {
   return std::shared_ptr<Device>(new Device(std::move(borrowed), false));
 }
 
-Device::Device(Borrowed handles, bool owned) : handles_(std::move(handles)), owned_(owned) {
+Device::Device(Borrowed handles, bool owned)
+    : handles_(std::move(handles)), owned_(owned), memory_(handles_.device) {
   read_properties();
 }
 
@@ -294,7 +320,12 @@ void Device::read_properties() {
   is_cpu_ = properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
   limits_.storage_buffer_bytes = properties.limits.maxStorageBufferRange;
   limits_.texel_elements = properties.limits.maxTexelBufferElements;
+  limits_.window_bytes =
+      std::min<uint64_t>(environment_number("INVERSE_WINDOW_BYTES", UINT32_MAX, UINT32_MAX),
+                         limits_.storage_buffer_bytes);
   std::copy_n(properties.limits.maxComputeWorkGroupCount, 3, limits_.workgroups);
+  limits_.line_groups = std::clamp(
+      environment_number("INVERSE_LINE_GROUPS", UINT32_MAX, UINT32_MAX), 1U, limits_.workgroups[0]);
   limits_.workgroup_invocations = std::min(properties.limits.maxComputeWorkGroupInvocations,
                                            properties.limits.maxComputeWorkGroupSize[0]);
 
@@ -302,9 +333,12 @@ void Device::read_properties() {
   vkGetPhysicalDeviceQueueFamilyProperties(handles_.physical, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   vkGetPhysicalDeviceQueueFamilyProperties(handles_.physical, &count, families.data());
-  if (handles_.queue_family < count && families[handles_.queue_family].timestampValidBits)
-    limits_.timestamp_ns = properties.limits.timestampPeriod;
-  vkGetPhysicalDeviceMemoryProperties(handles_.physical, &memory_);
+  limits_.storage_buffers = properties.limits.maxPerStageDescriptorStorageBuffers;
+  const uint32_t bits =
+      handles_.queue_family < count ? families[handles_.queue_family].timestampValidBits : 0;
+  if (bits > 0) limits_.timestamp_ns = properties.limits.timestampPeriod;
+  limits_.timestamp_mask = bits >= 64 ? ~uint64_t{0} : (uint64_t{1} << bits) - 1;
+  vkGetPhysicalDeviceMemoryProperties(handles_.physical, &memory_properties_);
 
   // A plane of 2^24 pixels (4096 x 4096) must fit one texel view, else read storage buffers.
   // Partial sums have one slot for every four invocations (SUM_PARTIALS).
@@ -330,6 +364,7 @@ void Device::read_properties() {
   variant_.workgroup = lanes("INVERSE_WORKGROUP", is_cpu_ ? 64 : 128);
   variant_.lone_workgroup = lanes("INVERSE_LONE_WORKGROUP", is_cpu_ ? 32 : 256);
   set_timeout(environment_number("INVERSE_TIMEOUT", is_cpu_ ? 30 : 10, 86400));
+  pipeline_cache_.emplace(handles_.device, properties);
   lose_at_ = environment_number("INVERSE_LOSE_DEVICE", 0, UINT32_MAX);
 }
 
@@ -338,17 +373,26 @@ std::shared_ptr<Kernel> Device::kernel(const KernelSource& source,
   if (!workgroup) workgroup = variant_.workgroup;
   std::string key = std::string(source.name) + '/' + std::to_string(workgroup);
   for (uint32_t value : constants) key += ',' + std::to_string(value);
-  std::lock_guard lock(kernels_mutex_);
-  auto& kernel = kernels_[key];
-  if (!kernel) kernel = std::make_unique<Kernel>(*this, source, constants, workgroup);
-  return {shared_from_this(), kernel.get()};  // who holds a kernel holds the device
+  Entry* entry = nullptr;
+  {
+    const std::lock_guard lock(kernels_mutex_);
+    entry = &kernels_[key];
+  }
+  // Frames ask for other kernels while this one is compiled.
+  std::call_once(entry->once, [&] {
+    auto kernel = std::make_unique<Kernel>(*this, source, constants, workgroup);
+    const std::lock_guard lock(kernels_mutex_);
+    entry->kernel = std::move(kernel);
+  });
+  return {shared_from_this(), entry->kernel.get()};  // who holds a kernel holds the device
 }
 
 std::vector<std::shared_ptr<Kernel>> Device::unused_kernels() {
   std::vector<std::shared_ptr<Kernel>> unused;
   std::lock_guard lock(kernels_mutex_);
-  for (const auto& [key, kernel] : kernels_)
-    if (!kernel->used()) unused.emplace_back(shared_from_this(), kernel.get());
+  for (const auto& [key, entry] : kernels_)
+    if (entry.kernel && !entry.kernel->used())
+      unused.emplace_back(shared_from_this(), entry.kernel.get());
   return unused;
 }
 

@@ -8,10 +8,13 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/error.hpp"
+#include "memory.hpp"
+#include "pipeline_cache.hpp"
 
 namespace inverse::gpu {
 
@@ -50,9 +53,17 @@ struct Variant {
 struct Limits {
   uint64_t storage_buffer_bytes = 0;  ///< largest buffer a kernel can see
   uint64_t texel_elements = 0;        ///< longest texel view
+  /// Largest part of a buffer that is bound by rows. For tests `INVERSE_WINDOW_BYTES` makes it
+  /// smaller than storage_buffer_bytes.
+  uint64_t window_bytes = 0;
   uint32_t workgroups[3] = {};
+  /// Most workgroups along x of a dispatch that goes on along y (Kernel::groups). For tests
+  /// `INVERSE_LINE_GROUPS` makes it smaller than workgroups[0].
+  uint32_t line_groups = 0;
   uint32_t workgroup_invocations = 0;
-  double timestamp_ns = 0;  ///< nanoseconds a tick; 0 if the queue has no timestamps
+  uint32_t storage_buffers = 0;  ///< most that a kernel can bind
+  double timestamp_ns = 0;       ///< nanoseconds a tick; 0 if the queue has no timestamps
+  uint64_t timestamp_mask = 0;   ///< of the bits of a timestamp that count
 };
 
 /// A Vulkan device with one compute queue: our own, or one that somebody else made and lends us.
@@ -126,7 +137,9 @@ class Device : public std::enable_shared_from_this<Device> {
   VkDevice handle() const { return handles_.device; }
   uint32_t queue_family() const { return handles_.queue_family; }
   VkQueue queue() const { return handles_.queue; }
-  const VkPhysicalDeviceMemoryProperties& memory_properties() const { return memory_; }
+  const VkPhysicalDeviceMemoryProperties& memory_properties() const { return memory_properties_; }
+  MemoryBlocks& memory() { return memory_; }
+  VkPipelineCache pipeline_cache() const { return pipeline_cache_->handle(); }
   void count_memory(int64_t bytes);
   void count_kernel_used() { ++kernels_used_; }
   /// Around commands that run if the word at `offset` is not 0; needs `variant().conditional`.
@@ -147,10 +160,16 @@ class Device : public std::enable_shared_from_this<Device> {
   Variant variant_;
   PFN_vkCmdBeginConditionalRenderingEXT begin_conditional_ = nullptr;
   PFN_vkCmdEndConditionalRenderingEXT end_conditional_ = nullptr;
-  VkPhysicalDeviceMemoryProperties memory_{};
+  VkPhysicalDeviceMemoryProperties memory_properties_{};
+  MemoryBlocks memory_;
   std::mutex queue_mutex_;
   std::mutex kernels_mutex_;
-  std::map<std::string, std::unique_ptr<Kernel>> kernels_;
+  std::optional<PipelineCache> pipeline_cache_;
+  struct Entry {
+    std::once_flag once;
+    std::unique_ptr<Kernel> kernel;
+  };
+  std::map<std::string, Entry> kernels_;
   std::atomic<bool> lost_{false}, unresponsive_{false};
   std::atomic<uint64_t> timeout_ns_{0};
   uint32_t lose_at_ = 0;  // which submit fails, for tests; 0: none

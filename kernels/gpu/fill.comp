@@ -11,6 +11,6 @@ layout(push_constant) uniform Push {
 } push;
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
+  uint i = line_index();
   if (i < push.count) STORE(words, i, push.word);
 }

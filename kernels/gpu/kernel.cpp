@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "kernel.hpp"
 
+#include <algorithm>
 #include <string>
+#include <tuple>
 
 namespace inverse::gpu {
 
@@ -10,6 +12,14 @@ Kernel::Kernel(const Device& device, const KernelSource& source,
     : device_(device), name_(source.name), workgroup_(workgroup) {
   const Spirv embedded = device_.variant().portable ? source.portable : source.fast;
   slots_ = embedded.slots;
+  const auto storage =
+      std::count_if(slots_.begin(), slots_.end(), [](const Slot& slot) { return !slot.texel; });
+  if (storage > device_.limits().storage_buffers)
+    throw Error(ErrorKind::limit,
+                std::string("kernel ") + name_ + " needs " + std::to_string(storage) +
+                    " storage buffers, more than maxPerStageDescriptorStorageBuffers of \"" +
+                    device_.name() + "\", " + std::to_string(device_.limits().storage_buffers) +
+                    "; use another device");
   VkShaderModule module = VK_NULL_HANDLE;
   try {
     std::vector<VkDescriptorSetLayoutBinding> bindings;
@@ -44,7 +54,8 @@ Kernel::Kernel(const Device& device, const KernelSource& source,
     info.stage.pName = "main";
     info.stage.pSpecializationInfo = &specialization;
     info.layout = layout_;
-    check(vkCreateComputePipelines(device_.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_),
+    check(vkCreateComputePipelines(device_.handle(), device.pipeline_cache(), 1, &info, nullptr,
+                                   &pipeline_),
           name_);
     vkDestroyShaderModule(device_.handle(), module, nullptr);
   } catch (...) {
@@ -55,6 +66,19 @@ Kernel::Kernel(const Device& device, const KernelSource& source,
 }
 
 Kernel::~Kernel() { release(); }
+
+Items Kernel::groups(Items items) const {
+  const auto& limits = device_.limits().workgroups;
+  Items groups{(items.x - 1) / workgroup_ + 1, items.y, items.z};
+  if (items.line)
+    std::tie(groups.x, groups.y) = rows_of_groups(groups.x, device_.limits().line_groups);
+  if (groups.x > limits[0] || groups.y > limits[1] || groups.z > limits[2])
+    throw Error(ErrorKind::limit,
+                std::string("kernel ") + name_ + " needs " + std::to_string(groups.x) + "x" +
+                    std::to_string(groups.y) + "x" + std::to_string(groups.z) +
+                    " workgroups, more than maxComputeWorkGroupCount; use a smaller frame");
+  return groups;
+}
 
 void Kernel::release() {
   if (pipeline_) vkDestroyPipeline(device_.handle(), pipeline_, nullptr);

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "binding.hpp"
@@ -16,6 +17,33 @@ namespace inverse::gpu {
 
 inline VkDescriptorType descriptor_type(const Slot& slot) {
   return slot.texel ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+}
+
+/// How many invocations a dispatch needs; x is rounded up to whole workgroups (kernels check the
+/// remainder).
+struct Items {
+  /// A line, of any length: kernels read line_index (common.glsl).
+  constexpr Items(uint32_t count = 1) : x(count), line(true) {}
+  constexpr Items(uint32_t width, uint32_t height, uint32_t depth = 1)
+      : x(width), y(height), z(depth) {}
+  uint32_t x = 1, y = 1, z = 1;
+  bool line = false;
+};
+
+/// Items that work on rows of a picture from `first_row`, a push constant of the shader, on:
+/// Commands dispatches them in parts if what they write does not fit a binding (by_rows).
+struct Rows {
+  uint32_t width = 1;         ///< items along a row
+  uint32_t rows = 1;          ///< of the picture
+  uint32_t rows_an_item = 1;  ///< a power of two up to 64
+  bool line = false;          ///< dispatched as a line: the shader reads line_index
+};
+
+/// `groups` workgroups along x as rows of at most `limit` along y: {x, y} with the fewest rows and
+/// less than one row too many.
+constexpr std::pair<uint32_t, uint32_t> rows_of_groups(uint32_t groups, uint32_t limit) {
+  const uint32_t rows = groups > 0 ? (groups - 1) / limit + 1 : 1;
+  return {groups / rows + (groups % rows > 0), rows};
 }
 
 /// A compute pipeline with its layout. Made and owned by Device::kernel.
@@ -30,6 +58,9 @@ class Kernel {
   const char* name() const { return name_; }
   uint32_t workgroup() const { return workgroup_; }
   std::span<const Slot> slots() const { return slots_; }
+  /// Workgroups for `items`, none of which is 0: a line goes on along y if the device does not
+  /// allow so many along x. Throws Error(limit) if it still does not.
+  Items groups(Items items) const;
   /// True for the first caller only.
   bool first_use() { return !used_.exchange(true); }
   bool used() const { return used_; }

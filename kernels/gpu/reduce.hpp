@@ -12,7 +12,8 @@ constexpr uint32_t kOneGroup = 128;
 /// How many vec4 slots SUM_PARTIALS (common.glsl) may write for a dispatch of `items` with this
 /// kernel. A buffer that holds them is zeroed once, when it is made.
 inline uint32_t partial_count(const Kernel& kernel, Items items) {
-  return ((items.x - 1) / kernel.workgroup() + 1) * items.y * items.z * (kernel.workgroup() / 4);
+  const Items groups = kernel.groups(items);
+  return groups.x * groups.y * groups.z * (kernel.workgroup() / 4);
 }
 
 }  // namespace inverse::gpu

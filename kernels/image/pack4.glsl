@@ -22,7 +22,7 @@ uvec2 grid_place(uint i, uint columns) {
   return uvec2(i - y * columns, y);
 }
 // Position of this invocation on a grid dispatched as one line, so that no lanes are idle at the ends of rows.
-uvec2 grid_position(uint columns) { return grid_place(gl_GlobalInvocationID.x, columns); }
+uvec2 grid_position(uint columns) { return grid_place(line_index(), columns); }
 
 // Weight of each of up to four pixels in the mean of a cell with `count` of them. The last row or column of an odd
 // border counts twice.

@@ -24,21 +24,26 @@ struct Plane {
 };
 using PlanePtr = std::shared_ptr<Plane>;
 
-/// Creates planes of one size and reuses them when their last owner releases them. Thread-safe;
-/// planes may outlive the pool. Reuse is safe on one device, because pending reads of a plane were
-/// submitted before the writes that follow.
+/// Creates planes of one size and reuses them when their last owner releases them; those that
+/// were not needed for a while are freed. Thread-safe; planes may outlive the pool. Reuse is safe
+/// on one device, because pending reads of a plane were submitted before the writes that follow: an
+/// owner keeps a plane until its work is submitted.
 class PlanePool {
  public:
   PlanePool(std::shared_ptr<gpu::Device> device, Extent extent);
-  /// A plane with undefined contents. Throws Error(limit) with the limit if a plane of this size
-  /// exceeds the device's, and Error(out_of_memory).
+  /// A plane with undefined contents. Throws Error(out_of_memory).
   PlanePtr acquire();
   Extent extent() const { return extent_; }
+
+  /// After so many calls of `acquire`, planes that none of them needed are freed.
+  static constexpr uint32_t kTrimInterval = 32;
 
  private:
   struct Shelf {
     std::mutex mutex;
     std::vector<gpu::BufferPtr> buffers;
+    size_t unneeded = 0;  // the fewest buffers left over by an `acquire` of this interval
+    uint32_t acquired = 0;
   };
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;

@@ -6,13 +6,30 @@
 namespace inverse {
 
 ScaledIntrinsic::ScaledIntrinsic(std::shared_ptr<gpu::Device> device, Extent extent)
-    : device_(std::move(device)), extent_(extent), fade_(device_, extent) {
+    : device_(std::move(device)),
+      extent_(extent),
+      fade_(device_, extent),
+      min_halvings_(min_halvings(*device_, extent)) {
   // Kernels do not depend on the size, and stay with the device.
   constexpr Extent kTiny{1, 1};
   IntrinsicDecomposition(device_, kTiny);
   Step(device_, kTiny);
   LayerDistance(device_, kTiny);
   SceneLight(device_, kTiny);
+}
+
+size_t ScaledIntrinsic::min_halvings(const gpu::Device& device, Extent extent) {
+  const gpu::Limits& limits = device.limits();
+  const uint64_t most = limits.storage_buffer_bytes / gpu::element_bytes(gpu::Element::vec4);
+  size_t halvings = 0;
+  for (Extent solved = extent; solved.pixels() > most; solved = half_of(solved))
+    if (++halvings == kResolutions)
+      throw Error(ErrorKind::limit, "frames of " + std::to_string(extent.width) + "x" +
+                                        std::to_string(extent.height) + " are too large for \"" +
+                                        device.name() + "\", which takes up to " +
+                                        std::to_string(most * 16 / 1'000'000) +
+                                        " million pixels; use a smaller frame or another device");
+  return halvings;
 }
 
 void ScaledIntrinsic::set_up(size_t halvings) {
@@ -93,8 +110,8 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
     info.light = &*light_;
   }
   first_ = false;
-  const auto choice =
-      planner_.next({params.adaptive, params.halvings(), params.tolerances.half}, found);
+  const auto choice = planner_.next(
+      {params.adaptive, std::max(params.halvings(), min_halvings_), params.tolerances.half}, found);
   if (choice.cut) fade_.stop();
   if (choice.half_rejected) release_half();
   const size_t now = choice.halvings;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
@@ -45,9 +46,14 @@ class ScaledIntrinsic {
   /// Makes the kernels of all resolutions, whose buffers follow when they are first needed.
   ScaledIntrinsic(std::shared_ptr<gpu::Device> device, Extent extent);
 
+  /// How often frames of this size have to be halved so that kernels can bind all planes of a
+  /// solve. Throws Error(limit) with the largest size if they would have to be more often than
+  /// twice.
+  static size_t min_halvings(const gpu::Device& device, Extent extent);
   /// Sets a resolution up for good. Throws Error(limit) if frames of this size do not fit the
   /// device.
   void prepare(size_t halvings) {
+    halvings = std::max(halvings, min_halvings_);
     set_up(halvings);
     stays_[halvings] = true;
   }
@@ -115,8 +121,9 @@ class ScaledIntrinsic {
   ResolutionPlanner planner_;
   gpu::FrameRing<Past> past_;
   uint64_t recorded_ = 0;
-  bool first_ = true;         // no frame is before the next one
-  size_t was_ = 0;            // halvings of the frame before
+  bool first_ = true;  // no frame is before the next one
+  size_t was_ = 0;     // halvings of the frame before
+  size_t min_halvings_;
   unsigned full_frames_ = 0;  // in a row, up to 2, solved and shown at full resolution
 };
 

@@ -12,6 +12,6 @@ layout(push_constant) uniform Push {
 } push;
 
 void main() {
-  int item = int(gl_GlobalInvocationID.x);
+  int item = int(line_index());
   if (item < push.elements) STORE(result, 1 + item, activated(FETCH(image, 1 + item), push.slope));
 }

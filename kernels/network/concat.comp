@@ -13,7 +13,7 @@ layout(push_constant) uniform Push {
 } push;
 
 void main() {
-  int item = int(gl_GlobalInvocationID.x), block = item / push.area, pixel = item - block * push.area;
+  int item = int(line_index()), block = item / push.area, pixel = item - block * push.area;
   if (4 * block >= push.channels) return;
   vec4 v = vec4(0.0);
   for (int c = 0; c < 4; ++c) {

@@ -18,7 +18,7 @@ layout(push_constant) uniform Push {
 
 void main() {
   int pixels = push.size.x * push.size.y, lanes = (pixels + PIXELS - 1) / PIXELS;
-  int item = int(gl_GlobalInvocationID.x), lane = item % lanes, block = item / lanes;
+  int item = int(line_index()), lane = item % lanes, block = item / lanes;
   if (block >= push.blocks) return;
   vec4 sums[PIXELS];
   int from[PIXELS];

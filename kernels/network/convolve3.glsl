@@ -67,7 +67,7 @@ layout(push_constant) uniform Push {
   }
 
 void main() {
-  int item = int(gl_GlobalInvocationID.x), strips = (push.size.y + ROWS - 1) / ROWS;
+  int item = int(line_index()), strips = (push.size.y + ROWS - 1) / ROWS;
   int x = item % push.size.x, strip = (item / push.size.x) % strips, block = item / (push.size.x * strips);
   if (block >= push.blocks) return;
   vec4 sums[ROWS], column[ENTERING], bias = FETCH(weights, block);

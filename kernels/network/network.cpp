@@ -23,6 +23,14 @@ namespace {
 int32_t area_of(const Shape& s) { return static_cast<int32_t>(s.height * s.width); }
 int32_t block_count(const Shape& s) { return static_cast<int32_t>(blocks_of(s.channels)); }
 
+/// Invocations, each of which is a pixel or more; what has so many also fits a buffer.
+gpu::Items line_of(uint64_t items) { return {static_cast<uint32_t>(items)}; }
+
+/// A workgroup for every four channels.
+gpu::Items groups_of(const gpu::Kernel& kernel, const Shape& shape) {
+  return {kernel.workgroup() * static_cast<uint32_t>(blocks_of(shape.channels)), 1};
+}
+
 }  // namespace
 
 Network::Network(const std::shared_ptr<gpu::Device>& device, Graph graph,
@@ -36,17 +44,14 @@ Network::Network(const std::shared_ptr<gpu::Device>& device, Graph graph,
     buffers_.push_back(gpu::Buffer::create(device, gpu::Element::vec4, elements));
     commands.fill(buffers_.back());
   }
-  for (const Step& step : plan_.steps) prepare(step, commands);
+  for (const Step& step : plan_.steps) prepare(step);
   commands.submit();
   commands.wait();
 }
 
-gpu::BufferPtr Network::weights_of(const Step& step, gpu::Commands& commands) {
-  const std::vector<float> packed = packed_weights(graph_, plan_, step);
-  const auto staged =
-      gpu::Buffer::create(device_, gpu::Element::vec4, packed.size() / 4, gpu::Memory::upload);
-  memcpy(staged->map(), packed.data(), packed.size() * sizeof(float));
-  gpu::BufferPtr weights = commands.resident(staged);
+gpu::BufferPtr Network::weights_of(const Step& step) {
+  gpu::BufferPtr weights =
+      gpu::make_table(device_, gpu::Element::vec4, packed_weights(graph_, plan_, step));
   weight_bytes_ += weights->bytes();
   return weights;
 }
@@ -54,28 +59,20 @@ gpu::BufferPtr Network::weights_of(const Step& step, gpu::Commands& commands) {
 template <typename Shader>
 void Network::add(const Step& step, const gpu::Program<Shader>& program,
                   const typename Shader::Buffers& buffers, const typename Shader::Push& push,
-                  uint64_t items) {
+                  gpu::Items items) {
   const char* name = graph_.nodes[step.node].name.c_str();
-  const uint64_t max_items =
-      uint64_t{device_->limits().workgroups[0]} * program.kernel()->workgroup();
-  if (items > max_items)
-    throw Error(ErrorKind::limit, "network: node \"" + std::string(name) + "\" needs " +
-                                      std::to_string(items) + " invocations and the device has " +
-                                      std::to_string(max_items) + "; use a smaller input");
-  dispatches_.push_back({name, [=](gpu::Commands& commands) {
-                           commands.dispatch(program, buffers, push,
-                                             {static_cast<uint32_t>(items)});
-                         }});
+  dispatches_.push_back(
+      {name, [=](gpu::Commands& commands) { commands.dispatch(program, buffers, push, items); }});
 }
 
-void Network::prepare_convolve1(const Step& step, gpu::Commands& commands) {
+void Network::prepare_convolve1(const Step& step) {
   using Shader = shaders::network_convolve1;
   const Node& node = graph_.nodes[step.node];
   const Shape &in = plan_.shapes[step.sources[0].value], &out = plan_.shapes[made_by(step)];
   const uint64_t lanes = (uint64_t{out.height} * out.width + Shader::PIXELS - 1) / Shader::PIXELS;
   add<Shader>(step, {device_, {.activation = static_cast<uint32_t>(node.activation)}},
               {.image = buffer_of(step.sources[0].value),
-               .weights = weights_of(step, commands),
+               .weights = weights_of(step),
                .result = buffer_of(made_by(step))},
               {.size = out,
                .source = in,
@@ -83,10 +80,10 @@ void Network::prepare_convolve1(const Step& step, gpu::Commands& commands) {
                .blocks = block_count(out),
                .stride = static_cast<int32_t>(node.stride),
                .slope = node.slope},
-              lanes * blocks_of(out.channels));
+              line_of(lanes * blocks_of(out.channels)));
 }
 
-void Network::prepare_convolve3(const Step& step, gpu::Commands& commands) {
+void Network::prepare_convolve3(const Step& step) {
   using Shader = shaders::network_convolve3;
   using Strided = shaders::network_convolve3_stride2;
   const Node& node = graph_.nodes[step.node];
@@ -101,7 +98,7 @@ void Network::prepare_convolve3(const Step& step, gpu::Commands& commands) {
     add<S>(step, program,
            {.first = buffer_of(first.value),
             .second = buffer_of(second.value),
-            .weights = weights_of(step, commands),
+            .weights = weights_of(step),
             .result = buffer_of(made_by(step))},
            {.size = out,
             .source = source,
@@ -109,7 +106,7 @@ void Network::prepare_convolve3(const Step& step, gpu::Commands& commands) {
             .second_blocks = two ? block_count(plan_.shapes[second.value]) : 0,
             .blocks = block_count(out),
             .slope = node.slope},
-           items(rows));
+           line_of(items(rows)));
   };
   if (node.stride == 2)
     convolve(gpu::Program<Strided>(device_, {.activation = activation}), Strided::ROWS);
@@ -119,7 +116,7 @@ void Network::prepare_convolve3(const Step& step, gpu::Commands& commands) {
              Shader::ROWS);
 }
 
-void Network::prepare(const Step& step, gpu::Commands& commands) {
+void Network::prepare(const Step& step) {
   const Node& node = graph_.nodes[step.node];
   const Shape &in = plan_.shapes[step.sources[0].value], &out = plan_.shapes[made_by(step)];
   const gpu::BufferPtr &first = buffer_of(step.sources[0].value),
@@ -130,26 +127,26 @@ void Network::prepare(const Step& step, gpu::Commands& commands) {
   const auto channels = static_cast<int32_t>(out.channels);
   switch (node.op) {
     case Op::convolution:
-      node.kernel == 1 ? prepare_convolve1(step, commands) : prepare_convolve3(step, commands);
+      node.kernel == 1 ? prepare_convolve1(step) : prepare_convolve3(step);
       return;
     case Op::dense: {
       const gpu::Program<shaders::network_dense> dense(device_, {.activation = activation});
-      add(step, dense, {.image = first, .weights = weights_of(step, commands), .result = result},
+      add(step, dense, {.image = first, .weights = weights_of(step), .result = result},
           {.elements = static_cast<int32_t>(elements_of(in) - 1),
            .blocks = block_count(out),
            .slope = node.slope},
-          uint64_t{dense.kernel()->workgroup()} * blocks_of(out.channels));
+          groups_of(*dense.kernel(), out));
       return;
     }
     case Op::max_pool:
       add<shaders::network_max_pool>(step, {device_}, {.image = first, .result = result},
                                      {.size = out, .source = in, .blocks = block_count(out)},
-                                     result_elements);
+                                     line_of(result_elements));
       return;
     case Op::upsample:
       add<shaders::network_upsample>(step, {device_}, {.image = first, .result = result},
                                      {.size = out, .source = in, .blocks = block_count(out)},
-                                     result_elements);
+                                     line_of(result_elements));
       return;
     case Op::concat:
       add<shaders::network_concat>(step, {device_},
@@ -157,24 +154,24 @@ void Network::prepare(const Step& step, gpu::Commands& commands) {
                                    {.area = area_of(out),
                                     .first_channels = static_cast<int32_t>(in.channels),
                                     .channels = channels},
-                                   result_elements);
+                                   line_of(result_elements));
       return;
     case Op::global_mean: {
       const gpu::Program<shaders::network_global_mean> mean(device_);
       add(step, mean, {.image = first, .result = result}, {.area = area_of(in)},
-          uint64_t{mean.kernel()->workgroup()} * blocks_of(out.channels));
+          groups_of(*mean.kernel(), out));
       return;
     }
     case Op::softmax:
       add<shaders::network_softmax>(step, {device_}, {.image = first, .result = result},
                                     {.area = area_of(out), .channels = channels},
-                                    uint64_t{out.height} * out.width);
+                                    line_of(uint64_t{out.height} * out.width));
       return;
     case Op::activation:
       add<shaders::network_activate>(
           step, {device_, {.activation = activation}}, {.image = first, .result = result},
           {.elements = static_cast<int32_t>(result_elements), .slope = node.slope},
-          result_elements);
+          line_of(result_elements));
       return;
   }
 }

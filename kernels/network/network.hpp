@@ -50,19 +50,19 @@ class Network {
   };
 
   const gpu::BufferPtr& buffer_of(uint32_t value) const { return buffers_[plan_.buffer_of[value]]; }
-  gpu::BufferPtr weights_of(const Step& step, gpu::Commands& commands);
+  gpu::BufferPtr weights_of(const Step& step);
   /// The value that the step computes.
   uint32_t made_by(const Step& step) const {
     return static_cast<uint32_t>(graph_.inputs.size()) + step.node;
   }
-  void prepare(const Step& step, gpu::Commands& commands);
-  void prepare_convolve1(const Step& step, gpu::Commands& commands);
-  void prepare_convolve3(const Step& step, gpu::Commands& commands);
+  void prepare(const Step& step);
+  void prepare_convolve1(const Step& step);
+  void prepare_convolve3(const Step& step);
   /// One dispatch of `name`, `items` invocations.
   template <typename Shader>
   void add(const Step& step, const gpu::Program<Shader>& program,
            const typename Shader::Buffers& buffers, const typename Shader::Push& push,
-           uint64_t items);
+           gpu::Items items);
 
   std::shared_ptr<gpu::Device> device_;
   Graph graph_;

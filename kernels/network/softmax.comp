@@ -16,7 +16,7 @@ vec4 present(vec4 v, int block, float else_) {
 }
 
 void main() {
-  int pixel = int(gl_GlobalInvocationID.x), blocks = (push.channels + 3) / 4;
+  int pixel = int(line_index()), blocks = (push.channels + 3) / 4;
   if (pixel >= push.area) return;
   float largest = FETCH(image, 1 + pixel).r, sum = 0.0;
   for (int i = 0; i < blocks; ++i)

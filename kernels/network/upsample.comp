@@ -13,7 +13,7 @@ layout(push_constant) uniform Push {
 } push;
 
 void main() {
-  int item = int(gl_GlobalInvocationID.x), x = item % push.size.x, row = item / push.size.x;
+  int item = int(line_index()), x = item % push.size.x, row = item / push.size.x;
   if (row >= push.size.y * push.blocks) return;
   int block = row / push.size.y, y = row - block * push.size.y;
   ivec2 second = (ivec2(x, y) + 1) / 2;

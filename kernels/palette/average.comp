@@ -10,7 +10,7 @@ PLANE_IN(1, before);
 PLANE_OUT(2, histogram);
 
 void main() {
-  int n = int(gl_GlobalInvocationID.x);
+  int n = int(line_index());
   if (n >= kBinCount) return;
   float pixels = float(LOAD(counts, 4 * n));
   vec3 inside = vec3(LOAD(counts, 4 * n + 1), LOAD(counts, 4 * n + 2), LOAD(counts, 4 * n + 3)) / push.fraction_scale;

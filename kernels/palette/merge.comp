@@ -14,7 +14,7 @@ PLANE_OUT(2, palette);
 float mean3(vec3 v) { return (v.r + v.g + v.b) * (1.0 / 3.0); }
 
 void main() {
-  if (gl_GlobalInvocationID.x != 0u) return;
+  if (line_index() != 0u) return;
   float g = FETCH1(scale, 0);
   uint merged = 0u;  // bit per cluster that is done
   for (int a = 0; a < push.clusters; ++a) {

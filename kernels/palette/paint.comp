@@ -12,10 +12,11 @@ PLANE_OUT(2, painted);
 layout(push_constant) uniform Push {
   uvec2 size;
   int clusters;
+  uint first_row;
 } push;
 
 void main() {
-  uvec2 at = gl_GlobalInvocationID.xy;
+  uvec2 at = gl_GlobalInvocationID.xy + uvec2(0u, push.first_row);
   if (at.x >= push.size.x) return;
   uint n = at.y * push.size.x + at.x;
   vec3 r = log(max(finite(FETCH(model, int(n))).rgb, vec3(kReflectanceFloor)));
@@ -28,5 +29,5 @@ void main() {
     color = squared < nearest ? cluster.rgb : color;
     nearest = min(nearest, squared);
   }
-  STORE(painted, n, vec4(exp(color), 1.0));
+  STORE(painted, BY_ROWS(n), vec4(exp(color), 1.0));
 }

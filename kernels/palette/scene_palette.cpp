@@ -31,10 +31,11 @@ void ScenePalette::record_update(gpu::Commands& commands, const Plane& model, in
 
 void ScenePalette::record_paint(gpu::Commands& commands, const Plane& model,
                                 const Plane& target) const {
-  commands.dispatch(paint_,
-                    {.model = model.buffer, .palette = palette_.colors(), .painted = target.buffer},
-                    {.size = model.extent, .clusters = palette_.params().clusters},
-                    {model.extent.width, model.extent.height});
+  commands.dispatch_rows(
+      paint_,
+      {.model = model.buffer, .palette = palette_.colors(), .painted = gpu::by_rows(target.buffer)},
+      {.size = model.extent, .clusters = palette_.params().clusters, .first_row = 0},
+      {model.extent.width, model.extent.height});
 }
 
 }  // namespace inverse

@@ -30,7 +30,7 @@ vec3 edge(vec2 p, vec2 q) {
 }
 
 void main() {
-  uint group = gl_GlobalInvocationID.x;
+  uint group = line_index();
   if (group >= push.groups) return;
   vec4 box = vec4(1e9, 1e9, -1e9, -1e9);
   for (uint i = 0u; i < push.size; ++i) {

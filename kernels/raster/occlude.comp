@@ -15,7 +15,7 @@ layout(push_constant) uniform Push {
 const float kPi = 3.14159265358979;
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
+  int i = int(line_index());
   if (i >= kOcclusion * kOcclusion) return;
   vec2 at = (vec2(i % kOcclusion, i / kOcclusion) + 0.5) / kPerUnit - kReach;
   float area = 1.0 / (kPerUnit * kPerUnit), hidden = 0.0;

@@ -14,7 +14,7 @@ layout(push_constant) uniform Push {
 } push;
 
 void main() {
-  uint i = gl_GlobalInvocationID.y * 65536u + gl_GlobalInvocationID.x;
+  uint i = line_index();
   if (i >= push.count) return;
   vec3 p = FETCH(corners, int(2u * i)).xyz, n = FETCH(corners, int(2u * i + 1u)).xyz;
   vec3 at = vec3(dot(push.x.xyz, p), dot(push.y.xyz, p), dot(push.z.xyz, p)) * push.scale;

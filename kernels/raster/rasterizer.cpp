@@ -36,26 +36,18 @@ Rasterizer::Rasterizer(const std::shared_ptr<gpu::Device>& device, const Mesh& m
       groups_(divided(triangles_, group_)) {
   using gpu::Buffer, gpu::Element, gpu::Memory;
   const uint64_t records = uint64_t{4} * groups_ * group_;
-  const auto corners =
-      Buffer::create(device, Element::vec4, uint64_t{2} * corner_count_, Memory::upload);
-  const auto indices = Buffer::create(device, Element::word, mesh.indices.size(), Memory::upload);
-  placed_ = Buffer::create(device, Element::vec4, corners->count());
+  std::vector<std::array<float, 4>> corners;
+  for (size_t i = 0; i < corner_count_; ++i) {
+    const Mesh::Vec3 &p = mesh.positions[i], &n = mesh.normals[i];
+    corners.push_back({p[0], p[1], p[2], 0});
+    corners.push_back({n[0], n[1], n[2], 0});
+  }
+  corners_ = gpu::make_table(device, Element::vec4, corners);
+  indices_ = gpu::make_table(device, Element::word, mesh.indices);
+  placed_ = Buffer::create(device, Element::vec4, corners_->count());
   records_ = Buffer::create(device, Element::vec4, records);
   boxes_ = Buffer::create(device, Element::vec4, groups_);
   bounds_ = Buffer::create(device, Element::vec4, records / 4);
-  auto* corner = corners->map_as<std::array<float, 4>>();
-  for (size_t i = 0; i < corner_count_; ++i) {
-    const Mesh::Vec3 &p = mesh.positions[i], &n = mesh.normals[i];
-    *corner++ = {p[0], p[1], p[2], 0};
-    *corner++ = {n[0], n[1], n[2], 0};
-  }
-  memcpy(indices->map(), mesh.indices.data(), indices->bytes());
-  gpu::Commands commands(device);
-  commands.begin();
-  corners_ = commands.resident(corners);
-  indices_ = commands.resident(indices);
-  commands.submit();
-  commands.wait();
 }
 
 Rasterizer::Grid Rasterizer::prepare(gpu::Commands& commands, const MeshView& view, Extent extent) {
@@ -72,7 +64,7 @@ Rasterizer::Grid Rasterizer::prepare(gpu::Commands& commands, const MeshView& vi
                      .z = {view.turn[2][0], view.turn[2][1], view.turn[2][2], 0},
                      .scale = view.scale,
                      .count = corner_count_},
-                    {std::min(corner_count_, 65536U), divided(corner_count_, 65536)});
+                    {corner_count_});
   commands.dispatch(edges_,
                     {.placed = placed_,
                      .indices = indices_,

@@ -35,13 +35,6 @@ std::vector<uint32_t> spread_pixels(Extent extent, uint32_t count) {
   return pixels;
 }
 
-gpu::BufferPtr uploaded(const std::shared_ptr<gpu::Device>& device,
-                        const std::vector<uint32_t>& words) {
-  auto buffer = gpu::Buffer::create(device, gpu::Element::word, words.size(), gpu::Memory::upload);
-  std::copy(words.begin(), words.end(), buffer->map_as<uint32_t>());
-  return buffer;
-}
-
 void brighten(Rgb& light, float gain) {
   for (float& channel : light) channel *= gain;
 }
@@ -56,7 +49,7 @@ Relighting::Relighting(const std::shared_ptr<gpu::Device>& device, Extent extent
       network_(models ? std::make_unique<RelightNetwork>(device, extent, *models) : nullptr),
       reduction_(stage_->lights()) {
   if (!network_) return;
-  samples_ = uploaded(device, spread_pixels(extent, kSamples));
+  samples_ = gpu::make_table(device, gpu::Element::word, spread_pixels(extent, kSamples));
   responses_ =
       gpu::Buffer::create(device, gpu::Element::vec4, samples_->count() * stage_->lights().size(),
                           gpu::Memory::readback);

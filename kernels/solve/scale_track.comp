@@ -78,7 +78,7 @@ vec2 sparse_place(uint i, uint count) {
 }
 
 void main() {
-  uint i = gl_GlobalInvocationID.x, count = push.grid.x * push.grid.y;
+  uint i = line_index(), count = push.grid.x * push.grid.y;
   if (i >= count) return;
   vec4 scale_now = FETCH(scale, SCALE_NOW), state = FETCH(scale, SCALE_STATE), was_lit = FETCH(scale, SCALE_LIGHT);
   vec4 place = FETCH(points, int(i));

@@ -25,7 +25,7 @@ vec2 normal_pair(uvec2 words) {
 }
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
+  uint i = line_index();
   if (i >= push.width * push.height) return;
   uint x = i % push.width, y = i / push.width;
   float shift = push.sway * (1.0 - float(y) / float(max(push.height, 2u) - 1u));

@@ -103,15 +103,14 @@ PlanePtr OlatStack::record(gpu::Commands& commands, std::span<const LightColor> 
     ++made_;
   }
   PlanePtr plane = planes_.acquire();
-  const auto table = gpu::Buffer::create(device_, gpu::Element::vec4,
-                                         std::max<size_t>(list.size(), 1), gpu::Memory::upload);
-  if (!list.empty()) memcpy(table->map(), list.data(), list.size() * sizeof list[0]);
+  commands.write_table(table_, gpu::Element::vec4, std::span<const std::array<float, 4>>(list));
   const auto pixels = static_cast<uint32_t>(extent_.pixels());
   uint32_t first = 0;
   bool add = false;
   for (size_t i = 0; i < chunks_.size(); ++i) {
     if (counts[i] == 0 && (add || i + 1 < chunks_.size())) continue;  // once at least: black
-    commands.dispatch(weigh_, {.olats = chunks_[i].images, .colors = table, .total = plane->buffer},
+    commands.dispatch(weigh_,
+                      {.olats = chunks_[i].images, .colors = table_, .total = plane->buffer},
                       {.pixels = pixels, .first = first, .count = counts[i], .add = add}, {pixels});
     first += counts[i];
     add = true;

@@ -54,7 +54,8 @@ class OlatStack {
   std::vector<Chunk> chunks_;
   gpu::Program<shaders::virtual_stage_weigh> weigh_;
   PlanePool planes_;
-  std::list<Sum> sums_;  // the latest used first
+  gpu::BufferPtr table_;  // colors of the lights that are on
+  std::list<Sum> sums_;   // the latest used first
   uint64_t made_ = 0, taken_again_ = 0;
 };
 

@@ -51,8 +51,9 @@ vec3 eye_color(vec3 out_of_center) {
 }
 
 void main() {
-  if (gl_GlobalInvocationID.x >= push.count) return;
-  uint i = push.first + gl_GlobalInvocationID.x;
+  uint i = line_index();
+  if (i >= push.count) return;
+  i += push.first;
   uvec2 pixel = uvec2(i % push.width, i / push.width);
   float scale = push.height_of_view / float(push.height);
   vec2 plane = (vec2(pixel) + 0.5 - 0.5 * vec2(push.width, push.height)) * scale;

@@ -16,9 +16,7 @@ constexpr uint32_t kRaysAtOnce = uint32_t{1} << 18;
 
 gpu::BufferPtr uploaded(const std::shared_ptr<gpu::Device>& device,
                         std::span<const HeadScene::Vec4> values) {
-  auto buffer = gpu::Buffer::create(device, gpu::Element::vec4, values.size(), gpu::Memory::upload);
-  memcpy(buffer->map(), values.data(), values.size_bytes());
-  return buffer;
+  return gpu::make_table(device, gpu::Element::vec4, std::as_bytes(values));
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ layout(push_constant) uniform Push {
 } push;
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
+  uint i = line_index();
   if (i >= push.pixels) return;
   vec3 sum = push.add != 0u ? LOAD(total, i).rgb : vec3(0.0);
   for (uint k = push.first; k < push.first + push.count; ++k) {

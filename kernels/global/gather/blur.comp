@@ -16,7 +16,7 @@ layout(push_constant) uniform Push {
 } push;
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x), count = push.coarse.x * push.coarse.y, slot = i / count;
+  int i = int(line_index()), count = push.coarse.x * push.coarse.y, slot = i / count;
   if (slot >= kSlots) return;
   vec4 sum = vec4(0.0);
   if (FETCH(means, slot).w > 0.0) {

@@ -15,7 +15,7 @@ PLANE_OUT(3, emitted);
 layout(push_constant) uniform Push { SIZES } push;
 
 void main() {
-  int j = int(gl_GlobalInvocationID.x), count = push.coarse.x * push.coarse.y;
+  int j = int(line_index()), count = push.coarse.x * push.coarse.y;
   if (j >= count) return;
   ivec2 first = 2 * ivec2(j % push.coarse.x, j / push.coarse.x), last = min(first + 2, push.grid);
   bool restart = !kKnown && FETCH(scene, SCENE_TIME)[TIME_FRAMES] < 1.5;

@@ -24,7 +24,7 @@ vec4 base_of(int k) {
 }
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x), count = push.coarse.x * push.coarse.y, slot = i / count, j = i - slot * count;
+  int i = int(line_index()), count = push.coarse.x * push.coarse.y, slot = i / count, j = i - slot * count;
   if (slot >= kSlots) return;
   // As the lamps color it.
   if (i < kSlots) STORE(bases, i, vec4(color_of(FETCH(scene, SCENE_WHITE).xy), 1.0) * base_of(i));

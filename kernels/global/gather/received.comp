@@ -17,7 +17,7 @@ layout(push_constant) uniform Push {
 const float kMinNumber = 0.02;
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x), count = push.coarse.x * push.coarse.y, slot = i / count, j = i - slot * count;
+  int i = int(line_index()), count = push.coarse.x * push.coarse.y, slot = i / count, j = i - slot * count;
   if (slot >= kSlots) return;
   vec4 all = vec4(0.0);
   vec3 frame = vec3(0.0);

@@ -22,7 +22,7 @@ layout(push_constant) uniform Push {
 const float kDark = 0.01, kBright = 0.98;  // range of reliable colors
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
+  int i = int(line_index());
   if (i >= push.grid.x * push.grid.y) return;
   ivec2 first = push.factor * ivec2(i % push.grid.x, i / push.grid.x), last = min(first + push.factor, push.size);
   vec3 white = kRaw || kPlain ? vec3(1.0) : color_of(FETCH(scene, SCENE_WHITE).xy);

@@ -16,10 +16,13 @@ SCALAR_OUT(5, memory);
 #define TILE_CONSTANT 1
 #define TILE_BINDING 6
 #include "image/tiles/tile_position.glsl"
-layout(push_constant) uniform Push { ivec2 size; } push;
+layout(push_constant) uniform Push {
+  ivec2 size;
+  uint first_row;
+} push;
 
 void main() {
-  ivec2 first = ivec2(tile_position(uint(push.size.x + 3) / 4u)) * ivec2(4, 1);
+  ivec2 first = ivec2(tile_position(uint(push.size.x + 3) / 4u)) * ivec2(4, 1) + ivec2(0, push.first_row);
   if (first.y >= push.size.y) return;
   vec3 white = color_of(FETCH(scene, SCENE_WHITE).xy);
   int last = min(first.x + 4, push.size.x);
@@ -27,9 +30,9 @@ void main() {
     int n = first.y * push.size.x + x;
     vec3 lit = sanitize(FETCH(frame, n).rgb) + kIntensityFloor;
     float shading = FETCH(intrinsic, n).w;
-    STORE(memory, n, log(lit.r * lit.g * lit.b) * (1.0 / 3.0) - log(max(shading, 1e-6)));
+    STORE(memory, BY_ROWS(n), log(lit.r * lit.g * lit.b) * (1.0 / 3.0) - log(max(shading, 1e-6)));
     vec4 own = FETCH(tau, n);
     float direct = max(shading * mean3(own.rgb) - own.w, 0.0) / max(shading, 1e-12);
-    STORE(light, n, vec4(white * own.rgb, min(min(direct, 1.0), min(min(own.r, own.g), own.b))));
+    STORE(light, BY_ROWS(n), vec4(white * own.rgb, min(min(direct, 1.0), min(min(own.r, own.g), own.b))));
   }
 }

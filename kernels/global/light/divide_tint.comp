@@ -26,6 +26,7 @@ PLANE_OUT(10, light);
 layout(push_constant) uniform Push {
   SIZES
   float white_level, residual_sigma, tint_sigma;
+  uint first_row;
 } push;
 
 const float kMinTau = 0.02;  // of a channel
@@ -35,7 +36,7 @@ const float kMinTau = 0.02;  // of a channel
 #define BLEND(name) mix(mix(name[0], name[1], u.y), mix(name[2], name[3], u.y), v.y)
 
 void main() {
-  ivec2 first = ivec2(tile_position(uint(push.size.x + 3) / 4u)) * ivec2(4, 1);
+  ivec2 first = ivec2(tile_position(uint(push.size.x + 3) / 4u)) * ivec2(4, 1) + ivec2(0, push.first_row);
   if (first.y >= push.size.y) return;
   vec4 known = FETCH(scene, SCENE_AMOUNT), statistics = FETCH(scene, SCENE_TINT);
   bool cut = FETCH(scene, SCENE_TIME)[TIME_CUT] > 0.0;
@@ -74,7 +75,7 @@ void main() {
       }
     }
     tau = max(tau, max(vec3(kMinTau), rgb / kMaxLight));  // bounded as in the solve, so that R S tau stays the frame
-    STORE(plain, n, vec4(rgb / tau, pixel.w));
-    STORE(light, n, vec4(tau, mean3(indirect)));
+    STORE(plain, BY_ROWS(n), vec4(rgb / tau, pixel.w));
+    STORE(light, BY_ROWS(n), vec4(tau, mean3(indirect)));
   }
 }

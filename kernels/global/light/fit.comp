@@ -20,7 +20,7 @@ layout(push_constant) uniform Push {
 const float kMinConfidence = 0.05;  // of a window's points
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
+  int i = int(line_index());
   if (i >= push.grid.x * push.grid.y) return;
   ivec2 at = ivec2(i % push.grid.x, i / push.grid.x);
   ivec2 low = max(at - push.radius, 0), high = min(at + push.radius, push.grid - 1);

@@ -19,7 +19,7 @@ layout(push_constant) uniform Push {
 } push;
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
+  int i = int(line_index());
   if (i >= push.count) return;
   vec4 tint = FETCH(tints, i);
   vec2 off = FETCH(points, i).xy - tint.xy;

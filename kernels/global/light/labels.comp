@@ -11,10 +11,13 @@ WORD_IN(2, slots);
 PLANE_IN(3, scene);
 PLANE_IN(4, light_state);  // light.glsl
 PLANE_OUT(5, picture);
-layout(push_constant) uniform Push { SIZES } push;
+layout(push_constant) uniform Push {
+  SIZES
+  uint first_row;
+} push;
 
 void main() {
-  ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  ivec2 at = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, push.first_row);
   if (at.x >= push.size.x) return;
   int n = at.y * push.size.x + at.x;
   vec2 tint;
@@ -24,5 +27,5 @@ void main() {
   vec4 base = FETCH(scene, SCENE_COLORS + min(label, kSlots - 1));
   vec3 color = color_of(base.xy);
   bool known = FETCH(scene, SCENE_AMOUNT)[AMOUNT_COLORS] > 0.0 && base[COLOR_USED] > 0.0;
-  STORE(picture, n, vec4(known ? color / max(color.r, max(color.g, color.b)) : vec3(0.5), 1.0));
+  STORE(picture, BY_ROWS(n), vec4(known ? color / max(color.r, max(color.g, color.b)) : vec3(0.5), 1.0));
 }

@@ -20,13 +20,16 @@ PLANE_OUT(8, share0);
 PLANE_OUT(9, share1);
 PLANE_OUT(10, share2);
 PLANE_OUT(11, share3);
-layout(push_constant) uniform Push { SIZES } push;
+layout(push_constant) uniform Push {
+  SIZES
+  uint first_row;
+} push;
 
 const int kSteps = 3;
 const float kLeast = 1e-6;
 
 void main() {
-  ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  ivec2 at = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, push.first_row);
   if (at.x >= push.size.x) return;
   int n = at.y * push.size.x + at.x;
   vec2 tint;
@@ -64,8 +67,8 @@ void main() {
       }
     sum = next;
   }
-  STORE(share0, n, t[0]);
-  if (kPlanes > 1) STORE(share1, n, t[1]);
-  if (kPlanes > 2) STORE(share2, n, t[2]);
-  if (kPlanes > 3) STORE(share3, n, t[3]);
+  STORE(share0, BY_ROWS(n), t[0]);
+  if (kPlanes > 1) STORE(share1, BY_ROWS(n), t[1]);
+  if (kPlanes > 2) STORE(share2, BY_ROWS(n), t[2]);
+  if (kPlanes > 3) STORE(share3, BY_ROWS(n), t[3]);
 }

@@ -22,7 +22,7 @@ const float kMinShading = 1e-4;
 const int kAround = 1;  // points
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
+  int i = int(line_index());
   if (i >= push.grid.x * push.grid.y) return;
   vec4 point = FETCH(points, i);
   float weight = FETCH(colors, i).w;

@@ -18,7 +18,7 @@ PLANE_OUT(7, sums);   // |t|², f², w |t|², w
 layout(push_constant) uniform Push { SIZES } push;
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
+  int i = int(line_index());
   vec4 sum = vec4(0.0);
   if (i < push.grid.x * push.grid.y) {
     vec4 point = FETCH(points, i), known = FETCH(scene, SCENE_AMOUNT);

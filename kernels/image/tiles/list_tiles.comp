@@ -11,6 +11,7 @@ layout(push_constant) uniform Push {
   uint tiles;
   uint columns;    // tiles a row
   uint workgroup;  // invocations of the kernels that work on the list
+  uint limit;      // of workgroups along x
 } push;
 
 shared uint counts[256];
@@ -32,8 +33,10 @@ void main() {
       ++to;
     }
   if (lane < LIST_SIZES) {
-    STORE(list, LIST_ARGUMENTS + 3u * lane, ((total << lane) + push.workgroup - 1u) / push.workgroup);
-    STORE(list, LIST_ARGUMENTS + 3u * lane + 1u, 1u);
+    uint groups = ((total << lane) + push.workgroup - 1u) / push.workgroup;
+    uint rows = max((groups + push.limit - 1u) / push.limit, 1u);  // gpu::rows_of_groups
+    STORE(list, LIST_ARGUMENTS + 3u * lane, (groups + rows - 1u) / rows);
+    STORE(list, LIST_ARGUMENTS + 3u * lane + 1u, rows);
     STORE(list, LIST_ARGUMENTS + 3u * lane + 2u, 1u);
   }
   if (lane == 0u) STORE(list, LIST_COUNT, total);

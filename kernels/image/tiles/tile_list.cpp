@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <tuple>
 
 namespace inverse {
 namespace {
@@ -15,13 +16,15 @@ TileList::TileList(const std::shared_ptr<gpu::Device>& device, Extent extent, gp
     : columns_(along(extent.width)),
       rows_(along(extent.height)),
       workgroup_(device->variant().workgroup),
+      limit_(device->limits().line_groups),
       list_(device, {}, device->variant().lone_workgroup),
       flags_(gpu::Buffer::create(device, gpu::Element::word, tiles())),
       words_(gpu::Buffer::create(device, gpu::Element::word, List::LIST_TILES + tiles(), memory)) {}
 
 void TileList::record(gpu::Commands& commands) const {
-  commands.dispatch(list_, {.flags = flags_, .list = words_},
-                    {.tiles = tiles(), .columns = columns_, .workgroup = workgroup_}, {});
+  commands.dispatch(
+      list_, {.flags = flags_, .list = words_},
+      {.tiles = tiles(), .columns = columns_, .workgroup = workgroup_, .limit = limit_}, {});
 }
 
 void TileList::assign(std::span<const uint8_t> flags) const {
@@ -32,8 +35,9 @@ void TileList::assign(std::span<const uint8_t> flags) const {
   words[List::LIST_COUNT] = count;
   for (uint32_t size = 0; size < List::LIST_SIZES; ++size) {
     uint32_t* groups = words + List::LIST_ARGUMENTS + 3 * size;
-    groups[0] = ((count << size) + workgroup_ - 1) / workgroup_;
-    groups[1] = groups[2] = 1;
+    std::tie(groups[0], groups[1]) =
+        gpu::rows_of_groups(((count << size) + workgroup_ - 1) / workgroup_, limit_);
+    groups[2] = 1;
   }
 }
 

@@ -42,7 +42,7 @@ class TileList {
   static uint64_t arguments(uint32_t items_a_tile);
 
  private:
-  uint32_t columns_, rows_, workgroup_;
+  uint32_t columns_, rows_, workgroup_, limit_;
   gpu::Program<shaders::image_tiles_list_tiles> list_;
   gpu::BufferPtr flags_, words_;
 };
@@ -77,6 +77,15 @@ class TileProgram {
                                  TileList::arguments(items_));
     else
       commands.dispatch(whole_, buffers, push, whole);
+  }
+  /// As `dispatch`; a whole frame as by Commands::dispatch_rows.
+  template <typename Push = typename Shader::Push>
+  void dispatch_rows(gpu::Commands& commands, const TileList* listed,
+                     typename Shader::Buffers buffers, const Push& push,
+                     const gpu::Rows& whole) const {
+    if (listed) return dispatch(commands, listed, buffers, push, {});
+    buffers.list = nothing_;
+    commands.dispatch_rows(whole_, buffers, push, whole);
   }
   const gpu::KernelPtr& whole() const { return whole_.kernel(); }
 

@@ -18,7 +18,7 @@ WORD_IN(TILE_BINDING, list);
 // Invocations without work get a row below every grid.
 uvec2 listed_position(uint columns) {
   const uvec2 nowhere = uvec2(0u, 0xffffffu);
-  uint items = kTileAcross * kTileDown, i = gl_GlobalInvocationID.x, slot = i / items, place = i - slot * items;
+  uint items = kTileAcross * kTileDown, i = line_index(), slot = i / items, place = i - slot * items;
   if (slot >= FETCH1(list, LIST_COUNT)) return nowhere;
   uint tile = FETCH1(list, LIST_TILES + int(slot));
   uvec2 at = uvec2((tile & 65535u) * kTileAcross + place % kTileAcross, (tile >> 16u) * kTileDown + place / kTileAcross);

@@ -22,11 +22,12 @@ PLANE_OUT(6, picture);
 layout(push_constant) uniform Push {
   uvec2 size;
   uint base;  // kLayer: which base color
+  uint first_row;
 } push;
 const uint kRows = 4u;  // pixels an invocation, one above the other
 
 void main() {
-  uvec2 at = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y * kRows);
+  uvec2 at = uvec2(gl_GlobalInvocationID.x, push.first_row + gl_GlobalInvocationID.y * kRows);
   if (at.x >= push.size.x) return;
   vec4 base = vec4(0.0), slot = vec4(0.0);
   vec3 white = kLamp ? finite(FETCH(lamp, 0)).rgb : vec3(1.0);
@@ -45,6 +46,6 @@ void main() {
                  : kWhat == kIndirect ? max(l.rgb - l.w * white, vec3(0.0))
                  : kWhat == kLayer    ? base.rgb * dot(slot, finite(FETCH(share, n)))
                                       : l.rgb;
-    STORE(picture, n, vec4(min(shading * color, vec3(kLargest)), 1.0));
+    STORE(picture, BY_ROWS(n), vec4(min(shading * color, vec3(kLargest)), 1.0));
   }
 }

@@ -23,19 +23,19 @@ void LightPicture::record(gpu::Commands& commands, const Layers& layers, What wh
   using Shader = shaders::image_view_light_picture;
   const bool layer = what == What::layer;
   const PlanePtr& lamp = layers[Role::lamp];
-  commands.dispatch(gpu::Program<Shader>(device_, {.what = static_cast<uint32_t>(what),
-                                                   .lamp = lamp != nullptr,
-                                                   .slope = slope != nullptr,
-                                                   .plain = plain}),
-                    {.intrinsic = layers[Role::intrinsic]->buffer,
-                     .light = light->buffer,
-                     .share = layer ? shares->buffer : light->buffer,
-                     .bases = layer ? layers[Role::bases]->buffer : light->buffer,
-                     .lamp = lamp ? lamp->buffer : light->buffer,
-                     .slope = (slope ? slope : light)->buffer,
-                     .picture = target.buffer},
-                    {.size = size, .base = base},
-                    {size.width, (size.height - 1) / Shader::kRows + 1});
+  commands.dispatch_rows(gpu::Program<Shader>(device_, {.what = static_cast<uint32_t>(what),
+                                                        .lamp = lamp != nullptr,
+                                                        .slope = slope != nullptr,
+                                                        .plain = plain}),
+                         {.intrinsic = layers[Role::intrinsic]->buffer,
+                          .light = light->buffer,
+                          .share = layer ? shares->buffer : light->buffer,
+                          .bases = layer ? layers[Role::bases]->buffer : light->buffer,
+                          .lamp = lamp ? lamp->buffer : light->buffer,
+                          .slope = (slope ? slope : light)->buffer,
+                          .picture = gpu::by_rows(target.buffer)},
+                         {.size = size, .base = base, .first_row = 0},
+                         {size.width, size.height, Shader::kRows});
 }
 
 }  // namespace inverse

@@ -27,7 +27,7 @@ float value(uvec2 sum) {
 }
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
+  int i = int(line_index());
   if (i >= kBins * kBins) return;
   uvec2 weight = uvec2(0u), total = uvec2(0u);
   for (int table = 0; table < kTables; ++table) {

@@ -31,14 +31,14 @@ uint add_word(uint at, uint more) {
 }
 
 void add(uint bin, int share) {
-  uint low = bin * kTables + (kTables > 1u ? gl_GlobalInvocationID.x : 0u), before = add_word(low, uint(share));
+  uint low = bin * kTables + (kTables > 1u ? line_index() : 0u), before = add_word(low, uint(share));
   int carry = int(before + uint(share) < before) - int(share < 0);
   if (carry != 0) add_word(low + uint(kBins * kBins) * kTables, uint(carry));
 }
 
 void main() {
   uint packs = PACK4(push.size.x), all = packs * push.size.y;
-  for (uint i = gl_GlobalInvocationID.x; i < all; i += kTables > 1u ? kTables : all) {
+  for (uint i = line_index(); i < all; i += kTables > 1u ? kTables : all) {
     uvec2 position = grid_place(i, packs);
     int at = int(i);
     vec4 part = push.scale * FETCH(terms, TERMS_STRIDE * at + TERMS_CHROMA);

@@ -11,7 +11,7 @@ SCALAR_OUT(1, features);
 layout(push_constant) uniform Push { uvec2 cells; } push;
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
+  uint i = line_index();
   if (i >= uint(STEP_COUNT)) return;
   uvec2 size = level_size(push.cells, i / uint(STEP_COUNT / LIGHT_LEVELS));
   STORE(features, i, log(1.0 + 2.0 * 1000.0 * kStepUnit * float(LOAD(counts, i)) / float(2u * size.x * size.y)));

@@ -28,7 +28,7 @@ MEAN(mean2, mean1, 2u)
 MEAN(mean3, mean2, 3u)
 
 void main() {
-  uint i = gl_GlobalInvocationID.x, count = push.cells.x * push.cells.y;
+  uint i = line_index(), count = push.cells.x * push.cells.y;
   if (i + count >= level_start(push.cells, uint(LIGHT_LEVELS))) return;
   uint level = i + count >= level_start(push.cells, 3u) ? 3u : i + count >= level_start(push.cells, 2u) ? 2u : 1u;
   uint within = i + count - level_start(push.cells, level);

@@ -18,7 +18,8 @@ const uint kSamples = 4u;   // along a cell
 const float kDark = 0.02;   // at which the weight is a half
 
 void main() {
-  uvec2 cell = uvec2(gl_GlobalInvocationID.x % push.cells.x, gl_GlobalInvocationID.x / push.cells.x);
+  uint i = line_index();
+  uvec2 cell = uvec2(i % push.cells.x, i / push.cells.x);
   if (cell.y >= push.cells.y) return;
   uvec2 first = push.factor * cell, count = min(push.size - first, uvec2(push.factor)), samples = min(count, uvec2(kSamples));
   vec3 mean = vec3(0.0);
@@ -30,5 +31,5 @@ void main() {
   mean /= float(samples.x * samples.y);
   vec3 color = log(mean + kChromaFloor);
   float m = mean_log(mean), light = exp(m);
-  STORE(points, gl_GlobalInvocationID.x, vec4(m, color.r - color.b, 0.5 * (color.r + color.b) - color.g, light / (light + kDark)));
+  STORE(points, i, vec4(m, color.r - color.b, 0.5 * (color.r + color.b) - color.g, light / (light + kDark)));
 }

@@ -79,8 +79,7 @@ SceneLight::SceneLight(const std::shared_ptr<gpu::Device>& device, Extent extent
   light_ = Buffer::create(device, Element::vec4, Scene::LIGHT_SIZE);
   if (weights().size() != Scene::NET_SIZE)
     throw Error(ErrorKind::internal, "weights of another network than light.glsl has");
-  weights_ = Buffer::create(device, Element::scalar, Scene::NET_SIZE, gpu::Memory::upload);
-  memcpy(weights_->map(), weights().data(), weights().size_bytes());
+  weights_ = gpu::make_table(device, Element::scalar, std::as_bytes(std::span(weights())));
 }
 
 void SceneLight::record(gpu::Commands& commands, const gpu::BufferPtr& frame, const Params& params,

@@ -34,7 +34,7 @@ vec4 point(uint level, uint i) {
 }
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
+  uint i = line_index();
   if (i >= level_start(push.cells, uint(LIGHT_LEVELS))) return;
   uint level = 0u;
   while (level + 1u < uint(LIGHT_LEVELS) && i >= level_start(push.cells, level + 1u)) ++level;

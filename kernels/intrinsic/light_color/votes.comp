@@ -10,7 +10,7 @@ SCALAR_IN(1, weights);
 SCALAR_OUT(2, hidden);
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
+  int i = int(line_index());
   if (i >= NET_HIDDEN) return;
   int channel = i / STEP_SLOPES, place = i % STEP_SLOPES;
   int from = max(0, NET_TAPS / 2 - place), to = min(NET_TAPS, STEP_SLOPES + NET_TAPS / 2 - place);

@@ -17,7 +17,7 @@ const float kLittleLight = 0.02;
 const float kMinShading = 1e-20;
 
 void main() {
-  uint x = gl_GlobalInvocationID.x % push.size.x, first = gl_GlobalInvocationID.x / push.size.x * kRows;
+  uint i = line_index(), x = i % push.size.x, first = i / push.size.x * kRows;
   vec3 sum = vec3(0.0);
   for (uint y = first; y < min(first + kRows, push.size.y); ++y) {
     int at = int(y * push.size.x + x);

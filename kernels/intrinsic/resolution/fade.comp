@@ -20,6 +20,7 @@ PLANE_IN(5, slope);       // with kColored
 layout(push_constant) uniform Push {
   uvec2 size;
   float share;
+  uint first_row;
 } push;
 
 const float kStays = 0.2;  // as TemporalAnchor's hold_texture, log units
@@ -27,17 +28,17 @@ const float kMinShading = 1e-20;
 
 void main() {
   if (gl_GlobalInvocationID.x >= push.size.x) return;
-  uint at = gl_GlobalInvocationID.y * push.size.x + gl_GlobalInvocationID.x;
+  uint at = (push.first_row + gl_GlobalInvocationID.y) * push.size.x + gl_GlobalInvocationID.x;
   vec3 rgb = sanitize(FETCH(frame, int(at)).rgb);
   float m = mean_log(rgb), s = log(max(FETCH(intrinsic, int(at)).w, kMinShading));
   if (kStart) {
-    STORE(between, at, vec4(log(max(FETCH(shown, int(at)).w, kMinShading)) - s, m, 0.0, 0.0));
+    STORE(between, BY_ROWS(at), vec4(log(max(FETCH(shown, int(at)).w, kMinShading)) - s, m, 0.0, 0.0));
   } else {
-    vec4 kept = LOAD(between, at);
+    vec4 kept = LOAD(between, BY_ROWS(at));
     float off = (m - kept.y) / kStays;
     s += push.share * kept.x / (1.0 + off * off);
     float light = exp(s);
     rgb = kColored ? reflectance_in(rgb, light, FETCH(slope, 0)[SLOPE_K], s - FETCH(slope, 0)[SLOPE_WHITE]) : rgb * exp(-s);
-    STORE(faded, at, vec4(rgb, light));
+    STORE(faded, BY_ROWS(at), vec4(rgb, light));
   }
 }

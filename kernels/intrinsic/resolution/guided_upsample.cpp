@@ -19,16 +19,18 @@ void GuidedUpsample::record(gpu::Commands& commands, const gpu::BufferPtr& frame
                             const gpu::BufferPtr& half_intrinsic, const PlanePtr& slope,
                             const gpu::BufferPtr& intrinsic) const {
   const Extent half = half_of(extent_);
-  const gpu::Items items = line_of(half.pixels());
-  commands.dispatch(sample_, {.frame = frame, .intrinsic = half_intrinsic, .samples = samples_},
-                    {.size = extent_}, items);
-  commands.dispatch(fit_, {.samples = samples_, .lines = lines_}, {.size = half}, items);
-  commands.dispatch(slope ? colored_layers_ : layers_,
-                    {.frame = frame,
-                     .lines = lines_,
-                     .intrinsic = intrinsic,
-                     .slope = slope ? slope->buffer : lines_},
-                    {.size = extent_}, items);
+  const gpu::Rows rows{half.width, half.height, 1, true};
+  commands.dispatch_rows(
+      sample_, {.frame = frame, .intrinsic = half_intrinsic, .samples = gpu::by_rows(samples_)},
+      {.frame_size = extent_, .size = half, .first_row = 0}, rows);
+  commands.dispatch_rows(fit_, {.samples = samples_, .lines = gpu::by_rows(lines_)},
+                         {.size = half, .first_row = 0}, rows);
+  commands.dispatch_rows(slope ? colored_layers_ : layers_,
+                         {.frame = frame,
+                          .lines = lines_,
+                          .intrinsic = gpu::by_rows(intrinsic),
+                          .slope = slope ? slope->buffer : lines_},
+                         {.size = extent_, .first_row = 0}, {half.width, extent_.height, 2, true});
 }
 
 }  // namespace inverse

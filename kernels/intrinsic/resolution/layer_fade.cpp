@@ -14,15 +14,15 @@ LayerFade::LayerFade(const std::shared_ptr<gpu::Device>& device, Extent extent)
 void LayerFade::dispatch(gpu::Commands& commands, const Fade& fade, const PlanePtr& frame,
                          const PlanePtr& now, const PlanePtr& shown, const PlanePtr& faded,
                          const PlanePtr& slope) const {
-  commands.dispatch(fade,
-                    {.frame = frame->buffer,
-                     .intrinsic = now->buffer,
-                     .shown = shown->buffer,
-                     .between = gpu::aliased(between_->buffer),
-                     .faded = faded->buffer,
-                     .slope = (slope ? slope : now)->buffer},
-                    {.size = frame->extent, .share = share_},
-                    {frame->extent.width, frame->extent.height});
+  commands.dispatch_rows(fade,
+                         {.frame = frame->buffer,
+                          .intrinsic = now->buffer,
+                          .shown = shown->buffer,
+                          .between = gpu::by_rows(gpu::aliased(between_->buffer)),
+                          .faded = gpu::by_rows(faded->buffer),
+                          .slope = (slope ? slope : now)->buffer},
+                         {.size = frame->extent, .share = share_, .first_row = 0},
+                         {frame->extent.width, frame->extent.height});
   commands.keep(between_);
 }
 

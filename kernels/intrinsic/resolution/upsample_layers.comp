@@ -14,14 +14,17 @@ PLANE_IN(1, lines);
 PLANE_OUT(2, intrinsic);
 PLANE_IN(3, slope);  // with kColored
 layout(constant_id = 1) const bool kColored = false;
-layout(push_constant) uniform Push { uvec2 size; } push;  // of the frame
+layout(push_constant) uniform Push {
+  uvec2 size;  // of the frame
+  uint first_row;
+} push;
 
 // A left or upper pixel is a quarter of a half-size pixel before the center: of the means of three around it, 1/4 of the one
 // before and 3/4 of its own. A right or lower pixel has the mirror image.
 float tap(int d) { return d == 2 ? 0.0 : d == 1 ? 3.0 / 12.0 : d == -2 ? 1.0 / 12.0 : 4.0 / 12.0; }
 
 void main() {
-  uvec2 half_size = (push.size + 1u) / 2u, at = grid_position(half_size.x);
+  uvec2 half_size = (push.size + 1u) / 2u, at = grid_position(half_size.x) + uvec2(0u, push.first_row / 2u);
   if (at.y >= half_size.y) return;
   vec2 part[2][2] = vec2[2][2](vec2[2](vec2(0.0), vec2(0.0)), vec2[2](vec2(0.0), vec2(0.0)));
   for (int dy = -2; dy <= 2; ++dy) {
@@ -46,6 +49,6 @@ void main() {
     float s = line.x * mean_log(rgb) + line.y;
     float light = exp(s);
     rgb = kColored ? reflectance_in(rgb, light, FETCH(slope, 0)[SLOPE_K], s - FETCH(slope, 0)[SLOPE_WHITE]) : rgb * exp(-s);
-    STORE(intrinsic, pixel, vec4(rgb, light));
+    STORE(intrinsic, BY_ROWS(pixel), vec4(rgb, light));
   }
 }

@@ -10,16 +10,19 @@
 PLANE_IN(0, frame);
 PLANE_IN(1, intrinsic);  // of the half-size frame: R.rgb, S
 PLANE_OUT(2, samples);
-layout(push_constant) uniform Push { uvec2 size; } push;  // of the frame
+layout(push_constant) uniform Push {
+  uvec2 frame_size, size;  // size: of the half-size frame
+  uint first_row;
+} push;
 
 void main() {
-  uvec2 half_size = (push.size + 1u) / 2u, at = grid_position(half_size.x);
-  if (at.y >= half_size.y) return;
+  uvec2 at = grid_position(push.size.x) + uvec2(0u, push.first_row);
+  if (at.y >= push.size.y) return;
   float sum = 0.0;
   for (uint k = 0u; k < 4u; ++k) {
-    uvec2 from = min(2u * at + uvec2(k & 1u, k >> 1u), push.size - 1u);
-    sum += mean_log(sanitize(FETCH(frame, int(from.y * push.size.x + from.x)).rgb));
+    uvec2 from = min(2u * at + uvec2(k & 1u, k >> 1u), push.frame_size - 1u);
+    sum += mean_log(sanitize(FETCH(frame, int(from.y * push.frame_size.x + from.x)).rgb));
   }
-  uint pixel = at.y * half_size.x + at.x;
-  STORE(samples, pixel, vec4(0.25 * sum, max(log(FETCH(intrinsic, int(pixel)).w), kDarkest), 0.0, 0.0));
+  uint pixel = at.y * push.size.x + at.x;
+  STORE(samples, BY_ROWS(pixel), vec4(0.25 * sum, max(log(FETCH(intrinsic, int(pixel)).w), kDarkest), 0.0, 0.0));
 }

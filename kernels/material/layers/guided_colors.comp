@@ -13,7 +13,7 @@ PLANE_OUT(2, result);
 layout(push_constant) uniform Push { int count; } push;
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
+  int i = int(line_index());
   if (i < push.count)
     STORE(result, i, vec4(guide_of(to_linear(FETCH(image, 1 + i).rgb)), finite(FETCH(probability, 1 + i)).x));
 }

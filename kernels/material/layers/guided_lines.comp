@@ -13,7 +13,7 @@ layout(push_constant) uniform Push { int side; } push;
 const float kDarkest = 0.02;  // where noise no longer falls with light
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
+  int i = int(line_index());
   if (i >= push.side * push.side) return;
   vec2 sum = vec2(0.0), square = vec2(0.0);
   float count = 0.0;

@@ -12,7 +12,7 @@ PLANE_OUT(2, result);
 layout(push_constant) uniform Push { int side; } push;
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
+  int i = int(line_index());
   if (i >= push.side * push.side) return;
   vec4 sum = vec4(0.0);
   float count = 0.0;

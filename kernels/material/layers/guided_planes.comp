@@ -10,7 +10,7 @@ PLANE_OUT(1, result);  // slopes, offset
 layout(push_constant) uniform Push { int side; } push;
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
+  int i = int(line_index());
   if (i >= push.side * push.side) return;
   vec4 mean = vec4(0.0);
   vec3 squares = vec3(0.0), products = vec3(0.0), along = vec3(0.0);  // rr gg bb, rg rb gb, with the probability

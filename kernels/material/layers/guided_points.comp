@@ -12,7 +12,7 @@ PLANE_OUT(2, result);  // guide, layer, 0, mask
 layout(push_constant) uniform Push { int count; } push;
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
+  int i = int(line_index());
   if (i >= push.count) return;
   vec4 here = FETCH(masked, 1 + i);
   float guide = to_linear(vec3(min(here.r, min(here.g, here.b)))).x;

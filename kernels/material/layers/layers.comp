@@ -21,10 +21,11 @@ layout(push_constant) uniform Push {
   vec2 corner;
   float pixels;
   int side;
+  uint first_row;
 } push;
 
 void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, push.first_row);
   if (pixel.x >= push.size.x) return;
   int i = pixel.y * push.size.x + pixel.x;
   vec3 rgb = finite(FETCH(frame, i)).rgb;
@@ -53,6 +54,6 @@ void main() {
     specular = min(vec3(layer), rgb - under_it);
     mirror = mask * decode(code);
   }
-  STORE(diffuse, i, vec4(rgb - specular, mask));
-  STORE(gloss, i, vec4(specular, mirror));
+  STORE(diffuse, BY_ROWS(i), vec4(rgb - specular, mask));
+  STORE(gloss, BY_ROWS(i), vec4(specular, mirror));
 }

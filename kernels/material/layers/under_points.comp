@@ -11,7 +11,7 @@ PLANE_OUT(2, result);
 layout(push_constant) uniform Push { int count; } push;
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
+  int i = int(line_index());
   if (i >= push.count) return;
   vec4 here = FETCH(masked, 1 + i);
   vec3 rgb = to_linear(here.rgb);

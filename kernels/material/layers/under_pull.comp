@@ -9,7 +9,7 @@ PLANE_OUT(1, coarse);
 layout(push_constant) uniform Push { int side; } push;  // of fine
 
 void main() {
-  int half_ = (push.side + 1) / 2, i = int(gl_GlobalInvocationID.x);
+  int half_ = (push.side + 1) / 2, i = int(line_index());
   if (i >= half_ * half_) return;
   ivec2 first = 2 * ivec2(i % half_, i / half_);
   vec4 sum = vec4(0.0);

@@ -10,7 +10,7 @@ PLANE_OUT(2, whole);
 layout(push_constant) uniform Push { int side; } push;  // of fine
 
 void main() {
-  int half_ = (push.side + 1) / 2, i = int(gl_GlobalInvocationID.x);
+  int half_ = (push.side + 1) / 2, i = int(line_index());
   if (i >= push.side * push.side) return;
   vec4 here = FETCH(fine, i);
   vec2 at = clamp(0.5 * (vec2(i % push.side, i / push.side) + 0.5) - 0.5, vec2(0.0), vec2(half_ - 1));

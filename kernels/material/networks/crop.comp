@@ -19,7 +19,7 @@ layout(push_constant) uniform Push {
 const int kMaxTaps = 12;  // along one side of a point; if it covers more pixels they are spread over it
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
+  int i = int(line_index());
   if (i >= push.side * push.side) return;
   int taps = clamp(int(ceil(push.pixels)), 1, kMaxTaps);
   vec2 first = push.corner + push.pixels * vec2(i % push.side, i / push.side);

@@ -9,6 +9,6 @@ WORD_IN(1, foreign);  // not 0: such a point
 layout(push_constant) uniform Push { int count; } push;
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
+  int i = int(line_index());
   if (i < push.count && FETCH1(foreign, i) != 0u) STORE(probability, 1 + i, vec4(0.0));
 }

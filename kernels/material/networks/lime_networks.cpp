@@ -7,14 +7,6 @@
 namespace inverse {
 namespace {
 
-using Place = shaders::material_networks_crop::Push;  // and of layers.comp
-Place place(Extent extent, const Square& square, uint32_t points) {
-  return {.size = extent,
-          .corner = {square.x, square.y},
-          .pixels = square.size / static_cast<float>(points),
-          .side = static_cast<int32_t>(points)};
-}
-
 network::Network make(const std::shared_ptr<gpu::Device>& device, network::Graph& graph,
                       uint32_t side) {
   const network::Shape shape{graph.inputs[0].channels, side, side};
@@ -51,7 +43,11 @@ uint64_t LimeNetworks::bytes() const {
 
 void LimeNetworks::record_mask(gpu::Commands& commands, const Plane& frame, const Square& square) {
   commands.dispatch(crop_, {.frame = frame.buffer, .image = picture()},
-                    place(extent_, square, side_), {side_ * side_});
+                    {.size = extent_,
+                     .corner = {square.x, square.y},
+                     .pixels = square.size / static_cast<float>(side_),
+                     .side = static_cast<int32_t>(side_)},
+                    {side_ * side_});
   segmentation_.record(commands);
   new_mask_ = true;
   commands.stage("segmentation");
@@ -110,15 +106,20 @@ LimeNetworks::Layers LimeNetworks::record_bare_layers(gpu::Commands& commands, c
 LimeNetworks::Layers LimeNetworks::draw(gpu::Commands& commands, const Plane& frame,
                                         const Square& square, bool known) {
   Layers layers{planes_.acquire(), planes_.acquire()};
-  commands.dispatch(layers_[known],
-                    {.frame = frame.buffer,
-                     .planes = guided_.mask(),
-                     .codes = codes(),
-                     .lines = guided_.specular(),
-                     .under = under_.diffuse(),
-                     .diffuse = layers.diffuse->buffer,
-                     .gloss = layers.gloss->buffer},
-                    place(extent_, square, side_), {extent_.width, extent_.height});
+  commands.dispatch_rows(layers_[known],
+                         {.frame = frame.buffer,
+                          .planes = guided_.mask(),
+                          .codes = codes(),
+                          .lines = guided_.specular(),
+                          .under = under_.diffuse(),
+                          .diffuse = gpu::by_rows(layers.diffuse->buffer),
+                          .gloss = gpu::by_rows(layers.gloss->buffer)},
+                         {.size = extent_,
+                          .corner = {square.x, square.y},
+                          .pixels = square.size / static_cast<float>(side_),
+                          .side = static_cast<int32_t>(side_),
+                          .first_row = 0},
+                         {extent_.width, extent_.height});
   commands.stage("layers");
   return layers;
 }

@@ -12,7 +12,7 @@ PLANE_OUT(3, result);
 layout(push_constant) uniform Push { int count; } push;
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
+  int i = int(line_index());
   if (i >= push.count) return;
   STORE(result, 1 + i, vec4(FETCH(specular, 1 + i).x, FETCH(masked, 1 + i).w * finite(FETCH(mirror, 1 + i)).x, 0.0, 0.0));
 }

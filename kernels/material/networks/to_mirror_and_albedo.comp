@@ -12,7 +12,7 @@ PLANE_OUT(3, albedo_in);
 layout(push_constant) uniform Push { int count; } push;
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
+  int i = int(line_index());
   if (i >= push.count) return;
   vec4 here = FETCH(masked, 1 + i);
   float code = here.w * finite(FETCH(specular, 1 + i)).x;

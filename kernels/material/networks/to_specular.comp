@@ -10,7 +10,7 @@ PLANE_OUT(2, result);
 layout(push_constant) uniform Push { int count; } push;
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
+  int i = int(line_index());
   if (i >= push.count) return;
   float mask = FETCH(probability, 1 + i).x > kObject ? 1.0 : 0.0;
   STORE(result, 1 + i, vec4(mask * FETCH(image, 1 + i).rgb, mask));

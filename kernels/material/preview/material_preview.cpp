@@ -31,14 +31,16 @@ void MaterialPreview::record(gpu::Commands& commands, const Plane& frame, const 
   const auto height = static_cast<float>(frame.extent.height);
   const float diameter = std::max(size * std::min(width, height), kSmallest);
   const float off = diameter * (0.5F + kMargin * (1 - size));
-  commands.dispatch(
-      kernel_,
-      {.frame = frame.buffer, .LIT_TABLE = sphere_.table().buffer, .picture = picture.buffer},
-      {.size = frame.extent,
-       .middle = {width - off, height - off},
-       .radius = diameter / 2,
-       .side = sphere_.table().extent.width},
-      {frame.extent.width, (frame.extent.height - 1) / kRows + 1});
+  commands.dispatch_rows(kernel_,
+                         {.frame = frame.buffer,
+                          .LIT_TABLE = sphere_.table().buffer,
+                          .picture = gpu::by_rows(picture.buffer)},
+                         {.size = frame.extent,
+                          .middle = {width - off, height - off},
+                          .radius = diameter / 2,
+                          .side = sphere_.table().extent.width,
+                          .first_row = 0},
+                         {frame.extent.width, frame.extent.height, kRows});
   commands.stage("preview");
 }
 

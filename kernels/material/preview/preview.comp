@@ -14,13 +14,14 @@ layout(push_constant) uniform Push {
   vec2 middle;   // of the sphere, pixels
   float radius;  // pixels
   uint side;     // of the table
+  uint first_row;
 } push;
 const uint kRows = 4u;  // pixels an invocation, one above the other
 
 #include "environment/lit_sphere.glsl"
 
 void main() {
-  uvec2 at = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y * kRows);
+  uvec2 at = uvec2(gl_GlobalInvocationID.x, push.first_row + gl_GlobalInvocationID.y * kRows);
   if (at.x >= push.size.x) return;
   uint last = min(at.y + kRows, push.size.y);
   for (uint y = at.y; y < last; ++y) {
@@ -32,6 +33,6 @@ void main() {
     float covered = clamp(0.5 + push.radius * (1.0 - distance_), 0.0, 1.0);
     vec3 normal = vec3(off.x, -off.y, sqrt(max(1.0 - distance_ * distance_, 0.0)));
     vec3 lit = finite(vec4(lit_sphere(normal, push.side), 1.0)).rgb;
-    STORE(picture, n, vec4(mix(finite(pixel).rgb, lit, covered), pixel.w));
+    STORE(picture, BY_ROWS(n), vec4(mix(finite(pixel).rgb, lit, covered), pixel.w));
   }
 }

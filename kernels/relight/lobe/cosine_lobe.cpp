@@ -10,20 +10,14 @@ constexpr uint32_t kSide = shaders::relight_lobe_lobes::kSide,
                    kLevels = shaders::relight_lobe_lobes::kLevels;
 constexpr uint64_t kEntries = uint64_t{kSide} * kSide * kLevels;
 
-gpu::BufferPtr uploaded(const std::shared_ptr<gpu::Device>& device,
-                        std::span<const WeightedLight> lights) {
-  auto buffer = gpu::Buffer::create(device, gpu::Element::vec4,
-                                    std::max<size_t>(2 * lights.size(), 1), gpu::Memory::upload);
-  auto* to = buffer->map_as<float>();
-  for (const WeightedLight& light : lights) {
+std::vector<float> rows_of(std::span<const WeightedLight> lights) {
+  std::vector<float> rows(8 * lights.size());
+  for (size_t i = 0; i < lights.size(); ++i)
     for (size_t k = 0; k < 3; ++k) {
-      to[k] = static_cast<float>(light.direction[k]);
-      to[4 + k] = light.weight[k];
+      rows[8 * i + k] = static_cast<float>(lights[i].direction[k]);
+      rows[8 * i + 4 + k] = lights[i].weight[k];
     }
-    to[3] = to[7] = 0;
-    to += 8;
-  }
-  return buffer;
+  return rows;
 }
 
 PlanePtr plane(const std::shared_ptr<gpu::Device>& device, Extent extent) {
@@ -52,16 +46,14 @@ CosineLobe::CosineLobe(const std::shared_ptr<gpu::Device>& device, Extent extent
       sum_(device),
       respond_(device),
       directions_(device),
-      grid_(gpu::Buffer::create(device, gpu::Element::vec4, moments_->table().size(),
-                                gpu::Memory::upload)),
+      grid_(gpu::make_table(device, gpu::Element::vec4, moments_->table())),
       gains_(gpu::Buffer::create(device, gpu::Element::vec4, kEntries)),
       table_(gpu::Buffer::create(device, gpu::Element::vec4, kEntries)),
       full_(plane(device, extent)),
       lobes_(plane(device, extent)) {
-  memcpy(grid_->map(), moments_->table().data(), grid_->bytes());
   std::vector<WeightedLight> all;
   for (const Direction& w : lights) all.push_back({w, {1, 1, 1}});
-  stage_ = uploaded(device, all);
+  stage_ = gpu::make_table(device, gpu::Element::vec4, rows_of(all));
 }
 
 void CosineLobe::make_gains(gpu::Commands& commands) {
@@ -89,10 +81,14 @@ void CosineLobe::record_lobes(gpu::Commands& commands, const GradientPair& pair,
                     {extent_.width, extent_.height});
 }
 
+void CosineLobe::write_lights(gpu::Commands& commands, std::span<const WeightedLight> lights) {
+  commands.write_table(lights_, gpu::Element::vec4, std::span<const float>(rows_of(lights)));
+}
+
 void CosineLobe::record_lights(gpu::Commands& commands, std::span<const WeightedLight> lights) {
   if (!has_gains_) make_gains(commands);
-  commands.dispatch(table_kernel_,
-                    {.lights = uploaded(device_, lights), .gain = gains_, .table = table_},
+  write_lights(commands, lights);
+  commands.dispatch(table_kernel_, {.lights = lights_, .gain = gains_, .table = table_},
                     {.lights = static_cast<int32_t>(lights.size()), .gains = 0}, {kSide * kSide});
   even_ = even_light(lights, stage_lights_);
 }
@@ -108,13 +104,14 @@ void CosineLobe::record_relit(gpu::Commands& commands, const Plane& target) cons
 }
 
 void CosineLobe::record_sum(gpu::Commands& commands, std::span<const WeightedLight> lights,
-                            const Plane& target) const {
+                            const Plane& target) {
   const Rgb even = even_light(lights, stage_lights_);
+  write_lights(commands, lights);
   commands.dispatch(sum_,
                     {.full = full_->buffer,
                      .lobes = lobes_->buffer,
                      .lobe_values = gains_,
-                     .lights = uploaded(device_, lights),
+                     .lights = lights_,
                      .picture = target.buffer},
                     {.even = {even[0], even[1], even[2], 0},
                      .size = extent_,

@@ -52,7 +52,7 @@ class CosineLobe {
   void record_relit(gpu::Commands& commands, const Plane& target) const;
   /// Draws the subject under lights of any directions, summed one after the other.
   void record_sum(gpu::Commands& commands, std::span<const WeightedLight> lights,
-                  const Plane& target) const;
+                  const Plane& target);
   /// Draws directions as a normal map.
   void record_directions(gpu::Commands& commands, const Params& params, const Plane& target) const;
   /// Response of these pixels to each light of the stage with weight 1: RGB and a zero, pixel by
@@ -62,6 +62,8 @@ class CosineLobe {
 
  private:
   void make_gains(gpu::Commands& commands);
+  /// Into lights_.
+  void write_lights(gpu::Commands& commands, std::span<const WeightedLight> lights);
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;
@@ -73,7 +75,7 @@ class CosineLobe {
   gpu::Program<shaders::relight_lobe_relight_sum> sum_;
   gpu::Program<shaders::relight_lobe_respond> respond_;
   gpu::Program<shaders::relight_lobe_directions> directions_;
-  gpu::BufferPtr grid_, stage_, gains_, table_;
+  gpu::BufferPtr grid_, stage_, gains_, table_, lights_;
   bool has_gains_ = false;
   Rgb even_{};
   PlanePtr full_, lobes_;

@@ -19,7 +19,7 @@ layout(push_constant) uniform Push {
 } push;
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
+  int i = int(line_index());
   if (i >= kSide * kSide) return;
   int y = i / kSide;
   vec3 u = folded(vec2(i - y * kSide, y) * (2.0 / float(kSide - 1)) - 1.0);

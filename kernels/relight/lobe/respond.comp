@@ -19,7 +19,7 @@ layout(push_constant) uniform Push {
 #include "lobe_table.glsl"
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
+  uint i = line_index();
   if (i >= push.samples * push.lights) return;
   uint k = i / push.lights;
   int light = int(i - k * push.lights), pixel = int(FETCH1(samples, int(k)));

@@ -21,7 +21,7 @@ layout(push_constant) uniform Push {
 #include "light_head.glsl"
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
+  uint i = line_index();
   if (i >= push.samples * push.fours) return;
   uint sample_index = i / push.fours, k = 4u * (i - sample_index * push.fours);
   uint pixel = FETCH1(samples, int(sample_index)), y = pixel / push.size.x;

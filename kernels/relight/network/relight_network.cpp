@@ -29,9 +29,8 @@ Models without_features(const Models& models) {
 
 /// The head's weights in the order of light_head.glsl.
 gpu::BufferPtr uploaded_weights(const std::shared_ptr<gpu::Device>& device, const Models& m) {
-  auto buffer =
-      gpu::Buffer::create(device, gpu::Element::vec4, kHiddenBlocks * 20 + 1, gpu::Memory::upload);
-  auto* to = buffer->map_as<float>();
+  std::vector<float> weights(4 * (kHiddenBlocks * 20 + 1));
+  auto to = weights.begin();
   for (size_t block = 0; block < kHiddenBlocks; ++block) {
     for (size_t k = 0; k < Models::kPlanes; ++k)
       for (size_t j = 4 * block; j < 4 * block + 4; ++j)
@@ -40,7 +39,7 @@ gpu::BufferPtr uploaded_weights(const std::shared_ptr<gpu::Device>& device, cons
       for (size_t o = 0; o < Models::kOut; ++o) *to++ = m.outer[o * Models::kHidden + j];
   }
   std::copy(m.outer_bias.begin(), m.outer_bias.end(), to);
-  return buffer;
+  return gpu::make_table(device, gpu::Element::vec4, weights);
 }
 
 }  // namespace
@@ -70,12 +69,11 @@ void RelightNetwork::record_features(gpu::Commands& commands, const GradientPair
   network_.record(commands);
 }
 
-gpu::BufferPtr RelightNetwork::uploaded(std::span<const WeightedLight> lights, double share) const {
+uint32_t RelightNetwork::write_lights(gpu::Commands& commands,
+                                      std::span<const WeightedLight> lights, double share) {
   const size_t count = (std::max<size_t>(lights.size(), 1) + kAtOnce - 1) / kAtOnce * kAtOnce;
-  auto buffer =
-      gpu::Buffer::create(device_, gpu::Element::vec4, kLightSize * count, gpu::Memory::upload);
-  auto* to = buffer->map_as<float>();
-  std::fill(to, to + 4 * kLightSize * count, 0.0F);
+  std::vector<float> rows(4 * kLightSize * count);
+  float* to = rows.data();
   for (const WeightedLight& light : lights) {
     for (size_t k = 0; k < 3; ++k) {
       to[k] = static_cast<float>(light.direction[k]);
@@ -86,20 +84,20 @@ gpu::BufferPtr RelightNetwork::uploaded(std::span<const WeightedLight> lights, d
     std::copy(bias.begin(), bias.end(), to + 8);
     to += 4 * kLightSize;
   }
-  return buffer;
+  commands.write_table(lights_, gpu::Element::vec4, std::span<const float>(rows));
+  return static_cast<uint32_t>(count);
 }
 
 void RelightNetwork::record_sum(gpu::Commands& commands, const Plane& full,
                                 std::span<const WeightedLight> lights, double share,
-                                const Plane& target, const MeasuredLight& measured,
-                                float noise) const {
-  const gpu::BufferPtr list = uploaded(lights, share);
+                                const Plane& target, const MeasuredLight& measured, float noise) {
+  const uint32_t count = write_lights(commands, lights, share);
   const auto four = [](const Rgb& v, float w) { return std::array{v[0], v[1], v[2], w}; };
   commands.dispatch(sum_,
                     {.full = full.buffer,
                      .features = features(),
                      .head_weights = weights_,
-                     .lights = list,
+                     .lights = lights_,
                      .difference = difference_,
                      .picture = target.buffer},
                     {.even = four(measured.even, std::max(noise * noise, 1e-12F)),
@@ -107,24 +105,23 @@ void RelightNetwork::record_sum(gpu::Commands& commands, const Plane& full,
                                four(measured.along[2], 0)},
                      .size = extent_,
                      .padded = padded_,
-                     .lights = static_cast<int32_t>(list->count() / kLightSize)},
+                     .lights = static_cast<int32_t>(count)},
                     {extent_.width, extent_.height});
 }
 
 void RelightNetwork::record_responses(gpu::Commands& commands, const Plane& full,
                                       std::span<const Direction> lights, double share,
                                       const gpu::BufferPtr& samples,
-                                      const gpu::BufferPtr& responses) const {
+                                      const gpu::BufferPtr& responses) {
   std::vector<WeightedLight> all;
   for (const Direction& w : lights) all.push_back({w, {1, 1, 1}});
-  const gpu::BufferPtr list = uploaded(all, share);
-  const auto fours = static_cast<uint32_t>(list->count() / kLightSize / kAtOnce);
+  const uint32_t fours = write_lights(commands, all, share) / kAtOnce;
   const auto count = static_cast<uint32_t>(samples->count());
   commands.dispatch(respond_,
                     {.full = full.buffer,
                      .features = features(),
                      .head_weights = weights_,
-                     .lights = list,
+                     .lights = lights_,
                      .samples = samples,
                      .response = responses},
                     {.size = extent_,

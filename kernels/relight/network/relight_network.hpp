@@ -28,11 +28,11 @@ class RelightNetwork {
   /// relative to the sphere (1/N for N lights all around); `noise`: CosineLobe::Params.
   void record_sum(gpu::Commands& commands, const Plane& full, std::span<const WeightedLight> lights,
                   double share, const Plane& target, const MeasuredLight& measured = {},
-                  float noise = CosineLobe::Params{}.noise) const;
+                  float noise = CosineLobe::Params{}.noise);
   /// As CosineLobe::record_responses.
   void record_responses(gpu::Commands& commands, const Plane& full,
                         std::span<const Direction> lights, double share,
-                        const gpu::BufferPtr& samples, const gpu::BufferPtr& responses) const;
+                        const gpu::BufferPtr& samples, const gpu::BufferPtr& responses);
 
   /// Features of the last `record_features`: a value of 64 channels of size `padded()`.
   const gpu::BufferPtr& features() const { return network_.output(0); }
@@ -43,7 +43,9 @@ class RelightNetwork {
   }
 
  private:
-  gpu::BufferPtr uploaded(std::span<const WeightedLight> lights, double share) const;
+  /// Into lights_; returns how many, filled up to a multiple of kAtOnce.
+  uint32_t write_lights(gpu::Commands& commands, std::span<const WeightedLight> lights,
+                        double share);
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_, padded_;
@@ -52,7 +54,7 @@ class RelightNetwork {
   gpu::Program<shaders::relight_network_encode> encode_;
   gpu::Program<shaders::relight_network_head_sum> sum_;
   gpu::Program<shaders::relight_network_head_respond> respond_;
-  gpu::BufferPtr weights_, difference_;
+  gpu::BufferPtr weights_, difference_, lights_;
 };
 
 }  // namespace inverse

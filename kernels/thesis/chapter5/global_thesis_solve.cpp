@@ -239,7 +239,7 @@ void GlobalThesis::record_refinement(gpu::Commands& commands) {
                     push, items);
   push.count = static_cast<int32_t>(partials / entries);
   commands.dispatch(at_->normal_equations_total, {.partials = outer_partials_, .entries = system_},
-                    push, {gpu::kOneGroup * entries});
+                    push, {gpu::kOneGroup * entries, 1});
   commands.copy(system_, current_->buffer, 16 * static_cast<uint64_t>(entries), 0, 16 * kSystemAt);
   colors_.fix();
   current_->version = colors_.version();

@@ -101,6 +101,37 @@ TEST(Recolor, ChangesTheKeyedRegionOnly) {
   EXPECT_LT(green(height - 3), 0.6 * green(2));
 }
 
+// Every element of a chain with queues has a thread, and planes go back and forth between them.
+TEST(Recolor, QueuesBetweenEditorsLeaveEachFrameItsOwnMaskAndColors) {
+  constexpr int kFrames = 60, kWidth = 96, kHeight = 64;
+  const std::string caps = VideoHarness::caps("RGBA", kWidth, kHeight);
+  std::vector<std::vector<uint8_t>> frames;
+  for (int n = 0; n < kFrames; ++n)
+    frames.push_back(two_colors(kWidth, kHeight, {200, 40 + n, 60}, {60, 220 - 2 * n, 50 + n}));
+  for (const char* show : {"composed", "mask"}) {
+    const auto run = [&](const std::string& queue) {
+      VideoHarness harness(
+          "intrinsicdecomp adaptive=false light-color-slope=0 " + queue +
+              "! intrinsicrecolor key=0xffc83c3c tolerance=.5 write-mask=true " + queue +
+              "! intrinsicrecolor key=0xff2864c8 tolerance=1 use-mask=true write-mask=true "
+              "target=0xff32c83c " +
+              queue + "! intrinsiccompose show=" + show,
+          caps, caps);
+      for (const auto& frame : frames) EXPECT_EQ(harness.push(frame), GST_FLOW_OK);
+      std::vector<std::vector<uint8_t>> shown;
+      for (int n = 0; n < kFrames; ++n) shown.push_back(harness.pull());
+      return shown;
+    };
+    const auto expected = run("");
+    EXPECT_NE(expected.front(), expected.back());
+    for (int round = 0; round < 5; ++round) {
+      const auto queued = run("! queue ");
+      for (size_t n = 0; n < kFrames; ++n)
+        ASSERT_EQ(largest_difference(queued[n], expected[n]), 0) << show << ", frame " << n;
+    }
+  }
+}
+
 TEST(Recolor, AClusterIsRecoloredByItsIndex) {
   const int width = 96, height = 64;
   const std::string caps = VideoHarness::caps("RGBA", width, height);

@@ -312,6 +312,26 @@ TEST_F(EditTest, SharedPlanesStayUnchangedAndOwnOnesAreReused) {
   EXPECT_EQ(download(branch[Role::intrinsic]), twice);
 }
 
+// The pool of another thread's editor may reuse a plane at once when its last owner releases it.
+TEST_F(EditTest, PlanesThatAnEditReplacesStayUntilItsWorkIsDone) {
+  const Extent extent{40, 9};
+  Layers frame = layers(extent, random_pixels(extent, 4));
+  frame[Role::mask] = shared_plane(extent, random_pixels(extent, 5));
+  PlanePtr branch = frame[Role::intrinsic] = shared_plane(extent, random_pixels(extent, 6));
+  const std::weak_ptr<Plane> mask = frame[Role::mask], intrinsic = branch;
+  Recolor recolor(device, extent);
+  gpu::Commands commands(device);
+  commands.begin();
+  recolor.record(commands, frame, {.use_mask = true, .write_mask = true});
+  branch.reset();
+  EXPECT_FALSE(mask.expired());
+  EXPECT_FALSE(intrinsic.expired());
+  commands.submit();
+  commands.wait();
+  EXPECT_TRUE(mask.expired());
+  EXPECT_TRUE(intrinsic.expired());
+}
+
 TEST_F(EditTest, ExtremeParametersGiveFinitePictures) {
   using Limits = std::numeric_limits<float>;
   const Extent extent{33, 5};

@@ -223,6 +223,26 @@ TEST_F(LightEditTest, SharedPlanesStayUnchanged) {
   EXPECT_EQ(made.layers[Role::light].get(), first);
 }
 
+TEST_F(LightEditTest, PlanesThatAnEditReplacesStayUntilItsWorkIsDone) {
+  const Extent extent{40, 9};
+  Frame made = frame(extent, 6, 3);
+  PlanePtr branch = made.layers[Role::light] = shared_plane(extent, made.light);
+  made.layers[Role::bases] = shared_plane({kMaxBases, 1}, made.bases);
+  made.layers[Role::model_bases] = nullptr;
+  const std::weak_ptr<Plane> light = branch, bases = made.layers[Role::bases];
+  LightEdit edit(device, extent);
+  gpu::Commands commands(device);
+  commands.begin();
+  edit.change(commands, made.layers, 2, {1, 1, 1}, 1, nullptr);
+  branch.reset();
+  EXPECT_FALSE(light.expired());
+  EXPECT_FALSE(bases.expired());
+  commands.submit();
+  commands.wait();
+  EXPECT_TRUE(light.expired());
+  EXPECT_TRUE(bases.expired());
+}
+
 TEST_F(LightEditTest, RecoloringASurfaceRecolorsWhatBouncesOffIt) {
   // Half red, half white surfaces; light on both is partly what bounced off the red ones.
   const Pixel light{0.7f + 0.3f * 1, 0.7f + 0.3f * 0.1f, 0.7f + 0.3f * 0.1f, 0.7f};

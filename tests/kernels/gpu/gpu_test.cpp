@@ -9,6 +9,7 @@
 
 #include "kernels/gpu/reduce.hpp"
 #include "kernels/image/pyramid.hpp"
+#include "kernels/palette_paint.spv.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
 
@@ -33,9 +34,44 @@ TEST_F(DeviceTest, UnknownDeviceNamesTheChoices) {
 }
 
 TEST_F(DeviceTest, TooLargeABufferNamesTheLimit) {
+  const uint64_t bytes = device->limits().storage_buffer_bytes;
+  if (bytes > uint64_t{1} << 28) GTEST_SKIP() << "this device binds " << bytes << " bytes";
+  const auto small = gpu::Buffer::create(device, gpu::Element::vec4, 1);
+  const auto large = gpu::Buffer::create(device, gpu::Element::vec4, bytes / 16 + 1);
+  gpu::Commands commands(device);
+  commands.begin();
   expect_error(ErrorKind::limit, "maxStorageBufferRange", [&] {
-    gpu::Buffer::create(device, gpu::Element::vec4, device->limits().storage_buffer_bytes / 16 + 1);
+    commands.dispatch(gpu::Program<shaders::image_halve>(device), {.fine = small, .coarse = large},
+                      {.fine_size = {2, 2}, .size = {1, 1}, .first_row = 0}, {1});
   });
+  if (device->variant().portable) return;
+  expect_error(ErrorKind::limit, "maxTexelBufferElements", [&] {
+    gpu::Buffer::create(device, gpu::Element::vec4, device->limits().texel_elements + 1);
+  });
+}
+
+// What exceeds the limit is bound and written a part at a time. The order of rows: other tests with
+// INVERSE_WINDOW_BYTES.
+TEST_F(DeviceTest, RowsBeyondTheLargestBindingAreWritten) {
+  const gpu::Limits& limits = device->limits();
+  const uint64_t bytes = limits.window_bytes;
+  if (bytes > uint64_t{1} << 28) GTEST_SKIP() << "this device binds " << bytes << " bytes";
+  if (device->variant().portable && bytes == limits.storage_buffer_bytes)
+    GTEST_SKIP() << "this variant reads storage buffers";
+  const Extent extent{64 * 15, static_cast<uint32_t>(bytes / 64 / 15 / 16 + 100)};
+  const Plane target{extent, gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels())};
+  if (!target.buffer->map()) GTEST_SKIP() << "the host cannot read this device's memory";
+  run([&](gpu::Commands& commands) {
+    commands.fill(target.buffer);
+    commands.dispatch_rows(gpu::Program<shaders::palette_paint>(device),
+                           {.model = target.buffer,
+                            .palette = buffer(1),
+                            .painted = gpu::by_rows(gpu::aliased(target.buffer))},
+                           {.size = extent, .clusters = 0, .first_row = 0},
+                           {extent.width, extent.height});
+  });
+  const auto* pixels = target.buffer->map_as<float>();
+  for (uint64_t i = 0; i < extent.pixels(); ++i) ASSERT_EQ(pixels[4 * i + 3], 1) << i;
 }
 
 TEST_F(DeviceTest, ChainedKernelsSeeEachOthersWrites) {
@@ -91,11 +127,12 @@ TEST_F(DeviceTest, OneBufferIsBoundTwiceOnPurposeOnly) {
   gpu::Commands commands(device);
   commands.begin();
   expect_error(ErrorKind::internal, "one buffer at bindings 0 and 1", [&] {
-    commands.dispatch(halve, {.fine = buffer, .coarse = buffer}, {.fine_size = {2, 2}}, {1});
+    commands.dispatch(halve, {.fine = buffer, .coarse = buffer},
+                      {.fine_size = {2, 2}, .size = {1, 1}, .first_row = 0}, {1});
   });
   commands.begin();
   EXPECT_NO_THROW(commands.dispatch(halve, {.fine = gpu::aliased(buffer), .coarse = buffer},
-                                    {.fine_size = {2, 2}}, {1}));
+                                    {.fine_size = {2, 2}, .size = {1, 1}, .first_row = 0}, {1}));
   commands.submit();
   commands.wait();
 }

@@ -182,7 +182,8 @@ TEST_F(LimeKernels, SphereBeforeTheFrame) {
             .size = extent,
             .middle = {x * static_cast<float>(extent.width), y * static_cast<float>(extent.height)},
             .radius = radius * shorter,
-            .side = kTable};
+            .side = kTable,
+            .first_row = 0};
         const gpu::BufferPtr out = buffer(extent.pixels());
         run([&](gpu::Commands& commands) {
           commands.dispatch(gpu::Program<shaders::material_preview_preview>(device),
@@ -329,16 +330,17 @@ TEST_F(LimeKernels, LayersHaveTheEdgesOfTheFrame) {
     run([&](gpu::Commands& commands) {
       guided.record_mask(commands, points(means), points(mask));
       guided.record_specular(commands, points(means), points(codes));
-      commands.dispatch(gpu::Program<shaders::material_layers_layers>(device),
-                        {.frame = plane(frame, light).buffer,
-                         .planes = guided.mask(),
-                         .codes = points(codes),
-                         .lines = guided.specular(),
-                         .under = plane({kSide, kSide}, Pixels(means.size(), 0)).buffer,
-                         .diffuse = diffuse,
-                         .gloss = gloss},
-                        {.size = frame, .corner = {0, 0}, .pixels = kPixels, .side = kSide},
-                        {kFrame, kFrame});
+      commands.dispatch(
+          gpu::Program<shaders::material_layers_layers>(device),
+          {.frame = plane(frame, light).buffer,
+           .planes = guided.mask(),
+           .codes = points(codes),
+           .lines = guided.specular(),
+           .under = plane({kSide, kSide}, Pixels(means.size(), 0)).buffer,
+           .diffuse = diffuse,
+           .gloss = gloss},
+          {.size = frame, .corner = {0, 0}, .pixels = kPixels, .side = kSide, .first_row = 0},
+          {kFrame, kFrame});
     });
     const Pixels found = download(is_object ? diffuse : gloss);
     // A sixth of the step at most, as slopes are a little small; between points it would be a
@@ -366,15 +368,21 @@ TEST_F(LimeKernels, LayersOfTheFrame) {
       // Without an object there is light alone, whatever the rest holds.
       for (const bool found : {true, false}) {
         run([&](gpu::Commands& commands) {
-          commands.dispatch(gpu::Program<shaders::material_layers_layers>(device, {.found = found}),
-                            {.frame = plane(extent, frame).buffer,
-                             .planes = plane(side, planes).buffer,
-                             .codes = points(codes),
-                             .lines = plane(side, lines).buffer,
-                             .under = plane(side, under).buffer,
-                             .diffuse = diffuse,
-                             .gloss = gloss},
-                            place, {extent.width, extent.height});
+          commands.dispatch_rows(
+              gpu::Program<shaders::material_layers_layers>(device, {.found = found}),
+              {.frame = plane(extent, frame).buffer,
+               .planes = plane(side, planes).buffer,
+               .codes = points(codes),
+               .lines = plane(side, lines).buffer,
+               .under = plane(side, under).buffer,
+               .diffuse = gpu::by_rows(diffuse),
+               .gloss = gpu::by_rows(gloss)},
+              {.size = place.size,
+               .corner = place.corner,
+               .pixels = place.pixels,
+               .side = place.side,
+               .first_row = 0},
+              {extent.width, extent.height});
         });
         const auto expected = reference::lime_layers(
             to_reference(extent, frame), found ? square(place) : reference::LimeSquare{},
