@@ -101,6 +101,21 @@ const PropertyTable<Params>& table() {
 /// That a software device draws in about a second.
 constexpr size_t kManyTriangles = 100'000;
 
+/// Frames without an object before a warning: limematerial finds one some frames after it appears.
+constexpr uint64_t kPatience = 10;
+constexpr const char* kNoObject =
+    "limematerial finds no object in the video, so diffuse-color, specular and shininess are "
+    "drawn; "
+    "show one object of one material, a third of the picture or larger, before an unlike "
+    "background, or set source=properties";
+constexpr const char* kEndedEarly =
+    "the video ended before limematerial found an object in it, so diffuse-color, specular and "
+    "shininess were drawn; repeat a still picture (imagefreeze num-buffers=10), or set "
+    "source=properties";
+constexpr const char* kLostObject =
+    "limematerial finds its object no longer, so its last material is drawn; show one object of "
+    "one material, a third of the picture or larger, or set source=properties";
+
 class CloneElement final : public Filter {
  public:
   PropertyStore& parameters() override { return parameters_; }
@@ -122,6 +137,7 @@ class CloneElement final : public Filter {
                                                             : params.environment_location.c_str());
     seen_.reset();
     warned_ = timeless_ = false;
+    without_object_ = 0;
     reported_size_ = false;
   }
 
@@ -184,6 +200,7 @@ class CloneElement final : public Filter {
           "and nothing that crops, pads or turns the picture between them; source=properties draws "
           "diffuse-color, specular and shininess");
     const Surface surface = material(meta, params);
+    check_object(frame, meta, params);
     // Redraw for every change of properties, but not for estimates that hardly differ.
     if (!shown_ || !(surface_is_set_ ? surface == *shown_ : alike(surface, *shown_)))
       shown_ = surface;
@@ -197,6 +214,13 @@ class CloneElement final : public Filter {
     frame.picture = {plane};
     drawn_[frame.number] = {*shown_, material_from_, light_.from(), insertion_->drawn(),
                             insertion_->shadows()};
+  }
+
+  /// A stream too short for the warning of `check_object`.
+  void ended() override {
+    const uint64_t frames = std::exchange(without_object_, 0);
+    if (frames > 0 && frames < kPatience && !seen_)
+      throw Error(ErrorKind::unsupported, kEndedEarly);
   }
 
   void describe(GstStructure* stats, uint64_t number) const override {
@@ -235,6 +259,15 @@ class CloneElement final : public Filter {
     return place;
   }
 
+  /// Warns, once for each time, of a stream in which limematerial finds no object or finds it no
+  /// longer.
+  void check_object(FrameContext& frame, const GstMaterialMeta* meta, const Params& params) {
+    if (!meta || meta->found || params.source != MaterialFrom::stream)
+      without_object_ = 0;
+    else if (++without_object_ == kPatience)
+      frame.warnings.emplace_back(seen_ ? kLostObject : kNoObject);
+  }
+
   /// The material of this frame.
   Surface material(const GstMaterialMeta* meta, const Params& params) {
     const bool measured = meta && meta->found && meta->averaged > 0;
@@ -260,6 +293,7 @@ class CloneElement final : public Filter {
   bool warned_ = false;                // of light that is none
   bool timeless_ = false;              // reported that frames have no time
   bool checked_stream_ = false;        // whether the stream brings a material, once
+  uint64_t without_object_ = 0;        // frames since limematerial last found an object
   std::mutex mouse_mutex_;
   Extent extent_;                // of frames
   bool held_ = false;            // the mouse's button is down

@@ -125,21 +125,44 @@ TEST_F(CloneTest, MaterialsPassElementsThatConvertAndScale) {
 
 TEST_F(CloneTest, AStreamWithoutMaterialsIsAWarning) {
   const auto warnings = [](const std::string& between, const std::string& properties = "") {
-    const auto result =
-        run_line("videotestsrc num-buffers=4 ! video/x-raw,format=RGBA,width=96,height=64 ! " +
-                 between + "materialclone " + properties + " ! fakesink");
+    const auto result = run_line(
+        "videotestsrc num-buffers=4 pattern=black ! "
+        "video/x-raw,format=RGBA,width=96,height=64 ! " +
+        between + "materialclone " + properties + " ! fakesink");
     EXPECT_TRUE(result.eos) << result.first_error();
     return result.warnings;
   };
   const std::string lime = line("show=input") + " ! ";
-  EXPECT_TRUE(warnings(lime).empty()) << "no object, but limematerial is there";
-  EXPECT_TRUE(warnings(lime + "videoconvert ! video/x-raw,format=I420 ! ").empty());
+  expect_one(warnings(lime), "before limematerial found an object");
+  expect_one(warnings(lime + "videoconvert ! video/x-raw,format=I420 ! "),
+             "before limematerial found an object");
+  EXPECT_TRUE(warnings(lime, "source=properties").empty());
   EXPECT_TRUE(warnings("", "source=properties").empty());
   for (const std::string& between :
        {std::string(), lime + "videoflip video-direction=180 ! ", lime + "videocrop top=10 ! "}) {
     SCOPED_TRACE(between);
     expect_one(warnings(between), "put limematerial before this element");
   }
+}
+
+TEST_F(CloneTest, AnObjectThatIsNotFoundOrIsLostIsWarnedOfEachTime) {
+  VideoHarness harness(line("show=input") + " ! materialclone size=0.3 x=0.15", caps(), caps());
+  const auto warnings_after = [&](const std::vector<uint8_t>& frame, int times) {
+    harness.process(frame, times);
+    return harness.warnings();
+  };
+  const auto nothing = scene(0, 0, 0), object = scene(60, 30, 20);
+  EXPECT_TRUE(warnings_after(nothing, 3).empty()) << "it may come yet";
+  expect_one(warnings_after(nothing, 30), "limematerial finds no object in the video",
+             "diffuse-color, specular and shininess are drawn", "a third of the picture");
+  EXPECT_TRUE(warnings_after(object, 8).empty());
+  expect_one(warnings_after(nothing, 30), "its last material is drawn");
+  EXPECT_TRUE(warnings_after(object, 8).empty());
+  EXPECT_TRUE(warnings_after(nothing, 5).empty()) << "it may have been hidden";
+  EXPECT_TRUE(warnings_after(object, 8).empty());
+  expect_one(warnings_after(nothing, 30), "its last material is drawn");
+  gst_harness_push_event(harness.harness(), gst_event_new_eos());
+  EXPECT_TRUE(harness.warnings().empty());
 }
 
 TEST_F(CloneTest, LightOfAFileComesFromWhereItIs) {
