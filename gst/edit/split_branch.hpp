@@ -76,6 +76,7 @@ class SplitBranch {
   GstFlowReturn take(GstBuffer* source, GstBuffer** buffer);
 
   bool stream_started = false;       ///< stream-start went out
+  bool fed = false;                  ///< a frame went out since the start or a flush
   bool refused = false;              ///< negotiation failed, and an error was posted
   GstFlowReturn flow = GST_FLOW_OK;  ///< of the last push
   std::atomic<bool> released{false};

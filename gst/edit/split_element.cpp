@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 
 #include "gst/base/caps.hpp"
 #include "gst/base/log/errors.hpp"
 #include "gst/base/log/log.hpp"
 #include "gst/base/meta/layers_meta.hpp"
 #include "gst/base/report.hpp"
+#include "start_watch.hpp"
 
 namespace inverse {
 namespace {
@@ -83,7 +85,7 @@ void SplitElement::stop() {
   gst_flow_combiner_reset(combiner_);
   for (const BranchPtr& branch : branches_) {
     branch->forget();
-    branch->stream_started = branch->refused = false;
+    branch->stream_started = branch->refused = branch->fed = false;
     branch->flow = GST_FLOW_OK;
   }
   commands_.reset();
@@ -181,7 +183,10 @@ gboolean SplitElement::sink_event(GstEvent* event) {
       return TRUE;
     case GST_EVENT_FLUSH_STOP: {
       send(all, event);
-      for (const BranchPtr& branch : all) branch->flow = GST_FLOW_OK;
+      for (const BranchPtr& branch : all) {
+        branch->flow = GST_FLOW_OK;
+        branch->fed = false;  // sinks wait for each other once more
+      }
       std::lock_guard lock(mutex_);
       gst_flow_combiner_reset(combiner_);
       return TRUE;
@@ -339,12 +344,32 @@ GstFlowReturn SplitElement::chain(GstBuffer* buffer) {
   return push(all, frames);
 }
 
+namespace {
+
+/// The names of the branches behind the `i`th that get their first frame in this round.
+std::string waiting_after(size_t i, const std::vector<std::shared_ptr<SplitBranch>>& all,
+                          const std::vector<GstBuffer*>& frames) {
+  std::string names;
+  for (size_t other = i + 1; other < all.size(); ++other)
+    if (frames[other] && !all[other]->fed)
+      names += (names.empty() ? "" : " and ") + all[other]->name();
+  return names;
+}
+
+}  // namespace
+
 GstFlowReturn SplitElement::push(const std::vector<BranchPtr>& all,
                                  const std::vector<GstBuffer*>& frames) {
   GstFlowReturn result = GST_FLOW_NOT_LINKED;  // without any pad, as in tee
   for (size_t i = 0; i < all.size(); ++i) {
     SplitBranch& branch = *all[i];
-    if (frames[i]) branch.flow = gst_pad_push(branch.pad(), frames[i]);
+    if (frames[i]) {
+      std::optional<StartWatch> watch;
+      const std::string waiting = waiting_after(i, all, frames);
+      if (!waiting.empty()) watch.emplace(element_, branch.pad(), waiting);
+      branch.flow = gst_pad_push(branch.pad(), frames[i]);
+      branch.fed = true;
+    }
     std::lock_guard lock(mutex_);
     // The flow of a pad that was released meanwhile does not count for the others.
     result = branch.released

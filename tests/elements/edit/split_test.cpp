@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// intrinsicsplit: what each pad carries, and pads that come, go and stay unlinked.
+// intrinsicsplit: what each pad carries, and pads that come, go, stay unlinked and block.
+#include <gst/check/gsttestclock.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -332,6 +334,118 @@ TEST(SplitPipelines, LayersGoToSinksOfTheirOwn) {
   EXPECT_TRUE(result.eos) << result.first_error();
   EXPECT_EQ(result.frames.size(), 8u);
   EXPECT_EQ(GST_VIDEO_INFO_FORMAT(&result.info), GST_VIDEO_FORMAT_GRAY16_LE);
+}
+
+/// The system clock, which tests turn on by hand.
+class TurnedClock {
+ public:
+  TurnedClock() : clock_(GST_TEST_CLOCK(gst_test_clock_new())) {
+    gst_system_clock_set_default(GST_CLOCK(clock_));
+  }
+  TurnedClock(const TurnedClock&) = delete;
+  TurnedClock& operator=(const TurnedClock&) = delete;
+  ~TurnedClock() {
+    gst_system_clock_set_default(nullptr);
+    gst_object_unref(clock_);
+  }
+  /// Waits until somebody asks to be called, and calls what is due then; fails the test after a
+  /// minute.
+  void turn() {
+    for (int i = 0; i < 60'000; ++i, g_usleep(1000))
+      if (gst_test_clock_peek_next_pending_id(clock_, nullptr)) {
+        gst_test_clock_crank(clock_);
+        return;
+      }
+    ADD_FAILURE() << "nobody asks the clock";
+  }
+
+ private:
+  GstTestClock* clock_;
+};
+
+/// intrinsicsplit in a pipeline whose first pad is blocked.
+class BlockedPads : public ::testing::Test {
+ protected:
+  void start(const std::string& branches, GstState state = GST_STATE_PLAYING) {
+    GError* error = nullptr;
+    pipeline_ = gst_parse_launch(
+        ("videotestsrc num-buffers=3 ! video/x-raw,width=64,height=48 ! intrinsicdecomp ! "
+         "intrinsicsplit name=s " +
+         branches)
+            .c_str(),
+        &error);
+    ASSERT_EQ(error, nullptr) << error->message;
+    bus_ = gst_element_get_bus(pipeline_);
+    gst_element_set_state(pipeline_, state);
+  }
+  void TearDown() override {
+    gst_element_set_state(pipeline_, GST_STATE_NULL);
+    gst_object_unref(bus_);
+    gst_object_unref(pipeline_);
+  }
+  std::vector<std::string> warnings() { return texts_of(bus_, GST_MESSAGE_WARNING); }
+  /// Turns the clock until there is a warning; fails the test after a minute.
+  std::vector<std::string> awaited_warnings() {
+    for (const gint64 end = g_get_monotonic_time() + 60 * G_USEC_PER_SEC;
+         g_get_monotonic_time() < end; g_usleep(1000)) {
+      clock_.turn();
+      if (auto found = warnings(); !found.empty()) return found;
+    }
+    return {};
+  }
+
+  TurnedClock clock_;
+  GstElement* pipeline_ = nullptr;
+  GstBus* bus_ = nullptr;
+};
+
+TEST_F(BlockedPads, AreWarnedOfOnceByNameWithTheRemedy) {
+  start("s.reflectance ! videoconvert ! fakesink name=first s.shading ! fakesink");
+  expect_one(awaited_warnings(), "pad reflectance of s (intrinsicsplit) is blocked",
+             "first (fakesink) waits", "pad shading", "put a queue behind every pad");
+  for (int i = 0; i < 3; ++i) clock_.turn();
+  EXPECT_TRUE(warnings().empty());
+}
+
+TEST_F(BlockedPads, AreNamedBehindBinsAndATee) {
+  start(
+      "s.reflectance ! bin.( tee name=t ! fakesink name=first t. ! queue ! fakesink ) "
+      "s.shading ! queue ! fakesink s.input ! queue ! fakesink");
+  expect_one(awaited_warnings(), "pad reflectance of s", "first (fakesink) waits",
+             "pad shading and input");
+}
+
+TEST_F(BlockedPads, MayWaitInAMuxer) {
+  start("s.reflectance ! jpegenc ! matroskamux name=mux ! fakesink s.shading ! jpegenc ! mux.");
+  expect_one(awaited_warnings(), "pad reflectance of s", "mux (matroskamux) waits", "pad shading");
+}
+
+TEST_F(BlockedPads, ASlowElementIsNone) {
+  struct Gate {
+    std::atomic<bool> entered{false}, open{false};
+  } gate;
+  start("s.reflectance ! identity name=slow ! queue ! fakesink s.shading ! queue ! fakesink",
+        GST_STATE_READY);
+  watch_buffers(find_element(pipeline_, "slow"), "sink", [&gate](GstBuffer*) {
+    gate.entered = true;
+    while (!gate.open) g_usleep(1000);
+  });
+  gst_element_set_state(pipeline_, GST_STATE_PLAYING);
+  while (!gate.entered) g_usleep(1000);
+  for (int i = 0; i < 3; ++i) clock_.turn();
+  EXPECT_TRUE(warnings().empty());
+  gate.open = true;
+  EXPECT_EQ(gst_element_get_state(pipeline_, nullptr, nullptr, GST_CLOCK_TIME_NONE),
+            GST_STATE_CHANGE_SUCCESS);
+}
+
+/// The other sink asks for no frame, so the pipeline is paused as it should be.
+TEST_F(BlockedPads, APausedPipelineIsNone) {
+  start("s.reflectance ! fakesink s.shading ! fakesink async=false", GST_STATE_PAUSED);
+  ASSERT_EQ(gst_element_get_state(pipeline_, nullptr, nullptr, GST_CLOCK_TIME_NONE),
+            GST_STATE_CHANGE_SUCCESS);
+  for (int i = 0; i < 3; ++i) clock_.turn();
+  EXPECT_TRUE(warnings().empty());
 }
 
 TEST(SplitPipelines, OneFrameOfLatencyIsAdded) {
