@@ -11,6 +11,7 @@
 #include "caps.hpp"
 #include "gst/base/frames/picture.hpp"
 #include "gst/base/log/log.hpp"
+#include "gst/base/meta/view_meta.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/layers.hpp"
 #include "kernels/image/tiles/tile_list.hpp"
@@ -93,6 +94,11 @@ class Filter {
   virtual bool compares_frames() const { return false; }
   /// If so, pixels that are not square cause a warning that says what to do.
   virtual bool needs_square_pixels() const { return false; }
+  /// The values of `show` that draw a frame, as a camera would send it, not a layer; the first one
+  /// is recommended to who takes a layer for a frame. Empty: all do.
+  virtual std::span<const char* const> shows_frame() const { return {}; }
+  /// Whether a picture that is marked as that of a layer (ViewMark) does as a frame.
+  virtual bool takes_view(std::string_view layer) const { return layer == kDiffuseView; }
   /// Records the work for one frame.
   virtual void process(FrameContext& frame) = 0;
   /// A frame is completed: its time includes the wait for the device; `number` is FrameContext's.
@@ -160,6 +166,8 @@ struct ElementInfo {
   }
   /// Whether it may work without layers before it, so that it has to find a device of its own.
   bool takes_pixels() const { return sink == Flow::pixels || plain_caps; }
+  /// Whether pictures that come in have to be frames, not pictures of layers.
+  bool takes_frames() const { return takes_pixels() && layers; }
 };
 
 /// Registers the element; one line of the plugin's list.

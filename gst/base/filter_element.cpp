@@ -13,6 +13,7 @@
 #include "gst/base/meta/layers_meta.hpp"
 #include "kernels/reuse/tolerances.hpp"
 #include "report.hpp"
+#include "views.hpp"
 
 // Members log into the category of their element.
 #define GST_CAT_DEFAULT (log_.category)
@@ -72,6 +73,7 @@ bool FilterElement::restart() {
   return guarded(element_, [&] {
     context_.renew(device_name());
     reported_ratio_ = {1, 1};
+    reported_views_ = {""};  // no warning
     filter_->start();
   });
 }
@@ -370,6 +372,10 @@ void FilterElement::run_frame(GstBuffer* in, GstBuffer* out) {
                      .draw = !out_layers_,
                      .gray = !in_layers_ && GST_VIDEO_INFO_IS_GRAY(&in_info_)};
   read_input(in, slot, frame);
+  if (!in_layers_ && info_.takes_frames())
+    if (auto warning = misplaced_view(element_, *filter_, in);
+        reported_views_.insert(warning).second)
+      frame.warnings.push_back(std::move(warning));
   try {
     filter_->process(frame);
   } catch (...) {
@@ -379,6 +385,7 @@ void FilterElement::run_frame(GstBuffer* in, GstBuffer* out) {
   post_messages(log_, frame);
   send(out, slot, frame);
   if (frame.decorate) frame.decorate(out);
+  if (!out_layers_) mark_shown(element_, *filter_, out);
   // vulkanupload overwrites its staging buffer with the next frame once this one is returned, even
   // if the device has not copied it yet (GStreamer 1.22): wait until it has.
   if (in_images_) wait(slot, "for the input image");

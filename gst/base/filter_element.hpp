@@ -4,6 +4,8 @@
 #include <atomic>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "filter.hpp"
@@ -105,6 +107,7 @@ class FilterElement {
   CapsPair asked_;                            // last
   bool refused_ = false;                      // asked_ was answered with an error
   std::pair<int, int> reported_ratio_{1, 1};  // of pixels, that was warned of last
+  std::set<std::string> reported_views_{""};  // warnings of pictures of layers, and none
   bool in_layers_ = false, in_images_ = false, out_layers_ = false;
   bool configured_ = false;
   std::atomic<bool> fresh_{true};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <array>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -25,6 +26,10 @@ class Decomposer final : public Filter {
 
   PropertyStore& parameters() override { return method_->settings().store(); }
   bool compares_frames() const override { return method_->settings().adaptive(); }
+  std::span<const char* const> shows_frame() const override {
+    static constexpr std::array kFrames{"input"};
+    return kFrames;
+  }
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override;
   void release() override;
   void reset() override;

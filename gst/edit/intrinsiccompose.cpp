@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsiccompose: makes ordinary video again of decomposed video; the end of a chain of editors.
+#include <array>
 #include <optional>
 #include <string>
 
@@ -78,6 +79,10 @@ const PropertyTable<Params>& table() {
 class ComposeElement final : public Filter {
  public:
   PropertyStore& parameters() override { return parameters_; }
+  std::span<const char* const> shows_frame() const override {
+    static constexpr std::array kFrames{"composed", "input"};
+    return kFrames;
+  }
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     compose_.emplace(device, extent);
   }

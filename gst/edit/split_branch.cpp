@@ -4,6 +4,8 @@
 #include <string>
 
 #include "gst/base/caps.hpp"
+#include "gst/base/meta/view_meta.hpp"
+#include "gst/base/pads.hpp"
 
 namespace inverse {
 namespace {
@@ -247,6 +249,8 @@ GstFlowReturn SplitBranch::take(GstBuffer* source, GstBuffer** buffer) {
       static_cast<gsize>(-1));
   MetaCopy copy{made};
   gst_buffer_foreach_meta(source, copy_meta, &copy);
+  if (layer_ != SplitLayer::input)
+    mark_view(made, {label_of(element_of_pad(pad_).get()), name(), "use pad input"});
   *buffer = made;
   return GST_FLOW_OK;
 }

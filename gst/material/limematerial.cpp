@@ -113,6 +113,11 @@ class LimeElement final : public Filter {
   PropertyStore& parameters() override { return parameters_; }
   bool compares_frames() const override { return parameters_.snapshot().adaptive; }
   bool needs_square_pixels() const override { return true; }
+  std::span<const char* const> shows_frame() const override {
+    static constexpr std::array kFrames{"input", "preview"};
+    return kFrames;
+  }
+  bool takes_view(std::string_view) const override { return false; }
 
   void start() override {
     const Params params = parameters_.snapshot();

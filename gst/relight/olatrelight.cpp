@@ -128,6 +128,11 @@ class RelightElement final : public Filter {
  public:
   PropertyStore& parameters() override { return parameters_; }
   bool compares_frames() const override { return parameters_.snapshot().adaptive; }
+  std::span<const char* const> shows_frame() const override {
+    static constexpr std::array kFrames{"relit", "olat", "full-on"};
+    return kFrames;
+  }
+  bool takes_view(std::string_view layer) const override { return layer == kGradientsView; }
 
   void start() override {
     const Params params = parameters_.snapshot();

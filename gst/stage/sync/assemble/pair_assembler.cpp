@@ -7,6 +7,8 @@
 #include "frame_picture.hpp"
 #include "gst/base/caps.hpp"
 #include "gst/base/log/log.hpp"
+#include "gst/base/meta/view_meta.hpp"
+#include "gst/base/pads.hpp"
 #include "motion.hpp"
 #include "stage/gray_gradients.hpp"
 
@@ -235,6 +237,7 @@ GstFlowReturn PairAssembler::pair(GstBuffer* b, const FrameLabel& label) {
   GST_BUFFER_DURATION(pair) = 2 * labels_->period();
   labels_->attach(pair, a_label_);
   gst_buffer_get_light_stage_meta(pair)->kind = GST_LIGHT_STAGE_GRADIENTS;
+  if (!layers_) mark_view(pair, {label_of(element_), kGradientsView, "set assemble=none"});
   {
     std::lock_guard lock(mutex_);
     ++pairs_;
