@@ -143,11 +143,14 @@ bool carries_images(const GstCaps* caps) {
          gst_caps_features_contains(gst_caps_get_features(caps, 0), kVulkanImageFeature);
 }
 
-bool carries_kind(const GstCaps* caps, const char* layers) {
-  return carries_layers(caps) &&
-         g_strcmp0(gst_structure_get_string(gst_caps_get_structure(caps, 0), "layers"), layers) ==
-             0;
+std::string kind_of(const GstCaps* caps) {
+  const gchar* kind = carries_layers(caps)
+                          ? gst_structure_get_string(gst_caps_get_structure(caps, 0), "layers")
+                          : nullptr;
+  return kind ? kind : "";
 }
+
+bool carries_kind(const GstCaps* caps, const char* layers) { return kind_of(caps) == layers; }
 
 GstCaps* transform_caps(GstCaps* caps, GstCaps* templates, GstCaps* filter) {
   GstCaps* result = gst_caps_new_empty();

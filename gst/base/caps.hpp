@@ -35,6 +35,9 @@ inline constexpr const char* kAllLayers = "{ intrinsic, global, material }";
 /// Template caps for a pad of this kind; `layers` is one of the kinds above. New reference.
 GstCaps* template_caps(Flow flow, const char* layers);
 
+/// The kind of layers of the first of these caps; empty if it has none.
+std::string kind_of(const GstCaps* caps);
+
 /// Whether these (fixed) caps carry layers of this kind.
 bool carries_kind(const GstCaps* caps, const char* layers);
 

@@ -206,7 +206,10 @@ gboolean sink_event(GstBaseTransform* transform, GstEvent* event) {
   if (GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP) element_of(transform).flush("flush");
   if (GST_EVENT_TYPE(event) == GST_EVENT_STREAM_START) element_of(transform).flush("new stream");
   if (GST_EVENT_TYPE(event) == GST_EVENT_EOS) element_of(transform).ended();
-  return GST_BASE_TRANSFORM_CLASS(parent_class)->sink_event(transform, event);
+  const bool caps = GST_EVENT_TYPE(event) == GST_EVENT_CAPS;
+  const gboolean good = GST_BASE_TRANSFORM_CLASS(parent_class)->sink_event(transform, event);
+  if (caps && !good) element_of(transform).explain_refusal();
+  return good;
 }
 
 /// The mouse event in a navigation event of the first button or a move; empty for others.

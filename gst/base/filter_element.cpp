@@ -27,11 +27,6 @@ double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-Extent extent_of(const GstVideoInfo& info) {
-  return {static_cast<uint32_t>(GST_VIDEO_INFO_WIDTH(&info)),
-          static_cast<uint32_t>(GST_VIDEO_INFO_HEIGHT(&info))};
-}
-
 /// Posts messages, property changes and warnings of a frame.
 void post_messages(const Log& log, FrameContext& frame) {
   GstElement* element = log.object;
@@ -74,6 +69,7 @@ bool FilterElement::restart() {
     context_.renew(device_name());
     reported_ratio_ = {1, 1};
     reported_views_ = {""};  // no warning
+    explained_ = false;
     filter_->start();
   });
 }
@@ -116,86 +112,6 @@ void FilterElement::ended() {
 
 bool FilterElement::run(const Action& action, const GValue* arguments) {
   return warn_on_error(log_, [&] { action.run(*filter_, arguments); });
-}
-
-bool FilterElement::set_caps(GstCaps* in, GstCaps* out) {
-  // Once: an element that pushes on after an error asks again with every buffer.
-  if (refused_ && asked_.is(in, out)) return false;
-  refused_ = !try_caps(in, out);
-  asked_.set(in, out);
-  if (refused_)
-    GST_WARNING_OBJECT(element_, "refused caps: in %" GST_PTR_FORMAT ", out %" GST_PTR_FORMAT, in,
-                       out);
-  else
-    GST_INFO_OBJECT(element_, "caps: in %" GST_PTR_FORMAT ", out %" GST_PTR_FORMAT, in, out);
-  if (!refused_) announce_latency(out_layers_ ? 0 : frame_latency(out_info_));
-  return !refused_;
-}
-
-bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
-  const std::string name = info_.factory;
-  in_layers_ = carries_layers(in);
-  in_images_ = carries_images(in);
-  out_layers_ = carries_layers(out);
-  if (!info_.takes_pixels() && !in_layers_) {
-    GST_ELEMENT_ERROR(
-        element_, STREAM, FORMAT,
-        ("%s works on layers; insert %s before it, with nothing between the two that takes "
-         "pictures or other layers (behind a tee every branch must take layers)",
-         name.c_str(), info_.needs),
-        ("got %" GST_PTR_FORMAT, in));
-    return false;
-  }
-  const bool takes_one = info_.sink != Flow::pixels && info_.layers[0] != '{';
-  if (in_layers_ && takes_one && !carries_kind(in, info_.layers)) {
-    GST_ELEMENT_ERROR(element_, STREAM, FORMAT,
-                      ("%s needs %s layers; replace the element that makes its layers by %s",
-                       name.c_str(), info_.layers, info_.needs),
-                      ("got %" GST_PTR_FORMAT, in));
-    return false;
-  }
-  if (!gst_video_info_from_caps(&in_info_, in) || !gst_video_info_from_caps(&out_info_, out)) {
-    GST_ELEMENT_ERROR(element_, STREAM, FORMAT,
-                      ("%s cannot make sense of the video format", name.c_str()),
-                      ("in %" GST_PTR_FORMAT ", out %" GST_PTR_FORMAT, in, out));
-    return false;
-  }
-  if (GST_VIDEO_INFO_IS_INTERLACED(&in_info_)) {
-    GST_ELEMENT_ERROR(element_, STREAM, FORMAT,
-                      ("%s needs progressive video; insert deinterlace before it", name.c_str()),
-                      ("got %" GST_PTR_FORMAT, in));
-    return false;
-  }
-  if (!in_layers_ && !guarded(element_, [&] { filter_->check_plain(in_info_, out_info_); }))
-    return false;
-  check_pixel_aspect_ratio();
-  // The state of earlier frames stays: sources of variable rate send such caps again and again.
-  if (!refused_ && asked_.same_frames(in, out)) return true;
-  return guarded(element_, [&] {
-    stop();
-    // Refused formats show up here, before any frame.
-    if (!in_layers_)
-      input_ = in_images_ ? make_image_input(in_info_) : std::make_unique<FrameInput>(in_info_);
-    if (!out_layers_)
-      output_ = carries_images(out) ? make_image_output(out_info_)
-                                    : std::make_unique<FrameOutput>(out_info_);
-    if (in_images_ || carries_images(out)) context_.find_neighbor();
-    if (carries_images(out)) images_device_ = context_.for_images();
-    // The first frame of layers and images carries their device.
-    if (!in_layers_ && !in_images_) configure(device_for(nullptr));
-  });
-}
-
-void FilterElement::check_pixel_aspect_ratio() {
-  const std::pair shape{GST_VIDEO_INFO_PAR_N(&in_info_), GST_VIDEO_INFO_PAR_D(&in_info_)};
-  if (shape.first == shape.second || !filter_->needs_square_pixels()) return;
-  if (std::exchange(reported_ratio_, shape) == shape) return;
-  const std::string warning =
-      std::string(info_.factory) + " needs square pixels, and these are " +
-      std::to_string(shape.first) + ":" + std::to_string(shape.second) +
-      ": round objects become ellipses; put videoscale ! video/x-raw,pixel-aspect-ratio=1/1 "
-      "before it";
-  post_warning(log_, GST_STREAM_ERROR, GST_STREAM_ERROR_FORMAT, "%s", warning.c_str());
 }
 
 void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {

@@ -15,7 +15,13 @@
 
 namespace inverse {
 
-/// Device, caps, frames in flight and stats of a GstInverseFilter. filter.cpp binds it to GObject.
+inline Extent extent_of(const GstVideoInfo& info) {
+  return {static_cast<uint32_t>(GST_VIDEO_INFO_WIDTH(&info)),
+          static_cast<uint32_t>(GST_VIDEO_INFO_HEIGHT(&info))};
+}
+
+/// Device, caps, frames in flight and stats of a GstInverseFilter. filter.cpp binds it to GObject;
+/// filter_caps.cpp has what is about caps.
 class FilterElement {
  public:
   FilterElement(GstElement* element, const ElementInfo& info);
@@ -30,6 +36,8 @@ class FilterElement {
 
   /// Checks fixed caps; posts one error and returns false if they cannot be handled.
   bool set_caps(GstCaps* in, GstCaps* out);
+  /// Caps were refused downstream: posts one error if an editor sends layers to what takes none.
+  void explain_refusal();
   /// Takes one buffer through the filter into `out`, which has memory only if pixels go out.
   GstFlowReturn transform(GstBuffer* in, GstBuffer* out);
   /// The next frame starts afresh; `reason` is for the log.
@@ -106,6 +114,7 @@ class FilterElement {
   GstVideoInfo in_info_, out_info_;
   CapsPair asked_;                            // last
   bool refused_ = false;                      // asked_ was answered with an error
+  bool explained_ = false;                    // posted an error of what downstream refused
   std::pair<int, int> reported_ratio_{1, 1};  // of pixels, that was warned of last
   std::set<std::string> reported_views_{""};  // warnings of pictures of layers, and none
   bool in_layers_ = false, in_images_ = false, out_layers_ = false;

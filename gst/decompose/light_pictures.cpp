@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/error.hpp"
+#include "gst/base/missing_layers.hpp"
 
 namespace inverse {
 
@@ -11,8 +12,8 @@ Picture LightPictures::draw(gpu::Commands& commands, const Layers& layers, Light
                             const char* element, uint32_t base) {
   if (!layers.global())
     throw Error(ErrorKind::unsupported,
-                std::string("these layers do not separate direct light from indirect, as ") +
-                    element +
+                "these layers are " + contents_of(layers) +
+                    " and do not separate direct light from indirect, as " + element +
                     " is to show it; put globalintrinsic in the place of the decomposer before it");
   return drawn(commands, layers, what, base);
 }

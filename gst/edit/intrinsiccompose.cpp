@@ -5,6 +5,7 @@
 #include <string>
 
 #include "gst/base/filter.hpp"
+#include "gst/base/missing_layers.hpp"
 #include "gst/decompose/light_pictures.hpp"
 #include "kernels/edit/compose.hpp"
 
@@ -138,7 +139,8 @@ class ComposeElement final : public Filter {
   static PlanePtr needed(const FrameContext& frame, Role role, const char* what,
                          const char* maker) {
     if (!frame.layers[role])
-      throw Error(ErrorKind::unsupported, std::string("these layers have no ") + what +
+      throw Error(ErrorKind::unsupported, "these layers are " + contents_of(frame.layers) +
+                                              " and have no " + what +
                                               " for intrinsiccompose to show; put " + maker +
                                               " in the place of the decomposer before it");
     return frame.layers[role];

@@ -5,6 +5,7 @@
 
 #include "gst/base/caps.hpp"
 #include "gst/base/meta/view_meta.hpp"
+#include "gst/base/missing_layers.hpp"
 #include "gst/base/pads.hpp"
 
 namespace inverse {
@@ -97,7 +98,7 @@ void SplitBranch::negotiate(const GstCaps* layers, const SplitParams& params) {
   const bool of_all = layer_ == SplitLayer::mask || layer_ == SplitLayer::input;
   if (!of_all && carries_kind(layers, kMaterialLayers) != of_material)
     throw Error(ErrorKind::unsupported,
-                "these layers have no " + name() +
+                "these layers are " + contents_of(kind_of(layers)) + " and have no " + name() +
                     ", as the pad of intrinsicsplit of this name is to send it; put " +
                     (of_material                    ? "limematerial"
                      : layer_ >= SplitLayer::direct ? "globalintrinsic"

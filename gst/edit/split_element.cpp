@@ -9,6 +9,7 @@
 #include "gst/base/log/errors.hpp"
 #include "gst/base/log/log.hpp"
 #include "gst/base/meta/layers_meta.hpp"
+#include "gst/base/missing_layers.hpp"
 #include "gst/base/report.hpp"
 #include "start_watch.hpp"
 
@@ -137,13 +138,10 @@ bool SplitElement::set_caps(GstCaps* caps) {
     gst_caps_replace(&caps_, caps);
   }
   if (!carries_layers(caps)) {
-    if (!known)
-      GST_ELEMENT_ERROR(
-          element_, STREAM, FORMAT,
-          ("intrinsicsplit works on layers; insert intrinsicdecomp or another decomposer "
-           "before it, with nothing between the two that takes pictures (behind a tee every branch "
-           "must take layers: end each with intrinsiccompose)"),
-          ("got %" GST_PTR_FORMAT, caps));
+    if (known) return false;
+    const std::string why = missing_layers(sink_, kAllLayers, "intrinsicdecomp");
+    GST_ELEMENT_ERROR(element_, STREAM, FORMAT, ("%s", why.c_str()),
+                      ("got %" GST_PTR_FORMAT, caps));
     return false;
   }
   bool good = true;

@@ -114,6 +114,8 @@ TEST_F(Chains, RelightingAndDecomposingAreNoEditsOfEachOther) {
   expect_warning("olatrelight name=relight show=normal ! intrinsicdecomp",
                  {"gets the picture \"normal\" of relight", "set show=relit"});
   expect_warning("olatrelight ! globalintrinsic", {});
+  expect_contains(run_chain("olatrelight ! intrinsiccompose").first_error(),
+                  "insert intrinsicdecomp before it");
 }
 
 TEST_F(Chains, APairOfGradientsIsNoFrame) {
@@ -131,6 +133,70 @@ TEST_F(Chains, APairOfGradientsIsNoFrame) {
              "set assemble=none of sync");
   EXPECT_TRUE(warnings("olatrelight").empty());
   EXPECT_TRUE(warnings("video/x-raw,format=RGBA ! videoconvert ! olatrelight").empty());
+}
+
+/// Editors that get pictures: where the layers ended.
+TEST_F(Chains, EditorsWithoutLayersNameWhatTookThem) {
+  const struct {
+    const char* chain;
+    std::vector<std::string> parts;
+    const char* absent = "insert intrinsicdecomp";  // which is there
+  } cases[] = {
+      {"intrinsicdecomp name=first ! tee name=t t. ! queue ! identity name=other ! "
+       "video/x-raw,format=RGBA ! fakesink t. ! queue ! intrinsicrecolor ! intrinsiccompose",
+       {"intrinsicrecolor works on layers", "first (intrinsicdecomp) sends pictures", "capsfilter",
+        "another branch of t (tee)", "put intrinsiccompose before"}},
+      {"intrinsicdecomp name=first ! tee name=t t. ! queue ! pngenc name=other ! fakesink "
+       "t. ! queue ! intrinsicsplit name=s s.shading ! queue",
+       {"intrinsicsplit works on layers", "because other (pngenc) in another branch of t (tee)"}},
+      {"intrinsicdecomp name=first ! tee name=t t. ! queue ! globalintrinsic name=other ! fakesink "
+       "t. ! queue ! intrinsiccompose",
+       {"intrinsiccompose works on layers", "because other (globalintrinsic) in another branch"}},
+      {"intrinsicdecomp ! bin.( tee name=t t. ! queue ! pngenc name=other ! fakesink t. ! queue ! "
+       "intrinsiccompose )",
+       {"because other (pngenc) in another branch of t (tee)"}},
+      {"intrinsicdecomp name=first ! video/x-raw,format=RGBA ! intrinsicrecolor ! intrinsiccompose",
+       {"capsfilter", "between first (intrinsicdecomp) and it takes pictures only", "remove it"}},
+      {"intrinsicdecomp ! intrinsiccompose name=c ! intrinsicrecolor ! intrinsiccompose",
+       {"c (intrinsiccompose) before it sends pictures",
+        "remove c (intrinsiccompose), or put intrinsicrecolor before it"}},
+      {"intrinsicdecomp ! intrinsicsplit name=s s.shading ! queue ! intrinsiccompose",
+       {"s (intrinsicsplit) before it sends pictures"}},
+      {"LIME ! intrinsicrecolor ! intrinsiccompose",
+       {"intrinsicrecolor works on layers", "of lime (limematerial)", "highlights, mirror image",
+        "put intrinsicdecomp in the place of lime"}},
+      {"LIME ! intrinsicdespill ! intrinsiccompose",
+       {"of lime (limematerial)", "highlights", "put globalintrinsic in the place of lime"}},
+      {"intrinsicdecomp ! intrinsicdespill ! intrinsiccompose",
+       {"needs reflectance, direct light and indirect light",
+        "these layers are reflectance and shading", "put globalintrinsic"}},
+      {"LIME ! intrinsiccompose show=reflectance", {"highlights, mirror image", "no reflectance"}},
+      {"LIME ! intrinsiccompose show=direct", {"highlights, mirror image", "direct light"}},
+      {"LIME ! intrinsicsplit name=s s.shading", {"highlights, mirror image", "no shading"}},
+      {"intrinsicrecolor ! intrinsiccompose",
+       {"insert intrinsicdecomp before it"},
+       "sends pictures"},
+  };
+  for (const auto& [chain, parts, absent] : cases) {
+    SCOPED_TRACE(chain);
+    const std::string error = run_chain(chain).first_error();
+    for (const std::string& part : parts) expect_contains(error, part);
+    EXPECT_EQ(error.find(absent), std::string::npos) << error;
+  }
+}
+
+/// What takes pictures only and is linked when it starts, as autovideosink's sink is.
+TEST_F(Chains, EditorsThatNothingComposesAreNamed) {
+  for (const char* chain : {"intrinsicdecomp ! intrinsicrecolor name=e",
+                            "intrinsicdecomp ! intrinsicrecolor ! queue ! intrinsicrecolor name=e",
+                            "globalintrinsic ! intrinsicdespill name=e ! queue"}) {
+    const std::string caps = VideoHarness::caps("RGBA", 32, 24);
+    VideoHarness harness(chain, caps, caps);
+    harness.push(random_frame(caps, 1));
+    harness.push(random_frame(caps, 2));
+    expect_one(harness.errors(), "e (intrinsic", "sends layers", "takes pictures only",
+               "insert intrinsiccompose behind e");
+  }
 }
 
 }  // namespace inverse::testing

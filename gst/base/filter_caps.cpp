@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What a FilterElement can be asked for.
+#include <gst/base/gstbasetransform.h>
+
+#include <utility>
+
+#include "filter_element.hpp"
+#include "gst/base/log/errors.hpp"
+#include "missing_layers.hpp"
+#include "report.hpp"
+
+// Members log into the category of their element.
+#define GST_CAT_DEFAULT (log_.category)
+
+namespace inverse {
+
+bool FilterElement::set_caps(GstCaps* in, GstCaps* out) {
+  // Once: an element that pushes on after an error asks again with every buffer.
+  if (refused_ && asked_.is(in, out)) return false;
+  refused_ = !try_caps(in, out);
+  asked_.set(in, out);
+  if (refused_)
+    GST_WARNING_OBJECT(element_, "refused caps: in %" GST_PTR_FORMAT ", out %" GST_PTR_FORMAT, in,
+                       out);
+  else
+    GST_INFO_OBJECT(element_, "caps: in %" GST_PTR_FORMAT ", out %" GST_PTR_FORMAT, in, out);
+  if (!refused_) announce_latency(out_layers_ ? 0 : frame_latency(out_info_));
+  return !refused_;
+}
+
+void FilterElement::explain_refusal() {
+  if (refused_ || explained_) return;
+  const std::string why = untaken_layers(GST_BASE_TRANSFORM_SRC_PAD(element_));
+  if (why.empty()) return;
+  explained_ = true;
+  GST_ELEMENT_ERROR(element_, STREAM, FORMAT, ("%s", why.c_str()), (nullptr));
+}
+
+bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
+  const std::string name = info_.factory;
+  in_layers_ = carries_layers(in);
+  in_images_ = carries_images(in);
+  out_layers_ = carries_layers(out);
+  if (!info_.takes_pixels() && !in_layers_) {
+    const std::string why =
+        missing_layers(GST_BASE_TRANSFORM_SINK_PAD(element_), info_.accepts, info_.needs);
+    GST_ELEMENT_ERROR(element_, STREAM, FORMAT, ("%s", why.c_str()), ("got %" GST_PTR_FORMAT, in));
+    return false;
+  }
+  const bool takes_one = info_.sink != Flow::pixels && info_.layers[0] != '{';
+  if (in_layers_ && takes_one && !carries_kind(in, info_.layers)) {
+    GST_ELEMENT_ERROR(element_, STREAM, FORMAT,
+                      ("%s needs %s, and these layers are %s; put %s in the place of the element "
+                       "that makes them",
+                       name.c_str(), contents_of(info_.layers).c_str(),
+                       contents_of(kind_of(in)).c_str(), info_.needs),
+                      ("got %" GST_PTR_FORMAT, in));
+    return false;
+  }
+  if (!gst_video_info_from_caps(&in_info_, in) || !gst_video_info_from_caps(&out_info_, out)) {
+    GST_ELEMENT_ERROR(element_, STREAM, FORMAT,
+                      ("%s cannot make sense of the video format", name.c_str()),
+                      ("in %" GST_PTR_FORMAT ", out %" GST_PTR_FORMAT, in, out));
+    return false;
+  }
+  if (GST_VIDEO_INFO_IS_INTERLACED(&in_info_)) {
+    GST_ELEMENT_ERROR(element_, STREAM, FORMAT,
+                      ("%s needs progressive video; insert deinterlace before it", name.c_str()),
+                      ("got %" GST_PTR_FORMAT, in));
+    return false;
+  }
+  if (!in_layers_ && !guarded(element_, [&] { filter_->check_plain(in_info_, out_info_); }))
+    return false;
+  check_pixel_aspect_ratio();
+  // The state of earlier frames stays: sources of variable rate send such caps again and again.
+  if (!refused_ && asked_.same_frames(in, out)) return true;
+  return guarded(element_, [&] {
+    stop();
+    // Refused formats show up here, before any frame.
+    if (!in_layers_)
+      input_ = in_images_ ? make_image_input(in_info_) : std::make_unique<FrameInput>(in_info_);
+    if (!out_layers_)
+      output_ = carries_images(out) ? make_image_output(out_info_)
+                                    : std::make_unique<FrameOutput>(out_info_);
+    if (in_images_ || carries_images(out)) context_.find_neighbor();
+    if (carries_images(out)) images_device_ = context_.for_images();
+    // The first frame of layers and images carries their device.
+    if (in_layers_ || in_images_) return;
+    configure(device_for(nullptr));
+  });
+}
+
+void FilterElement::check_pixel_aspect_ratio() {
+  const std::pair shape{GST_VIDEO_INFO_PAR_N(&in_info_), GST_VIDEO_INFO_PAR_D(&in_info_)};
+  if (shape.first == shape.second || !filter_->needs_square_pixels()) return;
+  if (std::exchange(reported_ratio_, shape) == shape) return;
+  const std::string warning =
+      std::string(info_.factory) + " needs square pixels, and these are " +
+      std::to_string(shape.first) + ":" + std::to_string(shape.second) +
+      ": round objects become ellipses; put videoscale ! video/x-raw,pixel-aspect-ratio=1/1 "
+      "before it";
+  post_warning(log_, GST_STREAM_ERROR, GST_STREAM_ERROR_FORMAT, "%s", warning.c_str());
+}
+
+}  // namespace inverse

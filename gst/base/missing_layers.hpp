@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <gst/gst.h>
+
+#include <string>
+
+#include "kernels/image/layers.hpp"
+
+namespace inverse {
+
+/// What layers of a kind (caps.hpp) consist of, in words: "reflectance and shading". Empty for
+/// others.
+std::string contents_of(const std::string& kind);
+
+/// The same of the layers of a frame.
+std::string contents_of(const Layers& layers);
+
+/// Why an element that works on layers got none, or none of its kind, at this pad, and what to do:
+/// what upstream makes them, and which element there, on the way or in another branch of a tee,
+/// takes no layers. `accepts` are the kinds that it takes, `maker` the element to recommend.
+std::string missing_layers(GstPad* sink, const char* accepts, const char* maker);
+
+/// Which editor downstream of this pad, or before it, sends layers to what takes pictures only, and
+/// what to do; empty if none does.
+std::string untaken_layers(GstPad* src);
+
+}  // namespace inverse
