@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What a FilterElement can be asked for.
+// What a FilterElement can be asked for: caps, and sizes that the device can handle.
 #include <gst/base/gstbasetransform.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "filter_element.hpp"
 #include "gst/base/log/errors.hpp"
+#include "largest_size.hpp"
 #include "missing_layers.hpp"
 #include "report.hpp"
 
@@ -86,7 +88,12 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
     if (carries_images(out)) images_device_ = context_.for_images();
     // The first frame of layers and images carries their device.
     if (in_layers_ || in_images_) return;
-    configure(device_for(nullptr));
+    const auto device = device_for(nullptr);
+    try {
+      configure(device);
+    } catch (const Error& error) {
+      throw with_largest_size(error, device);
+    }
   });
 }
 
@@ -100,6 +107,42 @@ void FilterElement::check_pixel_aspect_ratio() {
       ": round objects become ellipses; put videoscale ! video/x-raw,pixel-aspect-ratio=1/1 "
       "before it";
   post_warning(log_, GST_STREAM_ERROR, GST_STREAM_ERROR_FORMAT, "%s", warning.c_str());
+}
+
+bool FilterElement::fits(const std::shared_ptr<gpu::Device>& device, Extent in) {
+  const auto in_width = static_cast<uint32_t>(GST_VIDEO_INFO_WIDTH(&in_info_));
+  const auto out_width = static_cast<uint32_t>(GST_VIDEO_INFO_WIDTH(&out_info_));
+  bool made = true;
+  try {
+    PlanePool(device, in).acquire();
+    filter_->configure(device, {std::max(1U, in.width * out_width / in_width), in.height});
+  } catch (const std::exception& error) {
+    GST_DEBUG_OBJECT(element_, "%ux%u does not fit: %s", in.width, in.height, error.what());
+    made = false;
+  }
+  filter_->release();
+  return made;
+}
+
+Error FilterElement::with_largest_size(const Error& error,
+                                       const std::shared_ptr<gpu::Device>& device) {
+  if (error.kind() != ErrorKind::limit) return error;
+  // Make room.
+  finish_all();
+  slots_ = {};
+  forget_repeats();
+  planes_.reset();
+  if (std::exchange(configured_, false)) filter_->release();
+  const gpu::Limits& limits = device->limits();
+  const uint64_t pixels =
+      std::min(limits.storage_buffer_bytes / (4 * sizeof(float)), uint64_t{limits.texel_elements});
+  const auto largest = largest_extent(extent_of(in_info_), pixels,
+                                      [&](Extent extent) { return fits(device, extent); });
+  if (!largest) return error;
+  return {ErrorKind::limit, std::string(error.what()) + "; the largest frame of this shape that " +
+                                info_.factory + " takes there is " +
+                                std::to_string(largest->width) + "x" +
+                                std::to_string(largest->height)};
 }
 
 }  // namespace inverse

@@ -157,7 +157,15 @@ void FilterElement::wait(Slot& slot, const char* reason) {
 }
 
 GstFlowReturn FilterElement::transform(GstBuffer* in, GstBuffer* out) {
-  if (guarded(element_, [&] { run_frame(in, out); })) return GST_FLOW_OK;
+  if (guarded(element_, [&] {
+        const auto device = device_for(in);
+        try {
+          run_frame(in, out, device);
+        } catch (const Error& error) {
+          throw with_largest_size(error, device);
+        }
+      }))
+    return GST_FLOW_OK;
   // What was recorded was never computed.
   forget_repeats();
   fresh_ = true;
@@ -256,10 +264,10 @@ std::shared_ptr<gpu::Device> FilterElement::device_for(GstBuffer* in) {
   return device;
 }
 
-void FilterElement::run_frame(GstBuffer* in, GstBuffer* out) {
+void FilterElement::run_frame(GstBuffer* in, GstBuffer* out,
+                              const std::shared_ptr<gpu::Device>& device) {
   const auto start = Clock::now();
   GST_LOG_OBJECT(element_, "frame %" G_GUINT64_FORMAT ": %" GST_PTR_FORMAT, number_, in);
-  const auto device = device_for(in);
   if (images_device_ && device != images_device_)
     throw Error(ErrorKind::no_device,
                 std::string("this pipeline needs two Vulkan devices at once: frames reach ") +

@@ -21,7 +21,7 @@ inline Extent extent_of(const GstVideoInfo& info) {
 }
 
 /// Device, caps, frames in flight and stats of a GstInverseFilter. filter.cpp binds it to GObject;
-/// filter_caps.cpp has what is about caps.
+/// filter_caps.cpp has what is about caps and sizes.
 class FilterElement {
  public:
   FilterElement(GstElement* element, const ElementInfo& info);
@@ -82,8 +82,13 @@ class FilterElement {
   /// Warns of pixels that are not square if the filter needs them so; once for each ratio.
   void check_pixel_aspect_ratio();
   void configure(const std::shared_ptr<gpu::Device>& device);
+  /// The error, with the largest size that the device can handle if it is about a limit; the
+  /// element is no longer configured then.
+  Error with_largest_size(const Error& error, const std::shared_ptr<gpu::Device>& device);
+  /// Whether planes and the filter's state for input of this size can be made.
+  bool fits(const std::shared_ptr<gpu::Device>& device, Extent in);
   std::shared_ptr<gpu::Device> device_for(GstBuffer* in);
-  void run_frame(GstBuffer* in, GstBuffer* out);
+  void run_frame(GstBuffer* in, GstBuffer* out, const std::shared_ptr<gpu::Device>& device);
   void read_input(GstBuffer* in, Slot& slot, FrameContext& frame);
   /// Converts a frame from memory, only the tiles that changed if possible.
   void convert_input(GstBuffer* in, Slot& slot, FrameContext& frame);

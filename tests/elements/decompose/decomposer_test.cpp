@@ -206,6 +206,8 @@ TEST_P(Decomposer, AFrameTooLargeForTheDeviceNamesTheLimit) {
       run_line("videotestsrc num-buffers=1 ! video/x-raw,format=GRAY8,width=32000,height=32000 ! " +
                std::string(GetParam()) + " ! fakesink");
   expect_contains(result.first_error(), "maxStorageBufferRange");
+  expect_contains(result.first_error(),
+                  std::string("the largest frame of this shape that ") + GetParam() + " takes");
 }
 
 TEST_P(Decomposer, CapsChangesFlushesAndSeeksAreSurvived) {
