@@ -28,8 +28,7 @@ std::optional<Extent> largest_extent(Extent asked, uint64_t pixels,
   uint32_t too_large = longer, good = 0;
   if (scale < 1) {
     const auto first = static_cast<uint32_t>(scale * longer);
-    if (first > 0 && fits(shrunk(asked, first))) return shrunk(asked, first);
-    too_large = first;
+    (first > 0 && fits(shrunk(asked, first)) ? good : too_large) = first;
   } else if (fits(asked)) {
     return {};
   }

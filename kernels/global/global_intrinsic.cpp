@@ -109,7 +109,7 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   const auto buffer = [&](Element element, uint64_t count) {
     return Buffer::create(device_, element, count);
   };
-  memory_ = buffer(Element::scalar, extent_.pixels());
+  memory_ = Buffer::create_by_rows(device_, Element::scalar, extent_.pixels());
   for (gpu::BufferPtr* plane :
        {&colors_, &points_, &before_, &tints_, &raw_, &fits_[0], &fits_[1], &fits_[2]})
     *plane = buffer(Element::vec4, points);
@@ -171,7 +171,7 @@ void GlobalIntrinsic::measure_light_color(gpu::Commands& commands, const Plane& 
 PlanePtr GlobalIntrinsic::white_light(gpu::Commands& commands) {
   if (!white_light_) {
     white_light_ = std::make_shared<Plane>(
-        Plane{extent_, gpu::Buffer::create(device_, gpu::Element::vec4, extent_.pixels())});
+        Plane{extent_, gpu::Buffer::create_by_rows(device_, gpu::Element::vec4, extent_.pixels())});
     commands.fill(white_light_->buffer, std::bit_cast<uint32_t>(1.0F));
   }
   return white_light_;

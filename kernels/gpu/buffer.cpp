@@ -53,7 +53,20 @@ uint64_t padded(const Device& device, uint64_t bytes) {
 
 std::shared_ptr<Buffer> Buffer::create(std::shared_ptr<Device> device, Element element,
                                        uint64_t count, Memory memory) {
+  const uint64_t bytes = count * element_bytes(element);
+  if (const uint64_t limit = device->limits().storage_buffer_bytes; bytes > limit)
+    throw Error(ErrorKind::limit, "a buffer of " + std::to_string(bytes) +
+                                      " bytes exceeds maxStorageBufferRange of \"" +
+                                      device->name() + "\", " + std::to_string(limit) +
+                                      " bytes; use a smaller frame or another device");
   return std::shared_ptr<Buffer>(new Buffer(std::move(device), element, count ? count : 1, memory));
+}
+
+std::shared_ptr<Buffer> Buffer::create_by_rows(std::shared_ptr<Device> device, Element element,
+                                               uint64_t count) {
+  if (device->variant().portable) return create(std::move(device), element, count);
+  return std::shared_ptr<Buffer>(
+      new Buffer(std::move(device), element, count ? count : 1, Memory::device));
 }
 
 Buffer::Buffer(std::shared_ptr<Device> device, Element element, uint64_t count, Memory memory)

@@ -27,11 +27,14 @@ enum class Memory : uint8_t {
 /// Commands::fill.
 class Buffer {
  public:
-  /// `count` elements, at least one. Throws Error(limit) if it is longer than a texel view can be,
-  /// naming the limit, and Error(out_of_memory). Kernels write what exceeds maxStorageBufferRange
-  /// in parts (by_rows).
+  /// `count` elements, at least one. Throws Error(limit) if the device cannot bind so large a
+  /// buffer, naming the limit, and Error(out_of_memory).
   static std::shared_ptr<Buffer> create(std::shared_ptr<Device> device, Element element,
                                         uint64_t count, Memory memory = Memory::device);
+  /// As `create`, of device memory, for kernels that write it by rows: only a texel view limits it,
+  /// in the portable variant what a kernel can bind.
+  static std::shared_ptr<Buffer> create_by_rows(std::shared_ptr<Device> device, Element element,
+                                                uint64_t count);
   Buffer(const Buffer&) = delete;
   Buffer& operator=(const Buffer&) = delete;
   ~Buffer();

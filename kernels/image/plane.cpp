@@ -29,7 +29,7 @@ PlanePtr PlanePool::acquire() {
       shelf_->unneeded = buffers.size();
     }
   }
-  if (!buffer) buffer = gpu::Buffer::create(device_, gpu::Element::vec4, extent_.pixels());
+  if (!buffer) buffer = gpu::Buffer::create_by_rows(device_, gpu::Element::vec4, extent_.pixels());
   return {new Plane{extent_, std::move(buffer)},
           [shelf = std::weak_ptr<Shelf>(shelf_)](Plane* plane) {
             if (auto alive = shelf.lock()) {

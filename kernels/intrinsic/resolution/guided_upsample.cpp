@@ -12,8 +12,8 @@ GuidedUpsample::GuidedUpsample(const std::shared_ptr<gpu::Device>& device, Exten
       fit_(device),
       layers_(device),
       colored_layers_(device, {.colored = true}),
-      samples_(gpu::Buffer::create(device, gpu::Element::vec4, half_of(extent).pixels())),
-      lines_(gpu::Buffer::create(device, gpu::Element::vec4, half_of(extent).pixels())) {}
+      samples_(gpu::Buffer::create_by_rows(device, gpu::Element::vec4, half_of(extent).pixels())),
+      lines_(gpu::Buffer::create_by_rows(device, gpu::Element::vec4, half_of(extent).pixels())) {}
 
 void GuidedUpsample::record(gpu::Commands& commands, const gpu::BufferPtr& frame,
                             const gpu::BufferPtr& half_intrinsic, const PlanePtr& slope,
