@@ -3,20 +3,26 @@
 
 #include <gst/video/video.h>
 
+#include <span>
 #include <string>
+#include <utility>
 
+#include "gst/base/frames/video_format.hpp"
 #include "gst/base/meta/inverse_layers_meta.h"
 #include "gst/base/vulkan/vulkan_bridge.hpp"
 
 namespace inverse {
 namespace {
 
-// In the order of preference among equals: packed RGB needs the least work.
-constexpr const char* kColorFormats =
-    "RGBA, BGRA, RGBx, BGRx, NV12, I420, YUY2, UYVY, RGB, BGR, P010_10LE, I420_10LE, RGBA64_LE";
-constexpr const char* kGrayFormats = "GRAY8, GRAY16_LE";
 constexpr const char* kGeometry =
     "width = (int) [ 1, 32767 ], height = (int) [ 1, 32767 ], framerate = (fraction) [ 0, max ]";
+
+std::string names_of(std::span<const GstVideoFormat> formats) {
+  std::string names;
+  for (const GstVideoFormat format : formats)
+    names += (names.empty() ? "" : ", ") + std::string(gst_video_format_to_string(format));
+  return names;
+}
 
 bool have_same_frames(const GstCaps* a, const GstCaps* b) {
   GstCaps* both[] = {gst_caps_copy(a), gst_caps_copy(b)};
@@ -83,21 +89,66 @@ GstCaps* keep_format(GstCaps* caps, GstCaps* other) {
   return nullptr;
 }
 
-/// Where the output's color is left open, labels it with the input's transfer curve and primaries:
-/// code values then mean the same on both sides, as users of videoconvert expect, and the label
-/// stays true.
-void keep_transfer(GstCaps* in, GstCaps* out) {
+bool is_hdr(const GstVideoColorimetry& color) {
+  return color.transfer == GST_VIDEO_TRANSFER_SMPTE2084 ||
+         color.transfer == GST_VIDEO_TRANSFER_ARIB_STD_B67;
+}
+
+/// Bits that a picture of these caps needs; layers have those of what they came from, as far as
+/// their colorimetry tells.
+guint depth_of(const GstVideoInfo& info, bool layers) {
+  if (!layers) return GST_VIDEO_INFO_COMP_DEPTH(&info, 0);
+  return is_hdr(info.colorimetry) ? 10 : 8;
+}
+
+/// Those of `other`, all in the same memory, that have the first of its formats with most of the
+/// bits of `caps`, in color if `caps` are; null if the input has eight bits.
+GstCaps* keep_depth(GstCaps* caps, GstCaps* other) {
+  GstVideoInfo info;
+  if (gst_caps_is_empty(other) || carries_layers(other) || !gst_video_info_from_caps(&info, caps))
+    return nullptr;
+  const guint depth = depth_of(info, carries_layers(caps));
+  const GValue* formats = gst_structure_get_value(gst_caps_get_structure(other, 0), "format");
+  if (depth <= 8 || !formats || !GST_VALUE_HOLDS_LIST(formats)) return nullptr;
+  const bool gray = GST_VIDEO_INFO_IS_GRAY(&info);
+  std::pair<bool, guint> best{false, 0};
+  const char* chosen = nullptr;
+  for (guint i = 0; i < gst_value_list_get_size(formats); ++i) {
+    const char* name = g_value_get_string(gst_value_list_get_value(formats, i));
+    const GstVideoFormatInfo* format =
+        gst_video_format_get_info(gst_video_format_from_string(name));
+    const std::pair<bool, guint> kept{gray || !GST_VIDEO_FORMAT_INFO_IS_GRAY(format),
+                                      MIN(depth, GST_VIDEO_FORMAT_INFO_DEPTH(format, 0))};
+    if (kept > best) {
+      best = kept;
+      chosen = name;
+    }
+  }
+  GstCaps* result = gst_caps_copy_nth(other, 0);
+  if (chosen) gst_caps_set_simple(result, "format", G_TYPE_STRING, chosen, nullptr);
+  return result;
+}
+
+/// Where the output's color is left open, labels it with the input's: code values then mean the
+/// same on both sides, as users of videoconvert expect, and the label stays true. Range and matrix
+/// carry over only among Y'CbCr or RGB.
+void keep_colorimetry(GstCaps* in, GstCaps* out) {
   GstVideoInfo from, to;
   if (!gst_caps_is_fixed(out) ||
       gst_structure_has_field(gst_caps_get_structure(out, 0), "colorimetry"))
     return;
   if (!gst_video_info_from_caps(&from, in) || !gst_video_info_from_caps(&to, out)) return;
-  if (from.colorimetry.transfer == to.colorimetry.transfer &&
-      from.colorimetry.primaries == to.colorimetry.primaries)
-    return;
-  to.colorimetry.transfer = from.colorimetry.transfer;
-  to.colorimetry.primaries = from.colorimetry.primaries;
-  gchar* text = gst_video_colorimetry_to_string(&to.colorimetry);
+  GstVideoColorimetry color = to.colorimetry;
+  color.transfer = from.colorimetry.transfer;
+  color.primaries = from.colorimetry.primaries;
+  if (GST_VIDEO_INFO_IS_YUV(&to)) {
+    if (GST_VIDEO_INFO_IS_YUV(&from)) color = from.colorimetry;
+    // BT.2020 has one matrix for all sizes.
+    else if (color.primaries == GST_VIDEO_COLOR_PRIMARIES_BT2020)
+      color.matrix = GST_VIDEO_COLOR_MATRIX_BT2020;
+  }
+  if (gst_video_colorimetry_is_equal(&color, &to.colorimetry)) return;
+  gchar* text = gst_video_colorimetry_to_string(&color);
   gst_caps_set_simple(out, "colorimetry", G_TYPE_STRING, text, nullptr);
   g_free(text);
 }
@@ -106,8 +157,8 @@ void keep_transfer(GstCaps* in, GstCaps* out) {
 
 GstCaps* pixel_caps(Prefer prefer) {
   const bool gray = prefer == Prefer::gray;
-  const std::string formats = std::string(gray ? kGrayFormats : kColorFormats) + ", " +
-                              (gray ? kColorFormats : kGrayFormats);
+  const std::string formats = names_of(gray ? gray_formats() : color_formats()) + ", " +
+                              names_of(gray ? color_formats() : gray_formats());
   const std::string text = "video/x-raw, format = (string) { " + formats + " }, " + kGeometry;
   return gst_caps_from_string(text.c_str());
 }
@@ -194,15 +245,26 @@ GstCaps* prefer_layers(const GstCaps* caps) {
   return result;
 }
 
+void drop_hdr_metadata(GstCaps* caps) {
+  GstVideoInfo info;
+  if (!gst_caps_is_fixed(caps) || !gst_video_info_from_caps(&info, caps) ||
+      is_hdr(info.colorimetry))
+    return;
+  gst_structure_remove_fields(gst_caps_get_structure(caps, 0), "mastering-display-info",
+                              "content-light-level", nullptr);
+}
+
 GstCaps* fixate_caps(GstCaps* caps, GstCaps* other) {
   GstCaps* alike = like_first(other);
   gst_caps_unref(other);
   other = alike;
   GstCaps* result = carries_layers(caps) ? nullptr : keep_format(caps, other);
+  if (!result) result = keep_depth(caps, other);
   result =
       result ? gst_caps_fixate(result) : gst_caps_fixate(gst_caps_truncate(gst_caps_ref(other)));
   gst_caps_unref(other);
-  keep_transfer(caps, result);
+  keep_colorimetry(caps, result);
+  drop_hdr_metadata(result);
   return result;
 }
 

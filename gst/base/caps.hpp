@@ -16,8 +16,8 @@ enum class Flow {
                      ///< an error that says what to insert
 };
 
-/// Ordinary video in system memory, of every format that the kernels read and write (frame_io.cpp
-/// says which is which) and any size; the formats of one kind before the others. New reference.
+/// Ordinary video in system memory, of every format that the kernels read and write
+/// (video_format.hpp) and any size; the formats of one kind before the others. New reference.
 enum class Prefer { color, gray };
 GstCaps* pixel_caps(Prefer prefer = Prefer::color);
 
@@ -57,9 +57,14 @@ GstCaps* transform_caps(GstCaps* caps, GstCaps* templates, GstCaps* filter);
 GstCaps* prefer_layers(const GstCaps* caps);
 
 /// GstBaseTransform::fixate_caps: takes the kind of memory that the other side lists first, and of
-/// the formats there the input's if it is allowed, so that nothing is converted without need,
-/// else the first. Consumes `other`.
+/// the formats there the input's if it is allowed, so that nothing is converted without need, else,
+/// if the input has more than eight bits, the first that keeps most of them and its color, else the
+/// first. If the output's colorimetry is open, it becomes the input's. Consumes `other`.
 GstCaps* fixate_caps(GstCaps* caps, GstCaps* other);
+
+/// Removes mastering display and light level, which describe PQ and HLG, from fixed caps of any
+/// other transfer function.
+void drop_hdr_metadata(GstCaps* caps);
 
 /// What a caps query's filter, which may be null, leaves of `caps`, in the filter's order. Consumes
 /// `caps`.

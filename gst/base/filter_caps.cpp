@@ -82,8 +82,9 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
     if (!in_layers_)
       input_ = in_images_ ? make_image_input(in_info_) : std::make_unique<FrameInput>(in_info_);
     if (!out_layers_)
-      output_ = carries_images(out) ? make_image_output(out_info_)
-                                    : std::make_unique<FrameOutput>(out_info_);
+      output_ = carries_images(out)
+                    ? make_image_output(out_info_, in_info_.colorimetry.primaries)
+                    : std::make_unique<FrameOutput>(out_info_, in_info_.colorimetry.primaries);
     if (in_images_ || carries_images(out)) context_.find_neighbor();
     if (carries_images(out)) images_device_ = context_.for_images();
     // The first frame of layers and images carries their device.

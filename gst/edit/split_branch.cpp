@@ -121,12 +121,17 @@ void SplitBranch::negotiate(const GstCaps* layers, const SplitParams& params) {
   }
   caps = gst_caps_fixate(gst_caps_truncate(caps));
   describe_encoding(caps, params.encoding);
+  drop_hdr_metadata(caps);
   try {
     if (!gst_video_info_from_caps(&info_, caps))
       throw Error(ErrorKind::unsupported, std::string("pad ") + name() +
                                               " of intrinsicsplit was asked for an impossible "
                                               "video format");
-    output_.emplace(info_, params.encoding == SplitParams::Encoding::linear);
+    GstVideoInfo of_layers;
+    const bool known = gst_video_info_from_caps(&of_layers, layers);
+    output_.emplace(info_,
+                    known ? of_layers.colorimetry.primaries : GST_VIDEO_COLOR_PRIMARIES_UNKNOWN,
+                    params.encoding == SplitParams::Encoding::linear);
     GstCaps* current = gst_pad_get_current_caps(pad_);
     if (!current || !gst_caps_is_equal(current, caps))
       gst_pad_push_event(pad_, gst_event_new_caps(caps));

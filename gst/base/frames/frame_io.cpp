@@ -6,48 +6,10 @@
 #include <string>
 
 #include "gst/base/meta/layers_meta.hpp"
+#include "video_format.hpp"
 
 namespace inverse {
 namespace {
-
-PixelFormat pixel_format(GstVideoFormat format) {
-  switch (format) {
-    case GST_VIDEO_FORMAT_RGBA:
-      return PixelFormat::rgba;
-    case GST_VIDEO_FORMAT_BGRA:
-      return PixelFormat::bgra;
-    case GST_VIDEO_FORMAT_RGBx:
-      return PixelFormat::rgbx;
-    case GST_VIDEO_FORMAT_BGRx:
-      return PixelFormat::bgrx;
-    case GST_VIDEO_FORMAT_RGB:
-      return PixelFormat::rgb;
-    case GST_VIDEO_FORMAT_BGR:
-      return PixelFormat::bgr;
-    case GST_VIDEO_FORMAT_RGBA64_LE:
-      return PixelFormat::rgba64_le;
-    case GST_VIDEO_FORMAT_GRAY8:
-      return PixelFormat::gray8;
-    case GST_VIDEO_FORMAT_GRAY16_LE:
-      return PixelFormat::gray16_le;
-    case GST_VIDEO_FORMAT_NV12:
-      return PixelFormat::nv12;
-    case GST_VIDEO_FORMAT_I420:
-      return PixelFormat::i420;
-    case GST_VIDEO_FORMAT_YUY2:
-      return PixelFormat::yuy2;
-    case GST_VIDEO_FORMAT_UYVY:
-      return PixelFormat::uyvy;
-    case GST_VIDEO_FORMAT_P010_10LE:
-      return PixelFormat::p010_10le;
-    case GST_VIDEO_FORMAT_I420_10LE:
-      return PixelFormat::i420_10le;
-    default:
-      throw Error(ErrorKind::unsupported, std::string("video format ") +
-                                              gst_video_format_to_string(format) +
-                                              " is not supported; insert videoconvert");
-  }
-}
 
 TransferFunction transfer_function(GstVideoTransferFunction function) {
   switch (function) {
@@ -104,6 +66,33 @@ Matrix color_matrix(GstVideoColorMatrix matrix, bool yuv) {
   return Matrix::bt709();
 }
 
+/// Whether colors of these primaries reach well beyond BT.709's. The others differ by less than
+/// what streams that name no primaries get wrong: GStreamer derives theirs from the size of the
+/// picture.
+bool is_wide(GstVideoColorPrimaries primaries) {
+  switch (primaries) {
+    case GST_VIDEO_COLOR_PRIMARIES_BT2020:
+    case GST_VIDEO_COLOR_PRIMARIES_ADOBERGB:
+    case GST_VIDEO_COLOR_PRIMARIES_SMPTEST428:
+    case GST_VIDEO_COLOR_PRIMARIES_SMPTERP431:
+    case GST_VIDEO_COLOR_PRIMARIES_SMPTEEG432:
+      return true;
+    default:
+      return false;
+  }
+}
+
+Primaries primaries_of(GstVideoColorPrimaries primaries) {
+  const GstVideoColorPrimariesInfo& p = *gst_video_color_primaries_get_info(primaries);
+  return {{p.Rx, p.Ry}, {p.Gx, p.Gy}, {p.Bx, p.By}, {p.Wx, p.Wy}};
+}
+
+Gamut gamut_of(GstVideoColorPrimaries from, GstVideoColorPrimaries to) {
+  constexpr auto kUnknown = GST_VIDEO_COLOR_PRIMARIES_UNKNOWN;
+  if (from == kUnknown || to == kUnknown || (!is_wide(from) && !is_wide(to))) return {};
+  return gamut_between(primaries_of(from), primaries_of(to));
+}
+
 /// Whether the buffer's GstVideoMeta, if it has one, describes a frame of these caps.
 bool suits(const GstVideoInfo& info, GstBuffer* buffer) {
   const GstVideoMeta* meta = gst_buffer_get_video_meta(buffer);
@@ -138,7 +127,7 @@ class MappedFrame {
         suits(info, buffer) &&
         gst_video_frame_map(&frame_, &info, buffer, static_cast<GstMapFlags>(flags | no_ref));
     if (whole) {
-      for (uint32_t plane = 0; plane < plane_count(format.format); ++plane)
+      for (uint32_t plane = 0; plane < format.format.planes; ++plane)
         whole &= holds_rows(frame_, format, plane);
       if (!whole) gst_video_frame_unmap(&frame_);
     }
@@ -169,7 +158,7 @@ class MappedFrame {
 
 FrameFormat frame_format(const GstVideoInfo& info) {
   FrameFormat format;
-  format.format = pixel_format(GST_VIDEO_INFO_FORMAT(&info));
+  format.format = video_format(GST_VIDEO_INFO_FORMAT(&info));
   format.extent = {static_cast<uint32_t>(GST_VIDEO_INFO_WIDTH(&info)),
                    static_cast<uint32_t>(GST_VIDEO_INFO_HEIGHT(&info))};
   const GstVideoColorimetry& color = info.colorimetry;
@@ -204,8 +193,8 @@ void FrameInput::configure(const std::shared_ptr<gpu::Device>& device) {
 
 std::span<const uint8_t> FrameInput::changed_tiles(GstBuffer* buffer) {
   const MappedFrame frame(info_, format_, buffer, GST_MAP_READ);
-  std::array<ChangedTiles::Rows, 3> planes{};
-  const uint32_t count = plane_count(format_.format);
+  std::array<ChangedTiles::Rows, 4> planes{};
+  const uint32_t count = format_.format.planes;
   for (uint32_t plane = 0; plane < count; ++plane)
     planes[plane] = {frame.data(plane), static_cast<ptrdiff_t>(frame.stride(plane))};
   return changed_.next(std::span(planes).first(count));
@@ -219,13 +208,14 @@ void FrameInput::record(gpu::Commands& commands, GstBuffer* buffer, const gpu::B
 
 void FrameInput::load(gpu::Commands&, GstBuffer* buffer, const gpu::BufferPtr& raw) const {
   const MappedFrame frame(info_, format_, buffer, GST_MAP_READ);
-  for (uint32_t plane = 0; plane < plane_count(format_.format); ++plane)
+  for (uint32_t plane = 0; plane < format_.format.planes; ++plane)
     copy_plane(format_.format, format_.extent, plane, frame.data(plane), frame.stride(plane),
                raw->map_as<uint8_t>() + format_.offset[plane], format_.stride[plane]);
 }
 
-FrameOutput::FrameOutput(const GstVideoInfo& info, bool linear)
+FrameOutput::FrameOutput(const GstVideoInfo& info, GstVideoColorPrimaries planes, bool linear)
     : info_(info), format_(frame_format(info)) {
+  format_.gamut = gamut_of(planes, info.colorimetry.primaries);
   if (linear) format_.transfer = Transfer::of(TransferFunction::linear);
 }
 
@@ -254,7 +244,7 @@ void FrameOutput::record(gpu::Commands& commands, const Picture& picture, const 
 
 void FrameOutput::write(const gpu::BufferPtr& raw, GstBuffer* buffer) const {
   const MappedFrame frame(info_, format_, buffer, GST_MAP_WRITE);
-  for (uint32_t plane = 0; plane < plane_count(format_.format); ++plane)
+  for (uint32_t plane = 0; plane < format_.format.planes; ++plane)
     copy_plane(format_.format, format_.extent, plane,
                raw->map_as<uint8_t>() + format_.offset[plane], format_.stride[plane],
                frame.data(plane), frame.stride(plane));

@@ -61,8 +61,12 @@ class FrameInput {
 /// From planes to a buffer, in system memory unless a derived class writes other memory.
 class FrameOutput {
  public:
-  /// `linear` writes linear light whatever the caps' transfer curve is.
-  explicit FrameOutput(const GstVideoInfo& info, bool linear = false);
+  /// `planes` are the primaries of the planes that are drawn: colors are converted if they, or the
+  /// caps', are wider than BT.709. `linear` writes linear light whatever the caps' transfer curve
+  /// is.
+  explicit FrameOutput(const GstVideoInfo& info,
+                       GstVideoColorPrimaries planes = GST_VIDEO_COLOR_PRIMARIES_UNKNOWN,
+                       bool linear = false);
   FrameOutput(const FrameOutput&) = delete;
   FrameOutput& operator=(const FrameOutput&) = delete;
   virtual ~FrameOutput() = default;

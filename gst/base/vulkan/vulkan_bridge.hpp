@@ -77,7 +77,8 @@ std::unique_ptr<FrameInput> make_image_input(const GstVideoInfo& info);
 
 /// From planes to an image in `memory:VulkanImage`, without waiting: the consumer submits to the
 /// same queue, later, behind the barrier that the memory names.
-std::unique_ptr<FrameOutput> make_image_output(const GstVideoInfo& info);
+std::unique_ptr<FrameOutput> make_image_output(const GstVideoInfo& info,
+                                               GstVideoColorPrimaries planes);
 
 /// A configured pool of images on `device`, which VulkanNeighbor wrapped; `size` becomes the size
 /// of its buffers. New reference. Throws Error(limit) if the device has no images of this size,

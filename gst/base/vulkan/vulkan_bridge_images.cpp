@@ -187,8 +187,9 @@ std::unique_ptr<FrameInput> make_image_input(const GstVideoInfo& info) {
   return std::make_unique<ImageInput>(info);
 }
 
-std::unique_ptr<FrameOutput> make_image_output(const GstVideoInfo& info) {
-  return std::make_unique<ImageOutput>(info);
+std::unique_ptr<FrameOutput> make_image_output(const GstVideoInfo& info,
+                                               GstVideoColorPrimaries planes) {
+  return std::make_unique<ImageOutput>(info, planes);
 }
 
 GstBufferPool* make_image_pool(const DevicePtr& device, GstCaps* caps, guint* size) {

@@ -31,7 +31,9 @@ void VulkanNeighbor::release() {}
 bool same_hardware(const gpu::Device& a, const gpu::Device& b) { return &a == &b; }
 
 std::unique_ptr<FrameInput> make_image_input(const GstVideoInfo&) { refuse(); }
-std::unique_ptr<FrameOutput> make_image_output(const GstVideoInfo&) { refuse(); }
+std::unique_ptr<FrameOutput> make_image_output(const GstVideoInfo&, GstVideoColorPrimaries) {
+  refuse();
+}
 GstBufferPool* make_image_pool(const std::shared_ptr<gpu::Device>&, GstCaps*, guint*) { refuse(); }
 
 }  // namespace inverse

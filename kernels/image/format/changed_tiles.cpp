@@ -14,7 +14,7 @@ constexpr uint32_t kTile = TileList::kTile;
 ChangedTiles::ChangedTiles(PixelFormat format, Extent extent)
     : format_(format), extent_(extent), changed_(TileList::count(extent)) {
   size_t bytes = 0;
-  for (uint32_t plane = 0; plane < plane_count(format); ++plane)
+  for (uint32_t plane = 0; plane < format.planes; ++plane)
     bytes += size_t{row_bytes(format, extent, plane)} * plane_rows(format, extent, plane);
   before_.resize(bytes);
 }
@@ -23,20 +23,24 @@ std::span<const uint8_t> ChangedTiles::next(std::span<const Rows> planes) {
   const bool compare = known_;
   known_ = true;
   std::fill(changed_.begin(), changed_.end(), uint8_t{0});
+  // Tiles whose bytes begin and end a word: of ten-bit thirds, three have 16 words.
+  const uint32_t group = format_.unit == Unit::thirds ? 3 : 1;
   uint8_t* before = before_.data();
   for (uint32_t plane = 0; plane < planes.size(); ++plane) {
     const size_t bytes = row_bytes(format_, extent_, plane);
-    const size_t tile_bytes = row_bytes(format_, {kTile, kTile}, plane);
+    const size_t group_bytes = row_bytes(format_, {group * kTile, kTile}, plane);
     const uint32_t rows = plane_rows(format_, extent_, plane);
     const uint32_t tile_rows = plane_rows(format_, {kTile, kTile}, plane);
     for (uint32_t row = 0; row < rows; ++row, before += bytes) {
       const uint8_t* now = planes[plane].data + static_cast<ptrdiff_t>(row) * planes[plane].stride;
       if (compare && memcmp(before, now, bytes) == 0) continue;
-      uint8_t* changed = &changed_[size_t{row / tile_rows} * TileList::along(extent_.width)];
+      const size_t across = TileList::along(extent_.width);
+      uint8_t* changed = &changed_[row / tile_rows * across];
       if (compare)
-        for (size_t at = 0; at < bytes; at += tile_bytes, ++changed)
-          if (!*changed)
-            *changed = memcmp(before + at, now + at, std::min(tile_bytes, bytes - at)) != 0;
+        for (size_t at = 0, tile = 0; tile < across; at += group_bytes, tile += group)
+          if (!changed[tile] &&
+              memcmp(before + at, now + at, std::min(group_bytes, bytes - at)) != 0)
+            std::fill_n(changed + tile, std::min<size_t>(group, across - tile), uint8_t{1});
       memcpy(before, now, bytes);
     }
   }

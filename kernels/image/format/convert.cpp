@@ -16,7 +16,7 @@ constexpr uint32_t kStrips = TileList::kTile / kStripRows;
 /// Words per plane.
 gpu::Vector<uint32_t, 4> words_of(const FrameFormat& format, const auto& bytes) {
   std::array<uint32_t, 4> words{};
-  for (uint32_t p = 0; p < plane_count(format.format); ++p)
+  for (uint32_t p = 0; p < format.format.planes; ++p)
     words[p] = static_cast<uint32_t>(bytes[p] / 4);
   return words;
 }
@@ -25,37 +25,105 @@ double largest_value(const CodeScale& codes) {
   return (codes.largest - codes.offset) / codes.scale;
 }
 
+template <typename Shader>
+uint32_t curve_of(const Transfer& transfer) {
+  switch (transfer.curve) {
+    case Transfer::Curve::pq:
+      return Shader::kPq;
+    case Transfer::Curve::hlg:
+      return Shader::kHlg;
+    case Transfer::Curve::power:
+      break;
+  }
+  return transfer.is_linear() ? Shader::kLinear : Shader::kPower;
+}
+
 /// Specialization constants of the RGB and gray kernels.
 template <typename Shader>
 typename Shader::Constants rgb_constants(const FrameFormat& format) {
-  const bool bgr = format.format == PixelFormat::bgra || format.format == PixelFormat::bgrx ||
-                   format.format == PixelFormat::bgr;
-  return {.curve = !format.transfer.is_linear(),
-          .pixel = row_bytes(format.format, {1, 1}, 0),
-          .bgr = bgr,
-          .alpha = has_alpha(format.format)};
+  const PixelFormat& f = format.format;
+  return {.curve = curve_of<Shader>(format.transfer),
+          .pixel = row_bytes(f, {1, 1}, 0),
+          .bgr = f.components[0].offset > 0,
+          .alpha = f.alpha};
 }
 
 /// Specialization constants of the Y'CbCr kernels (yuv.glsl).
 template <typename Shader>
 typename Shader::Constants yuv_constants(const FrameFormat& format) {
+  const PixelFormat& f = format.format;
   uint32_t layout = Shader::kSemiPlanar;
-  if (plane_count(format.format) == 3) layout = Shader::kPlanar;
-  if (format.format == PixelFormat::yuy2) layout = Shader::kYuy2;
-  if (format.format == PixelFormat::uyvy) layout = Shader::kUyvy;
-  return {.curve = !format.transfer.is_linear(),
+  if (f.planes == 3) layout = Shader::kPlanar;
+  if (f == PixelFormat::yuy2) layout = Shader::kYuy2;
+  if (f == PixelFormat::uyvy) layout = Shader::kUyvy;
+  return {.curve = curve_of<Shader>(format.transfer),
           .layout = layout,
-          .deep = bit_depth(format.format) > 8,
-          .shift = format.format == PixelFormat::p010_10le ? 6U : 0U,
+          .deep = f.unit == Unit::le16,
+          .shift = f.components[0].shift,
           .cosited_x = format.site.cosited_x,
           .cosited_y = format.site.cosited_y};
+}
+
+uint32_t word_of(const Component& c) {
+  return c.plane | c.offset << 2 | c.stride << 6 | c.shift << 10 |
+         static_cast<uint32_t>(c.depth) << 15;
+}
+
+/// Specialization constants of the kernels for any format (samples.glsl).
+template <typename Shader>
+typename Shader::Constants table_constants(const FrameFormat& format) {
+  const PixelFormat& f = format.format;
+  return {.curve = curve_of<Shader>(format.transfer),
+          .model = static_cast<uint32_t>(f.model),
+          .unit = static_cast<uint32_t>(f.unit),
+          .w_sub = f.w_sub,
+          .h_sub = f.h_sub,
+          .cosited_x = format.site.cosited_x,
+          .cosited_y = format.site.cosited_y,
+          .alpha = f.alpha,
+          .component0 = word_of(f.components[0]),
+          .component1 = word_of(f.components[1]),
+          .component2 = word_of(f.components[2]),
+          .component3 = word_of(f.components[3])};
+}
+
+/// With the matrix of draw.glsl.
+template <typename Constants>
+Constants with_gamut(Constants constants, const Gamut& gamut) {
+  const std::array<float, 9>& m = gamut.matrix;
+  constants.gamut = !gamut.is_identity();
+  constants.red_red = m[0];
+  constants.red_green = m[1];
+  constants.red_blue = m[2];
+  constants.green_red = m[3];
+  constants.green_green = m[4];
+  constants.green_blue = m[5];
+  constants.blue_red = m[6];
+  constants.blue_green = m[7];
+  constants.blue_blue = m[8];
+  return constants;
+}
+
+enum class Kernel { rgb, yuv, table };
+
+Kernel kernel_of(const PixelFormat& format) {
+  const auto is_one_of = [&](std::initializer_list<PixelFormat> formats) {
+    return std::find(formats.begin(), formats.end(), format) != formats.end();
+  };
+  using F = PixelFormat;
+  if (is_one_of({F::rgba, F::bgra, F::rgbx, F::bgrx, F::rgb, F::bgr, F::rgba64_le, F::gray8,
+                 F::gray16_le}))
+    return Kernel::rgb;
+  if (is_one_of({F::nv12, F::i420, F::yuy2, F::uyvy, F::p010_10le, F::i420_10le}))
+    return Kernel::yuv;
+  return Kernel::table;
 }
 
 void check_layout(const FrameFormat& format) {
   validate(format);
   if (!is_word_aligned(format))
     throw Error(ErrorKind::unsupported,
-                std::string("a ") + name_of(format.format) +
+                "a " + std::string(format.format.name) +
                     " frame whose offsets or strides are not multiples of four must be copied to "
                     "its aligned layout first");
 }
@@ -67,9 +135,13 @@ void check_planes(const FrameFormat& format, const gpu::BufferPtr& raw, const Pl
     throw Error(ErrorKind::internal, "the raw buffer is shorter than the frame");
 }
 
-/// Pixels of a row that an invocation of the kernel for Y'CbCr draws.
-uint32_t drawn_at_once(const FrameFormat& format) {
-  return format.format == PixelFormat::i420 ? 8 : 4;
+/// Pixels of a row that an invocation of pack_yuv or pack_table draws: whole words of every plane.
+uint32_t drawn_at_once(const PixelFormat& format) {
+  if (format.unit == Unit::thirds) return 12;
+  uint32_t pixels = 4;
+  for (uint32_t p = 0; p < format.planes; ++p)
+    while (row_bytes(format, {pixels, 1}, p) % 4 > 0) pixels *= 2;
+  return pixels;
 }
 
 uint32_t blocks(uint32_t pixels, uint32_t size) { return (pixels + size - 1) / size; }
@@ -81,11 +153,18 @@ uint64_t raw_words(const FrameFormat& format) { return (frame_bytes(format) + 3)
 Unpack::Unpack(const std::shared_ptr<gpu::Device>& device, const FrameFormat& format)
     : format_(format) {
   check_layout(format);
-  using shaders::image_format_unpack_rgb, shaders::image_format_unpack_yuv;
-  if (is_yuv(format.format))
-    yuv_ = {device, yuv_constants<image_format_unpack_yuv>(format), 4, kStrips};
-  else
-    rgb_ = {device, rgb_constants<image_format_unpack_rgb>(format), 4, kStrips};
+  using shaders::image_format_unpack_rgb, shaders::image_format_unpack_table,
+      shaders::image_format_unpack_yuv;
+  switch (kernel_of(format.format)) {
+    case Kernel::rgb:
+      rgb_.emplace(device, rgb_constants<image_format_unpack_rgb>(format), 4, kStrips);
+      break;
+    case Kernel::yuv:
+      yuv_.emplace(device, yuv_constants<image_format_unpack_yuv>(format), 4, kStrips);
+      break;
+    case Kernel::table:
+      table_.emplace(device, table_constants<image_format_unpack_table>(format), 4, kStrips);
+  }
 }
 
 void Unpack::record(gpu::Commands& commands, const gpu::BufferPtr& raw, const Plane& linear,
@@ -110,21 +189,39 @@ void Unpack::record(gpu::Commands& commands, const gpu::BufferPtr& raw, const Pl
       .largest = 0};
   const gpu::Items items{blocks(format_.extent.width, 4),
                          blocks(format_.extent.height, kStripRows)};
-  if (is_yuv(format_.format))
-    yuv_.dispatch(commands, listed, {.raw = raw, .linear = linear.buffer}, push, items);
-  else
-    rgb_.dispatch(commands, listed, {.raw = raw, .linear = linear.buffer}, push, items);
+  const auto dispatch = [&](const auto& program) {
+    if (program)
+      program->dispatch(commands, listed, {.raw = raw, .linear = linear.buffer}, push, items);
+  };
+  dispatch(rgb_);
+  dispatch(yuv_);
+  dispatch(table_);
 }
 
 Pack::Pack(const std::shared_ptr<gpu::Device>& device, const FrameFormat& format)
-    : format_(format) {
+    : format_(format), across_(drawn_at_once(format.format)) {
   check_layout(format);
-  using shaders::image_format_pack_rgb, shaders::image_format_pack_yuv;
-  if (is_yuv(format.format))
-    yuv_ = {device, yuv_constants<image_format_pack_yuv>(format),
-            TileList::kTile / drawn_at_once(format), kStrips};
-  else
-    rgb_ = {device, rgb_constants<image_format_pack_rgb>(format), 4, kStrips};
+  using shaders::image_format_pack_rgb, shaders::image_format_pack_table,
+      shaders::image_format_pack_yuv;
+  const Gamut& gamut = format.gamut;
+  // 12 pixels do not fit a tile.
+  const uint32_t in_tile = TileList::kTile % across_ == 0 ? TileList::kTile / across_ : 0;
+  switch (kernel_of(format.format)) {
+    case Kernel::rgb:
+      across_ = 4;
+      rgb_.emplace(device, with_gamut(rgb_constants<image_format_pack_rgb>(format), gamut), 4,
+                   kStrips);
+      break;
+    case Kernel::yuv:
+      yuv_.emplace(device, with_gamut(yuv_constants<image_format_pack_yuv>(format), gamut), in_tile,
+                   kStrips);
+      break;
+    case Kernel::table: {
+      auto constants = with_gamut(table_constants<image_format_pack_table>(format), gamut);
+      constants.across = across_;
+      table_.emplace(device, constants, in_tile, kStrips);
+    }
+  }
 }
 
 void Pack::record(gpu::Commands& commands, const Drawing& drawing, const gpu::BufferPtr& raw,
@@ -150,18 +247,17 @@ void Pack::record(gpu::Commands& commands, const Drawing& drawing, const gpu::Bu
                   .ceiling = static_cast<float>(t.decode(largest_value(luma))),
                   .gain = drawing.gain,
                   .largest = luma.largest};
-  const Extent extent = format_.extent;
-  const gpu::BufferPtr& picture = drawing.picture.buffer;
-  if (is_yuv(format_.format))
-    yuv_.dispatch(
-        commands, listed, {.picture = picture, .raw = raw}, push,
-        {blocks(extent.width, drawn_at_once(format_)), blocks(extent.height, kStripRows)});
-  else
-    rgb_.dispatch(commands, listed,
-                  {.picture = picture,
-                   .alpha_plane = drawing.alpha ? drawing.alpha->buffer : picture,
-                   .raw = raw},
-                  push, {blocks(extent.width, 4), blocks(extent.height, kStripRows)});
+  const gpu::BufferPtr &picture = drawing.picture.buffer,
+                       &alpha = drawing.alpha ? drawing.alpha->buffer : picture;
+  const gpu::Items items{blocks(format_.extent.width, across_),
+                         blocks(format_.extent.height, kStripRows)};
+  if (rgb_)
+    rgb_->dispatch(commands, listed, {.picture = picture, .alpha_plane = alpha, .raw = raw}, push,
+                   items);
+  if (yuv_) yuv_->dispatch(commands, listed, {.picture = picture, .raw = raw}, push, items);
+  if (table_)
+    table_->dispatch(commands, TileList::kTile % across_ == 0 ? listed : nullptr,
+                     {.picture = picture, .alpha_plane = alpha, .raw = raw}, push, items);
 }
 
 }  // namespace inverse

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include <cstdint>
+#include <optional>
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
 #include "kernels/image/tiles/tile_list.hpp"
 #include "kernels/image_format_pack_rgb.spv.hpp"
+#include "kernels/image_format_pack_table.spv.hpp"
 #include "kernels/image_format_pack_yuv.spv.hpp"
 #include "kernels/image_format_unpack_rgb.spv.hpp"
+#include "kernels/image_format_unpack_table.spv.hpp"
 #include "kernels/image_format_unpack_yuv.spv.hpp"
 #include "pixel_format.hpp"
 
@@ -17,9 +20,10 @@ namespace inverse {
 /// raw_words(format), Memory::upload or readback).
 uint64_t raw_words(const FrameFormat& format);
 
-/// Converts the bytes of a frame to linear light: rgb in [0, 1] of nominal white, w = alpha (1 if
-/// the format has none). Always finite. Limited-range codes below black give 0; codes above white
-/// are kept, up to 1.3.
+/// Converts the bytes of a frame to linear light in the frame's own primaries: rgb, 1 = white (of
+/// PQ and HLG: reference white), w = alpha (1 if the format has none). Always finite and not
+/// negative. Limited-range codes below black give 0; codes above white are kept: up to 1.3, PQ 119,
+/// HLG 6.3.
 class Unpack {
  public:
   /// Throws Error(unsupported) for formats that validate() rejects and for frames that are not
@@ -33,8 +37,9 @@ class Unpack {
 
  private:
   FrameFormat format_;
-  TileProgram<shaders::image_format_unpack_yuv> yuv_;  // one of the two
-  TileProgram<shaders::image_format_unpack_rgb> rgb_;
+  std::optional<TileProgram<shaders::image_format_unpack_rgb>> rgb_;  // one of the three
+  std::optional<TileProgram<shaders::image_format_unpack_yuv>> yuv_;
+  std::optional<TileProgram<shaders::image_format_unpack_table>> table_;
 };
 
 /// What to draw from planes.
@@ -49,24 +54,26 @@ struct Drawing {
   const Plane* alpha = nullptr;  ///< its w becomes the frame's alpha; without one it is opaque
 };
 
-/// Converts planes to the bytes of a frame: gain, transfer curve, matrix, chroma averaging,
-/// rounding to nearest. NaN and negative values become black; values beyond the largest code, and
-/// infinity, become that code. Pixels stay linear if the format's transfer is linear.
+/// Converts planes to the bytes of a frame: primaries, gain, transfer curve, matrix, chroma
+/// averaging, rounding to nearest. NaN and negative values become black; values beyond the largest
+/// code, and infinity, become that code. Pixels stay linear if the format's transfer is linear.
 class Pack {
  public:
   /// Throws as Unpack does.
   Pack(const std::shared_ptr<gpu::Device>& device, const FrameFormat& format);
   /// Writes whole words: up to three padding bytes after a row may change, nothing else. To copy
   /// defined padding, fill a new `raw` once. `raw` as for Unpack; the planes have the frame's
-  /// extent. With a list of tiles, only these are written.
+  /// extent. With a list of tiles, only these are written; all if three samples share a word.
   void record(gpu::Commands& commands, const Drawing& drawing, const gpu::BufferPtr& raw,
               const TileList* listed = nullptr) const;
   const FrameFormat& format() const { return format_; }
 
  private:
   FrameFormat format_;
-  TileProgram<shaders::image_format_pack_yuv> yuv_;  // one of the two
-  TileProgram<shaders::image_format_pack_rgb> rgb_;
+  uint32_t across_;  // pixels of a row that an invocation draws
+  std::optional<TileProgram<shaders::image_format_pack_rgb>> rgb_;  // one of the three
+  std::optional<TileProgram<shaders::image_format_pack_yuv>> yuv_;
+  std::optional<TileProgram<shaders::image_format_pack_table>> table_;
 };
 
 }  // namespace inverse

@@ -13,7 +13,7 @@ layout(constant_id = 3) const bool BGR = false;
 layout(constant_id = 4) const bool ALPHA = true;
 PLANE_IN(1, alpha_plane);
 WORD_OUT(2, raw);
-#define TILE_CONSTANT 5
+#define TILE_CONSTANT 60
 #define TILE_BINDING 3
 #include "image/tiles/tiles.glsl"
 

@@ -13,7 +13,7 @@
 const uint PAIRS = ROWS / 2u;
 const uint BLOCKS = LAYOUT == kPlanar && !DEEP ? 2u : 1u;
 WORD_OUT(1, raw);
-#define TILE_CONSTANT 7
+#define TILE_CONSTANT 60
 #define TILE_BINDING 2
 #include "image/tiles/tiles.glsl"
 
@@ -57,9 +57,9 @@ Chroma draw(uint row, uint x, bool own) {
   vec4 y = luma(pack);
   vec2 left = vec2(0.0);  // of the pixel left of the four
   if (COSITED_X) {
-    vec4 beside = color_at(row, max(x, 1u) - 1u);
-    beside = encode(sanitized(beside * push.gain, push.ceiling), push.curve, push.power);
-    left = beside.zx - luma(Pack(beside.xxxx, beside.yyyy, beside.zzzz)).x;
+    vec4 pixel = color_at(row, max(x, 1u) - 1u);
+    Pack beside = encoded(pixel.xxxx, pixel.yyyy, pixel.zzzz);
+    left = vec2(beside.b.x, beside.r.x) - luma(beside).x;
   }
   Chroma chroma = Chroma(downsample(left.x, pack.b - y) * push.matrix.z, downsample(left.y, pack.r - y) * push.matrix.w);
   if (own && PACKED) store_packed(row, x, y, chroma.cb, chroma.cr);

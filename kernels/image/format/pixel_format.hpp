@@ -3,31 +3,129 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 
 #include "kernels/image/plane.hpp"
+#include "primaries.hpp"
 #include "transfer.hpp"
 
 namespace inverse {
 
-/// How samples lie in memory. The names are GStreamer's (GstVideoFormat) in lower case.
-enum class PixelFormat : uint8_t {
-  rgba,
-  bgra,
-  rgbx,  ///< as rgba; the fourth byte is ignored, and written as 255
-  bgrx,
-  rgb,
-  bgr,
-  rgba64_le,  ///< four 16-bit numbers a pixel
-  gray8,
-  gray16_le,
-  nv12,
-  i420,
-  yuy2,
-  uyvy,
-  p010_10le,  ///< as nv12, ten bits in the high bits of 16
-  i420_10le,  ///< as i420, ten bits in the low bits of 16
+/// Where the samples of one component lie in the rows of its plane. Offset and stride count units
+/// (PixelFormat::unit): sample i of a row starts at offset + i·stride.
+struct Component {
+  uint8_t plane = 0, offset = 0, stride = 0;
+  uint8_t shift = 0;  ///< of the code in its unit
+  uint8_t depth = 0;  ///< bits of the code; 0: there is no such component
+  bool operator==(const Component&) const = default;
 };
-const char* name_of(PixelFormat format);
+
+/// What a code is read from. Offsets and strides of all but `thirds` count bytes.
+enum class Unit : uint8_t {
+  byte,
+  le16,
+  be16,
+  le32,
+  be32,
+  thirds,  ///< ten bits, three in a little-endian word of 32: the unit is one of them
+};
+
+/// How samples lie in memory. The members are the formats that have kernels of their own, by
+/// GStreamer's names (GstVideoFormat) in lower case; the others are described by who needs them,
+/// and share a kernel.
+struct PixelFormat {
+  enum class Model : uint8_t { gray, rgb, yuv };
+
+  std::string_view name;  ///< GStreamer's
+  Model model = Model::rgb;
+  Unit unit = Unit::byte;
+  uint8_t planes = 1;
+  uint8_t w_sub = 0, h_sub = 0;  ///< log2 of the subsampling of chroma: at most 2 and 1
+  /// Y' or R', G', B'; or Y', Cb, Cr; then alpha. A fourth component that is not alpha is ignored,
+  /// and written as all ones.
+  std::array<Component, 4> components{};
+  bool alpha = false;
+  bool operator==(const PixelFormat&) const = default;
+
+  static const PixelFormat rgba, bgra, rgbx, bgrx, rgb, bgr, rgba64_le, gray8, gray16_le, nv12,
+      i420, yuy2, uyvy, p010_10le, i420_10le;
+};
+
+inline constexpr PixelFormat PixelFormat::rgba{
+    "RGBA",
+    Model::rgb,
+    Unit::byte,
+    1,
+    0,
+    0,
+    {{{0, 0, 4, 0, 8}, {0, 1, 4, 0, 8}, {0, 2, 4, 0, 8}, {0, 3, 4, 0, 8}}},
+    true};
+inline constexpr PixelFormat PixelFormat::bgra{
+    "BGRA",
+    Model::rgb,
+    Unit::byte,
+    1,
+    0,
+    0,
+    {{{0, 2, 4, 0, 8}, {0, 1, 4, 0, 8}, {0, 0, 4, 0, 8}, {0, 3, 4, 0, 8}}},
+    true};
+inline constexpr PixelFormat PixelFormat::rgbx{
+    "RGBx",
+    Model::rgb,
+    Unit::byte,
+    1,
+    0,
+    0,
+    {{{0, 0, 4, 0, 8}, {0, 1, 4, 0, 8}, {0, 2, 4, 0, 8}, {0, 3, 4, 0, 8}}}};
+inline constexpr PixelFormat PixelFormat::bgrx{
+    "BGRx",
+    Model::rgb,
+    Unit::byte,
+    1,
+    0,
+    0,
+    {{{0, 2, 4, 0, 8}, {0, 1, 4, 0, 8}, {0, 0, 4, 0, 8}, {0, 3, 4, 0, 8}}}};
+inline constexpr PixelFormat PixelFormat::rgb{
+    "RGB", Model::rgb, Unit::byte, 1, 0, 0, {{{0, 0, 3, 0, 8}, {0, 1, 3, 0, 8}, {0, 2, 3, 0, 8}}}};
+inline constexpr PixelFormat PixelFormat::bgr{
+    "BGR", Model::rgb, Unit::byte, 1, 0, 0, {{{0, 2, 3, 0, 8}, {0, 1, 3, 0, 8}, {0, 0, 3, 0, 8}}}};
+inline constexpr PixelFormat PixelFormat::rgba64_le{
+    "RGBA64_LE",
+    Model::rgb,
+    Unit::le16,
+    1,
+    0,
+    0,
+    {{{0, 0, 8, 0, 16}, {0, 2, 8, 0, 16}, {0, 4, 8, 0, 16}, {0, 6, 8, 0, 16}}},
+    true};
+inline constexpr PixelFormat PixelFormat::gray8{"GRAY8", Model::gray, Unit::byte,         1,
+                                                0,       0,           {{{0, 0, 1, 0, 8}}}};
+inline constexpr PixelFormat PixelFormat::gray16_le{
+    "GRAY16_LE", Model::gray, Unit::le16, 1, 0, 0, {{{0, 0, 2, 0, 16}}}};
+inline constexpr PixelFormat PixelFormat::nv12{
+    "NV12", Model::yuv, Unit::byte, 2, 1, 1, {{{0, 0, 1, 0, 8}, {1, 0, 2, 0, 8}, {1, 1, 2, 0, 8}}}};
+inline constexpr PixelFormat PixelFormat::i420{
+    "I420", Model::yuv, Unit::byte, 3, 1, 1, {{{0, 0, 1, 0, 8}, {1, 0, 1, 0, 8}, {2, 0, 1, 0, 8}}}};
+inline constexpr PixelFormat PixelFormat::yuy2{
+    "YUY2", Model::yuv, Unit::byte, 1, 1, 0, {{{0, 0, 2, 0, 8}, {0, 1, 4, 0, 8}, {0, 3, 4, 0, 8}}}};
+inline constexpr PixelFormat PixelFormat::uyvy{
+    "UYVY", Model::yuv, Unit::byte, 1, 1, 0, {{{0, 1, 2, 0, 8}, {0, 0, 4, 0, 8}, {0, 2, 4, 0, 8}}}};
+inline constexpr PixelFormat PixelFormat::p010_10le{
+    "P010_10LE",
+    Model::yuv,
+    Unit::le16,
+    2,
+    1,
+    1,
+    {{{0, 0, 2, 6, 10}, {1, 0, 4, 6, 10}, {1, 2, 4, 6, 10}}}};
+inline constexpr PixelFormat PixelFormat::i420_10le{
+    "I420_10LE",
+    Model::yuv,
+    Unit::le16,
+    3,
+    1,
+    1,
+    {{{0, 0, 2, 0, 10}, {1, 0, 2, 0, 10}, {2, 0, 2, 0, 10}}}};
 
 enum class Range : uint8_t {
   full,     ///< black 0, white 2^depth − 1
@@ -63,17 +161,16 @@ struct FrameFormat {
   Range range = Range::full;         ///< of color and luma; alpha is always full
   Transfer transfer;
   ChromaSite site;
+  Gamut gamut;  ///< of Pack: from the primaries of planes to those of the frame
   bool operator==(const FrameFormat&) const = default;
 };
 
-/// Number of planes of a format; bytes per row and rows of one of them.
-uint32_t plane_count(PixelFormat format);
-uint32_t row_bytes(PixelFormat format, Extent extent, uint32_t plane);
-uint32_t plane_rows(PixelFormat format, Extent extent, uint32_t plane);
-bool has_alpha(PixelFormat format);
-bool is_yuv(PixelFormat format);  ///< neither RGB nor gray
-/// Significant bits of a sample: 8, 10 or 16.
-uint32_t bit_depth(PixelFormat format);
+/// Bytes per row and number of rows of a plane of a format.
+uint32_t row_bytes(const PixelFormat& format, Extent extent, uint32_t plane);
+uint32_t plane_rows(const PixelFormat& format, Extent extent, uint32_t plane);
+inline bool is_yuv(const PixelFormat& format) { return format.model == PixelFormat::Model::yuv; }
+/// Significant bits of a sample of luma or red, 5 to 16; other colors may have one more.
+inline uint32_t bit_depth(const PixelFormat& format) { return format.components[0].depth; }
 
 /// Bytes from the start of the frame to the end of its last row. The last row of a plane may lack
 /// its padding.
@@ -87,14 +184,15 @@ bool is_word_aligned(const FrameFormat& format);
 
 /// Copies the rows of one plane between two layouts, strides in bytes. Copies padding only if the
 /// strides are equal.
-void copy_plane(PixelFormat format, Extent extent, uint32_t plane, const void* source,
+void copy_plane(const PixelFormat& format, Extent extent, uint32_t plane, const void* source,
                 size_t source_stride, void* target, size_t target_stride);
 
 /// Throws Error(unsupported) with the cause for an empty frame, strides shorter than rows, a frame
 /// of more than 4 GiB, or a Y'CbCr format without a matrix.
 void validate(const FrameFormat& format);
 
-/// Code range of one kind of sample: code = value·scale + offset, and the largest code.
+/// Code range of one kind of sample, at the depth of luma or red: code = value·scale + offset, and
+/// the largest code.
 struct CodeScale {
   float scale, offset, largest;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "transfer.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -25,6 +26,31 @@ Transfer gamma(double power) {
   Transfer curve;
   curve.power = static_cast<float>(power);
   return curve;
+}
+
+/// SMPTE ST 2084: light of 1 is kPqPeak cd/m².
+constexpr double kM1 = 2610.0 / 16384, kM2 = 2523.0 / 4096 * 128, kC1 = 3424.0 / 4096,
+                 kC2 = 2413.0 / 4096 * 32, kC3 = 2392.0 / 4096 * 32, kPqPeak = 10000;
+
+double decode_pq(double encoded) {
+  const double root = std::pow(std::max(encoded, 0.0), 1 / kM2);
+  return std::pow(std::max(root - kC1, 0.0) / (kC2 - kC3 * root), 1 / kM1);
+}
+double encode_pq(double light) {
+  const double root = std::pow(std::max(light, 0.0), kM1);
+  return std::pow((kC1 + kC2 * root) / (1 + kC3 * root), kM2);
+}
+
+/// ITU-R BT.2100, table 5: the inverse of the HLG OETF, scene light 0…1.
+constexpr double kA = 0.17883277, kB = 1 - 4 * kA;
+const double kC = 0.5 - kA * std::log(4 * kA);
+
+double decode_hlg(double encoded) {
+  return encoded <= 0.5 ? encoded * encoded / 3 : (std::exp((encoded - kC) / kA) + kB) / 12;
+}
+double encode_hlg(double light) {
+  return light <= 1.0 / 12 ? std::sqrt(3 * std::max(light, 0.0))
+                           : kA * std::log(12 * light - kB) + kC;
 }
 
 [[noreturn]] void refuse(const char* name) {
@@ -64,9 +90,11 @@ Transfer Transfer::of(TransferFunction function) {
     case TransferFunction::gamma28:
       return gamma(2.8);
     case TransferFunction::pq:
-      refuse("PQ (SMPTE ST 2084)");
-    case TransferFunction::hlg:
-      refuse("HLG (ARIB STD-B67)");
+    case TransferFunction::hlg: {
+      Transfer curve;
+      curve.curve = function == TransferFunction::pq ? Transfer::Curve::pq : Transfer::Curve::hlg;
+      return curve;
+    }
     case TransferFunction::log100:
       refuse("logarithmic 100:1");
     case TransferFunction::log316:
@@ -76,6 +104,14 @@ Transfer Transfer::of(TransferFunction function) {
 }
 
 double Transfer::decode(double encoded) const {
+  switch (curve) {
+    case Curve::pq:
+      return decode_pq(encoded) * kPqPeak / kReferenceWhite;
+    case Curve::hlg:
+      return decode_hlg(encoded) / decode_hlg(kHlgReferenceWhite);
+    case Curve::power:
+      break;
+  }
   return encoded < start ? slope * encoded : std::pow(scale * encoded + offset, power);
 }
 
@@ -84,6 +120,14 @@ double Transfer::linear_start() const {
 }
 
 double Transfer::encode(double linear) const {
+  switch (curve) {
+    case Curve::pq:
+      return encode_pq(linear * kReferenceWhite / kPqPeak);
+    case Curve::hlg:
+      return encode_hlg(linear * decode_hlg(kHlgReferenceWhite));
+    case Curve::power:
+      break;
+  }
   return linear < linear_start() ? linear / slope
                                  : (std::pow(linear, 1.0 / power) - offset) / scale;
 }

@@ -34,6 +34,17 @@ double standard_decode(TransferFunction function, double x) {
       return std::pow(x, 2.2);
     case TransferFunction::gamma28:
       return std::pow(x, 2.8);
+    case TransferFunction::pq: {  // SMPTE ST 2084, equation 4.1
+      const double root = std::pow(x, 1 / 78.84375);
+      const double light = std::pow(std::max(root - 0.8359375, 0.0) / (18.8515625 - 18.6875 * root),
+                                    1 / 0.1593017578125);
+      return 10000 * light / 203;
+    }
+    case TransferFunction::hlg: {  // ITU-R BT.2100, table 5
+      const double scene =
+          x <= 0.5 ? x * x / 3 : (std::exp((x - 0.55991073) / 0.17883277) + 0.28466892) / 12;
+      return scene / 0.26496256;
+    }
     default:
       return x;
   }
@@ -41,7 +52,8 @@ double standard_decode(TransferFunction function, double x) {
 constexpr TransferFunction kCurves[] = {
     TransferFunction::linear,    TransferFunction::srgb,    TransferFunction::bt709,
     TransferFunction::smpte240m, TransferFunction::gamma18, TransferFunction::gamma20,
-    TransferFunction::gamma22,   TransferFunction::gamma28, TransferFunction::adobe_rgb};
+    TransferFunction::gamma22,   TransferFunction::gamma28, TransferFunction::adobe_rgb,
+    TransferFunction::pq,        TransferFunction::hlg};
 
 }  // namespace
 
@@ -69,12 +81,45 @@ TEST(TransferTest, EncodeIsTheExactInverseAndIncreasing) {
   }
 }
 
-TEST(TransferTest, HighDynamicRangeIsRefusedByName) {
-  for (const auto& [function, text] : {std::pair{TransferFunction::pq, "PQ"},
-                                       {TransferFunction::hlg, "HLG"},
-                                       {TransferFunction::log100, "100:1"},
-                                       {TransferFunction::log316, "316"}})
+TEST(TransferTest, LogarithmicCurvesAreRefusedByName) {
+  for (const auto& [function, text] :
+       {std::pair{TransferFunction::log100, "100:1"}, {TransferFunction::log316, "316"}})
     expect_error(ErrorKind::unsupported, text, [f = function] { Transfer::of(f); });
+}
+
+// ITU-R BT.2408-7, tables 1 and 3: signals of gray and of the reference white; ST 2084's peak.
+TEST(TransferTest, HighDynamicRangeHasTheReferenceWhiteOfTheStandards) {
+  const Transfer pq = Transfer::of(TransferFunction::pq), hlg = Transfer::of(TransferFunction::hlg);
+  EXPECT_NEAR(pq.decode(1) * 203, 10000, 1e-6);
+  EXPECT_NEAR(pq.encode(1), 0.58, 0.002);
+  EXPECT_NEAR(pq.encode(26.0 / 203), 0.38, 0.002);
+  EXPECT_NEAR(pq.decode(0), 0, 1e-12);
+  EXPECT_NEAR(hlg.decode(0.75), 1, 1e-12);
+  EXPECT_NEAR(hlg.decode(1), 3.774, 1e-3);
+  EXPECT_NEAR(hlg.decode(0.5), 1 / 12.0 / 0.26496256, 1e-7);
+  // With the system gamma of 1.2 at 1000 cd/m², the scene light 1 is shown at 203 cd/m².
+  EXPECT_NEAR(1000 * std::pow(0.26496256, 1.2), 203, 0.5);
+}
+
+// ITU-R BT.2087, the matrix from BT.709 to BT.2020, and its inverse (BT.2407).
+TEST(GamutTest, FollowsTheStandards) {
+  const double wide[] = {0.6274, 0.3293, 0.0433, 0.0691, 0.9195, 0.0114, 0.0164, 0.0880, 0.8956};
+  const double narrow[] = {1.6605,  -0.5876, -0.0728, -0.1246, 1.1329,
+                           -0.0083, -0.0182, -0.1006, 1.1187};
+  const Gamut out = gamut_between(Primaries::bt709(), Primaries::bt2020()),
+              in = gamut_between(Primaries::bt2020(), Primaries::bt709());
+  for (size_t i = 0; i < 9; ++i) {
+    EXPECT_NEAR(out.matrix[i], wide[i], 1e-4) << i;
+    EXPECT_NEAR(in.matrix[i], narrow[i], 1e-4) << i;
+  }
+  EXPECT_TRUE(gamut_between(Primaries::bt709(), Primaries::bt709()).is_identity());
+  // White of another color temperature stays white.
+  Primaries warm = Primaries::bt709();
+  warm.white = {0.3101, 0.3162};
+  const Gamut adapted = gamut_between(warm, Primaries::bt2020());
+  for (size_t row = 0; row < 3; ++row)
+    EXPECT_NEAR(adapted.matrix[3 * row] + adapted.matrix[3 * row + 1] + adapted.matrix[3 * row + 2],
+                1, 1e-6);
 }
 
 TEST(FrameFormatTest, BytesAreThoseOfTheLayout) {
@@ -159,7 +204,7 @@ TEST_F(FrameTest, NeutralLumaComesBackExactly) {
       unpack.record(commands, first, linear);
       pack.record(commands, {.picture = linear}, second);
     });
-    EXPECT_EQ(memcmp(first->map(), second->map(), frame_bytes(format)), 0) << name_of(pixel_format);
+    EXPECT_EQ(memcmp(first->map(), second->map(), frame_bytes(format)), 0) << pixel_format.name;
   }
 }
 

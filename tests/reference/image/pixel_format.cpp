@@ -9,7 +9,6 @@ namespace inverse::reference {
 namespace {
 
 using Bytes = std::vector<std::byte>;
-using F = PixelFormat;
 
 uint64_t row(const FrameFormat& format, uint32_t plane, uint32_t y) {
   return format.offset[plane] + static_cast<uint64_t>(y) * format.stride[plane];
@@ -24,76 +23,75 @@ void set16(Bytes& bytes, uint64_t at, uint32_t code) {
   set8(bytes, at + 1, code >> 8);
 }
 
-/// Where the first byte of each code is.
-using Places = std::vector<uint64_t>;
-
-/// Of a pixel: (r, g, b, a), (r, g, b) or luma.
-Places pixel_places(const FrameFormat& f, uint32_t x, uint32_t y) {
-  const uint64_t start = row(f, 0, y);
-  switch (f.format) {
-    case F::rgba64_le:
-      return {start + x * 8, start + x * 8 + 2, start + x * 8 + 4, start + x * 8 + 6};
-    case F::rgba:
-      return {start + x * 4, start + x * 4 + 1, start + x * 4 + 2, start + x * 4 + 3};
-    case F::bgra:
-      return {start + x * 4 + 2, start + x * 4 + 1, start + x * 4, start + x * 4 + 3};
-    case F::rgbx:
-      return {start + x * 4, start + x * 4 + 1, start + x * 4 + 2};
-    case F::bgrx:
-      return {start + x * 4 + 2, start + x * 4 + 1, start + x * 4};
-    case F::rgb:
-      return {start + x * 3, start + x * 3 + 1, start + x * 3 + 2};
-    case F::bgr:
-      return {start + x * 3 + 2, start + x * 3 + 1, start + x * 3};
-    case F::gray8:
-    case F::nv12:
-    case F::i420:
-      return {start + x};
-    case F::uyvy:
-      return {start + x * 2 + 1};
-    default:  // 16 bits, or every second byte
-      return {start + x * 2};
-  }
+/// The unit that sample i of a component in row y lies in: its first byte and, of thirds, its first
+/// bit.
+struct Place {
+  uint64_t byte;
+  uint32_t bit;
+};
+Place place(const FrameFormat& f, size_t component, uint32_t i, uint32_t y) {
+  const Component& c = f.format.components[component];
+  const uint64_t start = row(f, c.plane, y), unit = c.offset + static_cast<uint64_t>(i) * c.stride;
+  if (f.format.unit == Unit::thirds)
+    return {start + unit / 3 * 4, static_cast<uint32_t>(unit % 3) * 10};
+  return {start + unit, 0};
 }
 
-/// Of a chroma sample: (u, v).
-Places chroma_places(const FrameFormat& f, uint32_t x, uint32_t y) {
-  switch (f.format) {
-    case F::yuy2:
-      return {row(f, 0, y) + x * 4 + 1, row(f, 0, y) + x * 4 + 3};
-    case F::uyvy:
-      return {row(f, 0, y) + x * 4, row(f, 0, y) + x * 4 + 2};
-    case F::nv12:
-      return {row(f, 1, y) + x * 2, row(f, 1, y) + x * 2 + 1};
-    case F::p010_10le:
-      return {row(f, 1, y) + x * 4, row(f, 1, y) + x * 4 + 2};
-    case F::i420_10le:
-      return {row(f, 1, y) + x * 2, row(f, 2, y) + x * 2};
+uint32_t get(Unit unit, const Bytes& bytes, uint64_t at) {
+  switch (unit) {
+    case Unit::byte:
+      return get8(bytes, at);
+    case Unit::le16:
+      return get16(bytes, at);
+    case Unit::be16:
+      return get8(bytes, at) << 8 | get8(bytes, at + 1);
+    case Unit::be32:
+      return get8(bytes, at) << 24 | get8(bytes, at + 1) << 16 | get8(bytes, at + 2) << 8 |
+             get8(bytes, at + 3);
     default:
-      return {row(f, 1, y) + x, row(f, 2, y) + x};
+      return get16(bytes, at) | get16(bytes, at + 2) << 16;
   }
 }
 
-/// Codes of ten bits are the lower bits of 16, but the upper ones in P010.
-Codes read(const FrameFormat& f, const Bytes& bytes, const Places& places) {
-  Codes codes{};
-  for (size_t k = 0; k < places.size(); ++k) {
-    codes.value[k] = bit_depth(f.format) > 8 ? get16(bytes, places[k]) : get8(bytes, places[k]);
-    if (f.format == F::p010_10le) codes.value[k] >>= 6;
-    if (f.format == F::i420_10le) codes.value[k] &= 1023;
-  }
-  return codes;
-}
-void write(const FrameFormat& f, Bytes& bytes, const Places& places, const Codes& codes) {
-  for (size_t k = 0; k < places.size(); ++k) {
-    const uint32_t code = codes.value[k] << (f.format == F::p010_10le ? 6 : 0);
-    bit_depth(f.format) > 8 ? set16(bytes, places[k], code) : set8(bytes, places[k], code);
+void set(Unit unit, Bytes& bytes, uint64_t at, uint32_t value) {
+  switch (unit) {
+    case Unit::byte:
+      return set8(bytes, at, value);
+    case Unit::le16:
+      return set16(bytes, at, value);
+    case Unit::be16:
+      set8(bytes, at, value >> 8);
+      return set8(bytes, at + 1, value & 255);
+    case Unit::be32:
+      for (int i = 0; i < 4; ++i) set8(bytes, at + i, value >> (24 - 8 * i) & 255);
+      return;
+    default:
+      set16(bytes, at, value & 65535);
+      set16(bytes, at + 2, value >> 16);
   }
 }
 
-double top_code(const FrameFormat& f) {
-  return std::ldexp(1.0, static_cast<int>(bit_depth(f.format))) - 1;
+double top_of(const FrameFormat& f, size_t component) {
+  return std::ldexp(1.0, f.format.components[component].depth) - 1;
 }
+
+uint32_t read(const FrameFormat& f, const Bytes& bytes, size_t component, uint32_t i, uint32_t y) {
+  const Place at = place(f, component, i, y);
+  return get(f.format.unit, bytes, at.byte) >> (f.format.components[component].shift + at.bit) &
+         static_cast<uint32_t>(top_of(f, component));
+}
+
+/// Sets the bits of one code, and no others.
+void write(const FrameFormat& f, Bytes& bytes, size_t component, uint32_t i, uint32_t y,
+           uint32_t code) {
+  const Place at = place(f, component, i, y);
+  const uint32_t shift = f.format.components[component].shift + at.bit;
+  const uint32_t mask = static_cast<uint32_t>(top_of(f, component)) << shift;
+  set(f.format.unit, bytes, at.byte,
+      (get(f.format.unit, bytes, at.byte) & ~mask) | (code << shift & mask));
+}
+
+double top_code(const FrameFormat& f) { return top_of(f, 0); }
 double luma_value(const FrameFormat& f, double code) {
   const double top = top_code(f), unit = (top + 1) / 256;
   return f.range == Range::full ? code / top : (code - 16 * unit) / (219 * unit);
@@ -110,8 +108,7 @@ double chroma_code(const FrameFormat& f, double value) {
   const double top = top_code(f), unit = (top + 1) / 256;
   return value * (f.range == Range::full ? top : 224 * unit) + 128 * unit;
 }
-uint32_t rounded(const FrameFormat& f, double code) {
-  const double top = top_code(f);
+uint32_t rounded(double code, double top) {
   return static_cast<uint32_t>(std::floor(std::clamp(code, 0.0, top) + 0.5));
 }
 
@@ -128,21 +125,27 @@ Taps taps(double position, uint32_t count) {
   return {{inside(low), inside(low + 1)}, {1 - part, part}};
 }
 
-/// The luma rows or columns that a chroma sample averages.
-std::vector<std::pair<uint32_t, double>> average(uint32_t sample, bool cosited, bool halved,
+/// The luma rows or columns that a chroma sample averages: the pixels it spans, or those up to its
+/// neighbors, the nearer the more.
+std::vector<std::pair<uint32_t, double>> average(uint32_t sample, bool cosited, uint32_t times,
                                                  uint32_t count) {
-  if (!halved) return {{sample, 1.0}};
-  const int64_t first = 2 * static_cast<int64_t>(sample);
-  std::vector<std::pair<int64_t, double>> raw{{first, 0.5}, {first + 1, 0.5}};
-  if (cosited) raw = {{first - 1, 0.25}, {first, 0.5}, {first + 1, 0.25}};
+  const int64_t size = int64_t{1} << times, first = size * sample;
   std::vector<std::pair<uint32_t, double>> inside;
-  for (const auto& [at, weight] : raw)
+  for (int64_t i = cosited ? 1 - size : 0; i < size; ++i) {
+    const double weight =
+        cosited ? (1 - std::abs(static_cast<double>(i)) / size) / size : 1.0 / size;
     inside.emplace_back(
-        static_cast<uint32_t>(std::clamp<int64_t>(at, 0, static_cast<int64_t>(count) - 1)), weight);
+        static_cast<uint32_t>(std::clamp<int64_t>(first + i, 0, static_cast<int64_t>(count) - 1)),
+        weight);
+  }
   return inside;
 }
 
-bool halved_y(F format) { return format != F::yuy2 && format != F::uyvy; }
+/// Where a pixel is among the chroma samples.
+double chroma_position(uint32_t pixel, bool cosited, uint32_t times) {
+  const double size = std::ldexp(1.0, static_cast<int>(times));
+  return (pixel - (cosited ? 0 : (size - 1) / 2)) / size;
+}
 
 double clean(double value, double top) {
   if (std::isnan(value) || value < 0) return 0;
@@ -151,63 +154,53 @@ double clean(double value, double top) {
 
 }  // namespace
 
-uint32_t components(F format) {
-  switch (format) {
-    case F::rgba:
-    case F::bgra:
-    case F::rgba64_le:
-      return 4;
-    case F::rgbx:
-    case F::bgrx:
-    case F::rgb:
-    case F::bgr:
-      return 3;
-    default:
-      return 1;
-  }
+uint32_t components(const PixelFormat& format) {
+  if (format.model != PixelFormat::Model::rgb) return 1;
+  return 3;
 }
 
 Extent chroma_extent(const FrameFormat& f) {
   if (!is_yuv(f.format)) return {0, 0};
-  return {(f.extent.width + 1) / 2,
-          halved_y(f.format) ? (f.extent.height + 1) / 2 : f.extent.height};
+  const uint32_t across = 1u << f.format.w_sub, down = 1u << f.format.h_sub;
+  return {(f.extent.width + across - 1) / across, (f.extent.height + down - 1) / down};
 }
 
 Codes pixel_codes(const FrameFormat& f, const Bytes& bytes, uint32_t x, uint32_t y) {
-  return read(f, bytes, pixel_places(f, x, y));
+  Codes codes{};
+  for (uint32_t c = 0; c < components(f.format); ++c) codes.value[c] = read(f, bytes, c, x, y);
+  if (f.format.components[3].depth > 0) codes.value[3] = read(f, bytes, 3, x, y);
+  return codes;
 }
 
 void set_pixel_codes(const FrameFormat& f, Bytes& bytes, uint32_t x, uint32_t y,
                      const Codes& codes) {
-  write(f, bytes, pixel_places(f, x, y), codes);
-  if (f.format == F::rgbx || f.format == F::bgrx) set8(bytes, row(f, 0, y) + x * 4 + 3, 255);
+  for (uint32_t c = 0; c < components(f.format); ++c) write(f, bytes, c, x, y, codes.value[c]);
+  if (f.format.components[3].depth > 0) write(f, bytes, 3, x, y, codes.value[3]);
 }
 
 Codes chroma_codes_at(const FrameFormat& f, const Bytes& bytes, uint32_t x, uint32_t y) {
-  return read(f, bytes, chroma_places(f, x, y));
+  return {{read(f, bytes, 1, x, y), read(f, bytes, 2, x, y)}};
 }
 
 void set_chroma_codes(const FrameFormat& f, Bytes& bytes, uint32_t x, uint32_t y,
                       const Codes& codes) {
-  write(f, bytes, chroma_places(f, x, y), codes);
+  for (uint32_t c = 0; c < 2; ++c) write(f, bytes, c + 1, x, y, codes.value[c]);
 }
 
 std::vector<double> unpack(const FrameFormat& f, const Bytes& bytes) {
   const auto [width, height] = f.extent;
   const Extent chroma = chroma_extent(f);
   const double kr = f.matrix.kr, kb = f.matrix.kb, kg = 1 - kr - kb;
-  const double alpha_top = top_code(f);
-  const double ceiling = luma_value(f, alpha_top);
+  const double ceiling = luma_value(f, top_code(f));
   std::vector<double> linear(static_cast<size_t>(width) * height * 4);
   for (uint32_t y = 0; y < height; ++y)
     for (uint32_t x = 0; x < width; ++x) {
       const Codes codes = pixel_codes(f, bytes, x, y);
       double rgb[3], alpha = 1;
       if (is_yuv(f.format)) {
-        const Taps across = taps(f.site.cosited_x ? x / 2.0 : (x - 0.5) / 2, chroma.width);
-        const Taps down = !halved_y(f.format)
-                              ? taps(y, chroma.height)
-                              : taps(f.site.cosited_y ? y / 2.0 : (y - 0.5) / 2, chroma.height);
+        const Taps across =
+            taps(chroma_position(x, f.site.cosited_x, f.format.w_sub), chroma.width);
+        const Taps down = taps(chroma_position(y, f.site.cosited_y, f.format.h_sub), chroma.height);
         double cb = 0, cr = 0;
         for (int j = 0; j < 2; ++j)
           for (int i = 0; i < 2; ++i) {
@@ -220,10 +213,12 @@ std::vector<double> unpack(const FrameFormat& f, const Bytes& bytes) {
         rgb[2] = luma + 2 * (1 - kb) * cb;
         rgb[1] = (luma - kr * rgb[0] - kb * rgb[2]) / kg;
       } else {
-        const bool gray = components(f.format) == 1;
-        for (int c = 0; c < 3; ++c) rgb[c] = luma_value(f, codes.value[gray ? 0 : c]);
-        if (components(f.format) == 4) alpha = codes.value[3] / alpha_top;
+        for (size_t c = 0; c < 3; ++c) {
+          const size_t of = components(f.format) == 1 ? 0 : c;
+          rgb[c] = luma_value(f, codes.value[of] * top_code(f) / top_of(f, of));
+        }
       }
+      if (f.format.alpha) alpha = codes.value[3] / top_of(f, 3);
       double* pixel = &linear[(static_cast<size_t>(y) * width + x) * 4];
       for (int c = 0; c < 3; ++c) pixel[c] = f.transfer.decode(std::clamp(rgb[c], 0.0, ceiling));
       pixel[3] = alpha;
@@ -242,10 +237,16 @@ Bytes pack(const FrameFormat& f, const std::vector<float>& picture, bool shading
   std::vector<std::array<double, 3>> encoded(static_cast<size_t>(width) * height);
   std::vector<double> luma(encoded.size());
   for (size_t i = 0; i < encoded.size(); ++i) {
-    for (int c = 0; c < 3; ++c) {
-      const double value = static_cast<double>(picture[i * 4 + (shading ? 3 : c)]) * gain;
-      encoded[i][c] = f.transfer.encode(clean(value, ceiling));
+    double linear[3];
+    for (int c = 0; c < 3; ++c) linear[c] = picture[i * 4 + (shading ? 3 : c)];
+    if (!f.gamut.is_identity()) {
+      const auto& m = f.gamut.matrix;
+      for (double& value : linear) value = clean(value, 65504);
+      const std::array<double, 3> v{linear[0], linear[1], linear[2]};
+      for (int c = 0; c < 3; ++c)
+        linear[c] = m[3 * c] * v[0] + m[3 * c + 1] * v[1] + m[3 * c + 2] * v[2];
     }
+    for (int c = 0; c < 3; ++c) encoded[i][c] = f.transfer.encode(clean(linear[c] * gain, ceiling));
     luma[i] = kr * encoded[i][0] + kg * encoded[i][1] + kb * encoded[i][2];
   }
   for (uint32_t y = 0; y < height; ++y)
@@ -253,25 +254,27 @@ Bytes pack(const FrameFormat& f, const std::vector<float>& picture, bool shading
       const size_t i = static_cast<size_t>(y) * width + x;
       Codes codes{};
       if (components(f.format) == 1) {
-        codes.value[0] = rounded(f, luma_code(f, luma[i]));
+        codes.value[0] = rounded(luma_code(f, luma[i]), top);
       } else {
-        for (int c = 0; c < 3; ++c) codes.value[c] = rounded(f, luma_code(f, encoded[i][c]));
-        codes.value[3] = rounded(f, top * (alpha ? clean((*alpha)[i * 4 + 3], 1) : 1));
+        for (int c = 0; c < 3; ++c)
+          codes.value[c] = rounded(luma_code(f, encoded[i][c]) * top_of(f, c) / top, top_of(f, c));
       }
+      const double opacity = alpha && f.format.alpha ? clean((*alpha)[i * 4 + 3], 1) : 1;
+      codes.value[3] = rounded(top_of(f, 3) * opacity, top_of(f, 3));
       set_pixel_codes(f, bytes, x, y, codes);
     }
   const Extent chroma = chroma_extent(f);
   for (uint32_t y = 0; y < chroma.height; ++y)
     for (uint32_t x = 0; x < chroma.width; ++x) {
       double cb = 0, cr = 0;
-      for (const auto& [v, down] : average(y, f.site.cosited_y, halved_y(f.format), height))
-        for (const auto& [u, across] : average(x, f.site.cosited_x, true, width)) {
+      for (const auto& [v, down] : average(y, f.site.cosited_y, f.format.h_sub, height))
+        for (const auto& [u, across] : average(x, f.site.cosited_x, f.format.w_sub, width)) {
           const size_t i = static_cast<size_t>(v) * width + u;
           cb += down * across * (encoded[i][2] - luma[i]) / (2 * (1 - kb));
           cr += down * across * (encoded[i][0] - luma[i]) / (2 * (1 - kr));
         }
       set_chroma_codes(f, bytes, x, y,
-                       {{rounded(f, chroma_code(f, cb)), rounded(f, chroma_code(f, cr))}});
+                       {{rounded(chroma_code(f, cb), top), rounded(chroma_code(f, cr), top)}});
     }
   return bytes;
 }

@@ -11,11 +11,11 @@ namespace inverse::reference {
 /// Meaning of a frame's samples, pixel by pixel from the definitions, in double precision. Pixels
 /// are four interleaved numbers.
 
-/// Codes of one row position: luma or R, G, B, and alpha (0 if there is none).
+/// Codes of one pixel: luma, or R, G, B; the last is alpha (0 if there is none).
 struct Codes {
   uint32_t value[4];
 };
-/// Reads the codes of plane 0 at a pixel (r, g, b, a or y) and the chroma codes of a chroma sample.
+/// Reads the codes of a pixel, and the chroma codes (Cb, Cr) of a chroma sample.
 Codes pixel_codes(const FrameFormat& format, const std::vector<std::byte>& bytes, uint32_t x,
                   uint32_t y);
 void set_pixel_codes(const FrameFormat& format, std::vector<std::byte>& bytes, uint32_t x,
@@ -26,8 +26,8 @@ void set_chroma_codes(const FrameFormat& format, std::vector<std::byte>& bytes, 
                       uint32_t y, const Codes& codes);
 /// Chroma samples across and down; {0, 0} for RGB and gray.
 Extent chroma_extent(const FrameFormat& format);
-/// How many of the codes of a pixel a format has.
-uint32_t components(PixelFormat format);
+/// How many colors a pixel has: R, G, B, or luma alone.
+uint32_t components(const PixelFormat& format);
 
 /// Linear light of a frame, w = alpha.
 std::vector<double> unpack(const FrameFormat& format, const std::vector<std::byte>& bytes);

@@ -16,7 +16,7 @@ constexpr float kClipped = 0.97F;  // of full scale
 
 /// Whether all rows of the frame are in its mapped memory: GStreamer only checks the first byte if
 /// a GstVideoMeta gives the offsets.
-bool is_whole(const GstVideoFrame& frame) {
+bool is_whole(const GstVideoInfo& info, const GstVideoFrame& frame) {
   const GstVideoFormatInfo* format = frame.info.finfo;
   // Strides of tiled formats count tiles; all are there if the bytes are.
   if (GST_VIDEO_FORMAT_INFO_IS_TILED(format))
@@ -28,8 +28,9 @@ bool is_whole(const GstVideoFrame& frame) {
     gint components[GST_VIDEO_MAX_COMPONENTS];
     gst_video_format_info_component(format, plane, components);
     const gint rows = GST_VIDEO_FRAME_COMP_HEIGHT(&frame, components[0]);
-    const gint64 row = gint64{GST_VIDEO_FRAME_COMP_WIDTH(&frame, components[0])} *
-                       GST_VIDEO_FRAME_COMP_PSTRIDE(&frame, components[0]);
+    gint64 row = gint64{GST_VIDEO_FRAME_COMP_WIDTH(&frame, components[0])} *
+                 GST_VIDEO_FRAME_COMP_PSTRIDE(&frame, components[0]);
+    if (row == 0) row = GST_VIDEO_INFO_PLANE_STRIDE(&info, plane);  // several samples a word
     const gint64 last = gint64{GST_VIDEO_FRAME_PLANE_STRIDE(&frame, plane)} * (rows - 1);
     const gint64 start = begin - map.data;
     if (start + std::min<gint64>(last, 0) < 0 ||
@@ -53,7 +54,7 @@ RawFrame::RawFrame(const GstVideoInfo& info, GstBuffer* buffer, GstMapFlags flag
   const auto no_ref = static_cast<GstMapFlags>(static_cast<int>(flags) |
                                                static_cast<int>(GST_VIDEO_FRAME_MAP_FLAG_NO_REF));
   bool good = suits(info, buffer) && gst_video_frame_map(&frame_, &info, buffer, no_ref);
-  if (good && !is_whole(frame_)) {
+  if (good && !is_whole(info, frame_)) {
     gst_video_frame_unmap(&frame_);
     good = false;
   }
