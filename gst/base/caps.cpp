@@ -5,7 +5,7 @@
 
 #include <span>
 #include <string>
-#include <utility>
+#include <vector>
 
 #include "gst/base/frames/video_format.hpp"
 #include "gst/base/meta/inverse_layers_meta.h"
@@ -94,38 +94,31 @@ bool is_hdr(const GstVideoColorimetry& color) {
          color.transfer == GST_VIDEO_TRANSFER_ARIB_STD_B67;
 }
 
-/// Bits that a picture of these caps needs; layers have those of what they came from, as far as
-/// their colorimetry tells.
-guint depth_of(const GstVideoInfo& info, bool layers) {
-  if (!layers) return GST_VIDEO_INFO_COMP_DEPTH(&info, 0);
-  return is_hdr(info.colorimetry) ? 10 : 8;
+/// The format whose content a picture of these caps has: layers are floats, of which ordinary range
+/// needs eight bits.
+GstVideoFormat content_of(const GstVideoInfo& info, bool layers) {
+  return layers && is_hdr(info.colorimetry) ? GST_VIDEO_FORMAT_RGBA64_LE
+                                            : GST_VIDEO_INFO_FORMAT(&info);
 }
 
-/// Those of `other`, all in the same memory, that have the first of its formats with most of the
-/// bits of `caps`, in color if `caps` are; null if the input has eight bits.
+/// Those of `other`, all in the same memory, that have the nearest of its formats; null if the
+/// input has eight bits.
 GstCaps* keep_depth(GstCaps* caps, GstCaps* other) {
   GstVideoInfo info;
   if (gst_caps_is_empty(other) || carries_layers(other) || !gst_video_info_from_caps(&info, caps))
     return nullptr;
-  const guint depth = depth_of(info, carries_layers(caps));
-  const GValue* formats = gst_structure_get_value(gst_caps_get_structure(other, 0), "format");
-  if (depth <= 8 || !formats || !GST_VALUE_HOLDS_LIST(formats)) return nullptr;
-  const bool gray = GST_VIDEO_INFO_IS_GRAY(&info);
-  std::pair<bool, guint> best{false, 0};
-  const char* chosen = nullptr;
-  for (guint i = 0; i < gst_value_list_get_size(formats); ++i) {
-    const char* name = g_value_get_string(gst_value_list_get_value(formats, i));
-    const GstVideoFormatInfo* format =
-        gst_video_format_get_info(gst_video_format_from_string(name));
-    const std::pair<bool, guint> kept{gray || !GST_VIDEO_FORMAT_INFO_IS_GRAY(format),
-                                      MIN(depth, GST_VIDEO_FORMAT_INFO_DEPTH(format, 0))};
-    if (kept > best) {
-      best = kept;
-      chosen = name;
-    }
-  }
+  const GstVideoFormat content = content_of(info, carries_layers(caps));
+  const GValue* list = gst_structure_get_value(gst_caps_get_structure(other, 0), "format");
+  if (GST_VIDEO_FORMAT_INFO_DEPTH(gst_video_format_get_info(content), 0) <= 8 || !list ||
+      !GST_VALUE_HOLDS_LIST(list))
+    return nullptr;
+  std::vector<GstVideoFormat> formats;
+  for (guint i = 0; i < gst_value_list_get_size(list); ++i)
+    formats.push_back(
+        gst_video_format_from_string(g_value_get_string(gst_value_list_get_value(list, i))));
   GstCaps* result = gst_caps_copy_nth(other, 0);
-  if (chosen) gst_caps_set_simple(result, "format", G_TYPE_STRING, chosen, nullptr);
+  gst_caps_set_simple(result, "format", G_TYPE_STRING,
+                      gst_video_format_to_string(nearest_format(content, formats)), nullptr);
   return result;
 }
 

@@ -58,8 +58,8 @@ GstCaps* prefer_layers(const GstCaps* caps);
 
 /// GstBaseTransform::fixate_caps: takes the kind of memory that the other side lists first, and of
 /// the formats there the input's if it is allowed, so that nothing is converted without need, else,
-/// if the input has more than eight bits, the first that keeps most of them and its color, else the
-/// first. If the output's colorimetry is open, it becomes the input's. Consumes `other`.
+/// if the input has more than eight bits, the nearest to it (nearest_format), else the first. If
+/// the output's colorimetry is open, it becomes the input's. Consumes `other`.
 GstCaps* fixate_caps(GstCaps* caps, GstCaps* other);
 
 /// Removes mastering display and light level, which describe PQ and HLG, from fixed caps of any

@@ -101,6 +101,16 @@ gboolean set_caps(GstBaseTransform* transform, GstCaps* in, GstCaps* out) {
   return element_of(transform).set_caps(in, out);
 }
 
+/// The pad refuses caps outside its template before any function of ours is called.
+GstPadProbeReturn see_caps(GstPad*, GstPadProbeInfo* probe, gpointer transform) {
+  GstEvent* event = GST_PAD_PROBE_INFO_EVENT(probe);
+  if (GST_EVENT_TYPE(event) != GST_EVENT_CAPS) return GST_PAD_PROBE_OK;
+  GstCaps* caps = nullptr;
+  gst_event_parse_caps(event, &caps);
+  element_of(transform).check_format(caps);
+  return GST_PAD_PROBE_OK;
+}
+
 gboolean stop(GstBaseTransform* transform) {
   element_of(transform).ended();
   element_of(transform).stop();
@@ -363,6 +373,9 @@ void instance_init(GTypeInstance* instance, gpointer klass) {
       new FilterElement(GST_ELEMENT(instance), *static_cast<GstInverseFilterClass*>(klass)->info);
   gst_base_transform_set_qos_enabled(GST_BASE_TRANSFORM(instance), TRUE);
   gst_base_transform_set_gap_aware(GST_BASE_TRANSFORM(instance), TRUE);
+  if (static_cast<GstInverseFilterClass*>(klass)->info->takes_pixels())
+    gst_pad_add_probe(GST_BASE_TRANSFORM_SINK_PAD(instance), GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM,
+                      see_caps, instance, nullptr);
 }
 
 /// The base type of all elements of a plugin: one for each plugin, as each has its own code.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "filter_element.hpp"
+#include "gst/base/frames/video_format.hpp"
 #include "gst/base/log/errors.hpp"
 #include "largest_size.hpp"
 #include "missing_layers.hpp"
@@ -15,6 +16,17 @@
 #define GST_CAT_DEFAULT (log_.category)
 
 namespace inverse {
+
+void FilterElement::check_format(const GstCaps* caps) {
+  const GstStructure* structure = gst_caps_get_structure(caps, 0);
+  const char* name = gst_structure_get_string(structure, "format");
+  if (!name || !gst_structure_has_name(structure, "video/x-raw")) return;
+  const GstVideoFormat format = gst_video_format_from_string(name);
+  // Once: an element that pushes on after an error sends the caps with every buffer.
+  if (format == std::exchange(reported_format_, format) || format == GST_VIDEO_FORMAT_UNKNOWN)
+    return;
+  guarded(element_, [&] { video_format(format); });
+}
 
 bool FilterElement::set_caps(GstCaps* in, GstCaps* out) {
   // Once: an element that pushes on after an error asks again with every buffer.

@@ -9,6 +9,7 @@
 #include <functional>
 #include <utility>
 
+#include "gst/base/frames/video_format.hpp"
 #include "gst/base/log/errors.hpp"
 #include "gst/base/meta/layers_meta.hpp"
 #include "kernels/reuse/tolerances.hpp"
@@ -70,6 +71,7 @@ bool FilterElement::restart() {
     reported_ratio_ = {1, 1};
     reported_views_ = {""};  // no warning
     explained_ = false;
+    reported_format_ = GST_VIDEO_FORMAT_UNKNOWN;
     filter_->start();
   });
 }

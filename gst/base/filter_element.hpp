@@ -34,6 +34,9 @@ class FilterElement {
   /// PAUSED → READY: forgets caps and frames.
   void stop();
 
+  /// Posts one error that names the nearest formats if these caps have a format of raw video that
+  /// is not supported.
+  void check_format(const GstCaps* caps);
   /// Checks fixed caps; posts one error and returns false if they cannot be handled.
   bool set_caps(GstCaps* in, GstCaps* out);
   /// Caps were refused downstream: posts one error if an editor sends layers to what takes none.
@@ -122,6 +125,7 @@ class FilterElement {
   bool explained_ = false;                    // posted an error of what downstream refused
   std::pair<int, int> reported_ratio_{1, 1};  // of pixels, that was warned of last
   std::set<std::string> reported_views_{""};  // warnings of pictures of layers, and none
+  GstVideoFormat reported_format_ = GST_VIDEO_FORMAT_UNKNOWN;  // last, by check_format
   bool in_layers_ = false, in_images_ = false, out_layers_ = false;
   bool configured_ = false;
   std::atomic<bool> fresh_{true};

@@ -2,6 +2,7 @@
 #include "frame_io.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <string>
 
@@ -172,6 +173,14 @@ FrameFormat frame_format(const GstVideoInfo& info) {
   if (info.chroma_site != GST_VIDEO_CHROMA_SITE_UNKNOWN)
     format.site = {(info.chroma_site & GST_VIDEO_CHROMA_SITE_H_COSITED) != 0,
                    (info.chroma_site & GST_VIDEO_CHROMA_SITE_V_COSITED) != 0};
+  for (uint32_t p = 0; p < format.format.planes; ++p)
+    if (row_bytes(format.format, format.extent, p) >
+        static_cast<uint32_t>(std::abs(info.stride[p])))
+      throw Error(ErrorKind::unsupported,
+                  "GStreamer's rows of " + std::string(format.format.name) + " have no room for " +
+                      std::to_string(format.extent.width) +
+                      " pixels; crop to an even width, or insert videoconvert ! "
+                      "video/x-raw,format=P010_10LE");
   return aligned_layout(format, 4);
 }
 

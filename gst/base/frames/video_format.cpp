@@ -53,7 +53,7 @@ constexpr GstVideoFormat kGray[] = {GST_VIDEO_FORMAT_GRAY8, GST_VIDEO_FORMAT_GRA
 /// What GStreamer 1.22 leaves out of its descriptions, or describes otherwise than its own
 /// functions read it.
 void correct(PixelFormat& f, GstVideoFormat format) {
-  auto& [y, u, v, a] = f.components;
+  Component &y = f.components[0], &u = f.components[1], &v = f.components[2], &a = f.components[3];
   const auto offsets = [&](uint8_t first, uint8_t second, uint8_t third) {
     y.offset = first;
     u.offset = second;
@@ -156,8 +156,7 @@ bool is_listed(std::span<const GstVideoFormat> formats, GstVideoFormat format) {
   return std::find(formats.begin(), formats.end(), format) != formats.end();
 }
 
-/// What is lost from one format to another, the worst first: color, depth, chroma samples, alpha;
-/// then by how much it is more.
+/// What is lost from one format to another, the worst first; then how much they differ otherwise.
 auto loss(const GstVideoFormatInfo& from, const GstVideoFormatInfo& to) {
   const bool color = GST_VIDEO_FORMAT_INFO_IS_GRAY(&to) && !GST_VIDEO_FORMAT_INFO_IS_GRAY(&from);
   const guint want = std::min(GST_VIDEO_FORMAT_INFO_DEPTH(&from, 0), 16U),
@@ -170,7 +169,7 @@ auto loss(const GstVideoFormatInfo& from, const GstVideoFormatInfo& to) {
       GST_VIDEO_FORMAT_INFO_HAS_ALPHA(&from) && !GST_VIDEO_FORMAT_INFO_HAS_ALPHA(&to);
   const bool model = GST_VIDEO_FORMAT_INFO_IS_YUV(&from) != GST_VIDEO_FORMAT_INFO_IS_YUV(&to);
   return std::tuple{color,
-                    depth < want,
+                    want - std::min(depth, want),
                     std::max(blur, 0),
                     alpha,
                     model,
@@ -193,17 +192,26 @@ PixelFormat video_format(GstVideoFormat format) {
   return described(*gst_video_format_get_info(format));
 }
 
+GstVideoFormat nearest_format(GstVideoFormat format, std::span<const GstVideoFormat> candidates) {
+  const GstVideoFormatInfo& from = *gst_video_format_get_info(format);
+  const auto nearest = std::min_element(candidates.begin(), candidates.end(),
+                                        [&](GstVideoFormat a, GstVideoFormat b) {
+                                          return loss(from, *gst_video_format_get_info(a)) <
+                                                 loss(from, *gst_video_format_get_info(b));
+                                        });
+  return nearest == candidates.end() ? GST_VIDEO_FORMAT_UNKNOWN : *nearest;
+}
+
 std::string nearest_formats(GstVideoFormat format) {
-  const GstVideoFormatInfo* from = gst_video_format_get_info(format);
   std::vector<GstVideoFormat> formats(std::begin(kColor), std::end(kColor));
   formats.insert(formats.end(), std::begin(kGray), std::end(kGray));
-  if (from && from->n_components > 0)
-    std::stable_sort(formats.begin(), formats.end(), [&](GstVideoFormat a, GstVideoFormat b) {
-      return loss(*from, *gst_video_format_get_info(a)) <
-             loss(*from, *gst_video_format_get_info(b));
-    });
-  return std::string(gst_video_format_to_string(formats[0])) + ", " +
-         gst_video_format_to_string(formats[1]) + " or " + gst_video_format_to_string(formats[2]);
+  std::string names;
+  for (const char* before : {"", ", ", " or "}) {
+    const GstVideoFormat nearest = nearest_format(format, formats);
+    std::erase(formats, nearest);
+    names += std::string(before) + gst_video_format_to_string(nearest);
+  }
+  return names;
 }
 
 }  // namespace inverse

@@ -17,8 +17,11 @@ std::span<const GstVideoFormat> gray_formats();
 /// Error(unsupported), which names the nearest formats, for all others.
 PixelFormat video_format(GstVideoFormat format);
 
-/// Up to three of the formats above that lose least of what this one has, the nearest first, as
-/// "A, B or C".
+/// That of the candidates which loses least of what a format has, the worst first: color, depth,
+/// chroma samples, alpha; the first of equals. Unknown if there are none.
+GstVideoFormat nearest_format(GstVideoFormat format, std::span<const GstVideoFormat> candidates);
+
+/// The three of the formats above that are nearest in this sense, as "A, B or C".
 std::string nearest_formats(GstVideoFormat format);
 
 }  // namespace inverse

@@ -18,25 +18,6 @@ constexpr const char* kDecomposers[] = {"intrinsicdecomp", "intrinsicdecompthesi
 constexpr const char* kAnyLayers =
     "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS "), layers=(string){ intrinsic, global }";
 
-/// The formats that an element's sink pad takes in system memory.
-std::vector<std::string> formats_of(const char* factory) {
-  GstElementFactory* found = gst_element_factory_find(factory);
-  std::vector<std::string> formats;
-  for (const GList* item = gst_element_factory_get_static_pad_templates(found); item;
-       item = item->next) {
-    auto* pad = static_cast<GstStaticPadTemplate*>(item->data);
-    if (pad->direction != GST_PAD_SINK) continue;
-    GstCaps* caps = gst_static_pad_template_get_caps(pad);
-    const GValue* list =
-        gst_structure_get_value(gst_caps_get_structure(caps, 0), "format");  // pixels come first
-    for (guint i = 0; i < gst_value_list_get_size(list); ++i)
-      formats.emplace_back(g_value_get_string(gst_value_list_get_value(list, i)));
-    gst_caps_unref(caps);
-  }
-  gst_object_unref(found);
-  return formats;
-}
-
 /// A code value of 8-bit sRGB in linear light.
 float linear_of(uint8_t code) { return srgb_light(static_cast<float>(code) / 255.0f); }
 
@@ -52,10 +33,11 @@ class Decomposer : public ::testing::TestWithParam<const char*> {};
 
 }  // namespace
 
-TEST_P(Decomposer, EveryFormatPassesThroughUnchangedWhenTheInputIsShown) {
-  const auto formats = formats_of(GetParam());
-  EXPECT_EQ(formats.size(), 15u);
-  for (const std::string& format : formats) {
+// Those with kernels of their own; format_test.cpp has the others.
+TEST_P(Decomposer, FormatsPassThroughUnchangedWhenTheInputIsShown) {
+  for (const std::string format :
+       {"RGBA", "BGRA", "RGBx", "BGRx", "RGB", "BGR", "RGBA64_LE", "GRAY8", "GRAY16_LE", "NV12",
+        "I420", "YUY2", "UYVY", "P010_10LE", "I420_10LE"}) {
     for (const auto& [width, height] : {std::pair{15, 10}, {349, 287}, {1, 1}, {2, 3}}) {
       const std::string caps = VideoHarness::caps(format, width, height);
       VideoHarness harness(quick(GetParam()) + " show=input", caps, caps);
@@ -195,10 +177,10 @@ TEST_P(Decomposer, InterlacedVideoIsRefusedWithAdvice) {
 TEST_P(Decomposer, UnsupportedTransferCurvesAreRefusedByName) {
   const auto result = run_line(
       "videotestsrc num-buffers=2 ! "
-      "video/x-raw,format=P010_10LE,width=64,height=48,colorimetry=bt2100-pq ! " +
+      "video/x-raw,format=P010_10LE,width=64,height=48,colorimetry=2:6:9:7 ! " +
       std::string(GetParam()) + " ! fakesink");
   expect_contains(result.first_error(), GetParam());
-  expect_contains(result.first_error(), "PQ");
+  expect_contains(result.first_error(), "logarithmic");
 }
 
 TEST_P(Decomposer, AFrameTooLargeForTheDeviceNamesTheLimit) {

@@ -199,7 +199,7 @@ TEST_F(Split, AMissingLayerIsOneErrorWithItsRemedy) {
 
 TEST_F(Split, APadThatNothingSuitsIsOneErrorThatNamesIt) {
   decompose(16, 8);
-  gst_harness_set_sink_caps_str(pad("shading"), "video/x-raw, format=v210");
+  gst_harness_set_sink_caps_str(pad("shading"), "video/x-raw, format=UYVP");
   pad("reflectance");
   EXPECT_NE(push(random_frame(caps_, 3)), GST_FLOW_OK);
   expect_one(errors(), "pad shading of intrinsicsplit");
