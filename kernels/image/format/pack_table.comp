@@ -138,8 +138,8 @@ void main() {
   if (first >= push.size.x) return;
   uint end = min(place.y * ROWS + ROWS, push.size.y);
   for (uint row = place.y * ROWS; row < end; row += 1u << H_SUB) {
-    for (uint i = 0u; i < words.length(); ++i) words[i] = 0u;
-    for (uint i = 0u; i < kMaxAcross; ++i) sum_cb[i] = sum_cr[i] = 0.0;
+    [[unroll]] for (uint i = 0u; i < words.length(); ++i) words[i] = 0u;
+    [[unroll]] for (uint i = 0u; i < kMaxAcross; ++i) sum_cb[i] = sum_cr[i] = 0.0;
     uint lines = min(1u << H_SUB, end - row);
     draw(row, first, 0u, true, H_SUB > 0u ? 0.5 : 1.0);
     if (H_SUB > 0u) {

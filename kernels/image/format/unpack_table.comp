@@ -55,7 +55,7 @@ void main() {
   uvec2 place = kTileAcross == 0u ? gl_GlobalInvocationID.xy : listed_position(push.size.x);
   uint x = place.x * 4u;
   if (x >= push.size.x) return;
-  uint count = min(push.size.x - x, 4u);
+  uint count = push.size.x - x;
   uint first = place.y * ROWS;
   uint end = min(first + ROWS, push.size.y);
   Chroma upper = Chroma(vec4(0.0), vec4(0.0)), lower = upper;
@@ -88,6 +88,9 @@ void main() {
     }
     if (ALPHA) a = codes_at(3u, row, x) / float(largest_of(3u));
     uint at = row * push.size.x + x;
-    for (uint i = 0u; i < count; ++i) STORE(linear, at + i, vec4(r[i], g[i], b[i], a[i]));
+    STORE(linear, at, vec4(r.x, g.x, b.x, a.x));
+    if (count > 1u) STORE(linear, at + 1u, vec4(r.y, g.y, b.y, a.y));
+    if (count > 2u) STORE(linear, at + 2u, vec4(r.z, g.z, b.z, a.z));
+    if (count > 3u) STORE(linear, at + 3u, vec4(r.w, g.w, b.w, a.w));
   }
 }
