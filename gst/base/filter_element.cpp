@@ -193,6 +193,13 @@ void FilterElement::read_input(GstBuffer* in, Slot& slot, FrameContext& frame) {
     frame.repeated = !frame.changed.empty() &&
                      std::none_of(frame.changed.begin(), frame.changed.end(), std::identity{});
     repeats_.next(frame.repeated);
+    // Planes that no kernel can bind as a whole are written by rows, not by tiles.
+    const uint64_t plane_bytes =
+        planes_->extent().pixels() * gpu::element_bytes(gpu::Element::vec4);
+    if (!frame.repeated && plane_bytes > device_->limits().storage_buffer_bytes) {
+      every_tile_.assign(frame.changed.size(), 1);
+      frame.changed = every_tile_;
+    }
   }
   frame.keep_planes = repeats_.going_on();
   frame.layers.extent = planes_->extent();

@@ -133,6 +133,7 @@ class FilterElement {
   std::unique_ptr<FrameOutput> output_;
   std::optional<PlanePool> planes_;
   Repeats repeats_;
+  std::vector<uint8_t> every_tile_;  // FrameContext::changed of frames that change as a whole
   PlanePtr kept_input_;   // of the frame before, while repeats go on or little changes
   gpu::BufferPtr drawn_;  // the slot's buffer with the bytes of the frame before
   gpu::FrameRing<Slot> slots_;

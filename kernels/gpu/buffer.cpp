@@ -63,10 +63,9 @@ std::shared_ptr<Buffer> Buffer::create(std::shared_ptr<Device> device, Element e
 }
 
 std::shared_ptr<Buffer> Buffer::create_by_rows(std::shared_ptr<Device> device, Element element,
-                                               uint64_t count) {
-  if (device->variant().portable) return create(std::move(device), element, count);
-  return std::shared_ptr<Buffer>(
-      new Buffer(std::move(device), element, count ? count : 1, Memory::device));
+                                               uint64_t count, Memory memory) {
+  if (device->variant().portable) return create(std::move(device), element, count, memory);
+  return std::shared_ptr<Buffer>(new Buffer(std::move(device), element, count ? count : 1, memory));
 }
 
 Buffer::Buffer(std::shared_ptr<Device> device, Element element, uint64_t count, Memory memory)

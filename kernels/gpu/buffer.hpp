@@ -31,10 +31,10 @@ class Buffer {
   /// buffer, naming the limit, and Error(out_of_memory).
   static std::shared_ptr<Buffer> create(std::shared_ptr<Device> device, Element element,
                                         uint64_t count, Memory memory = Memory::device);
-  /// As `create`, of device memory, for kernels that write it by rows: only a texel view limits it,
-  /// in the portable variant what a kernel can bind.
+  /// As `create`, for kernels that write it by rows: only a texel view limits it, in the portable
+  /// variant what a kernel can bind.
   static std::shared_ptr<Buffer> create_by_rows(std::shared_ptr<Device> device, Element element,
-                                                uint64_t count);
+                                                uint64_t count, Memory memory = Memory::device);
   Buffer(const Buffer&) = delete;
   Buffer& operator=(const Buffer&) = delete;
   ~Buffer();

@@ -193,7 +193,8 @@ FrameInput::FrameInput(const GstVideoInfo& info)
     : info_(info), format_(frame_format(info)), changed_(format_.format, format_.extent) {}
 
 gpu::BufferPtr FrameInput::make_buffer(const std::shared_ptr<gpu::Device>& device) const {
-  return gpu::Buffer::create(device, gpu::Element::word, raw_words(format_), gpu::Memory::upload);
+  return gpu::Buffer::create_by_rows(device, gpu::Element::word, raw_words(format_),
+                                     gpu::Memory::upload);
 }
 
 void FrameInput::configure(const std::shared_ptr<gpu::Device>& device) {
@@ -229,8 +230,9 @@ FrameOutput::FrameOutput(const GstVideoInfo& info, GstVideoColorPrimaries planes
 }
 
 gpu::BufferPtr FrameOutput::make_buffer(const std::shared_ptr<gpu::Device>& device) const {
-  auto raw =
-      gpu::Buffer::create(device, gpu::Element::word, raw_words(format_), gpu::Memory::readback);
+  // Rows of several planes are not one part of a buffer.
+  const auto create = format_.format.planes == 1 ? gpu::Buffer::create_by_rows : gpu::Buffer::create;
+  auto raw = create(device, gpu::Element::word, raw_words(format_), gpu::Memory::readback);
   memset(raw->map(), 0, raw->bytes());  // row padding goes out with the rows
   return raw;
 }

@@ -21,8 +21,8 @@ GBytes* download(GstInverseLayersMeta* meta, GstInverseRole role) {
   if (!plane) return nullptr;
   try {
     const auto device = plane->buffer->device();
-    const auto host = gpu::Buffer::create(device, gpu::Element::vec4, plane->extent.pixels(),
-                                          gpu::Memory::readback);
+    const auto host = gpu::Buffer::create_by_rows(device, gpu::Element::vec4,
+                                                  plane->extent.pixels(), gpu::Memory::readback);
     gpu::Commands commands(device);
     commands.begin();
     commands.copy(plane->buffer, host, host->bytes());
@@ -52,10 +52,11 @@ gboolean upload(GstInverseLayersMeta* meta, GstInverseRole role, GBytes* data) {
   try {
     const auto device = (*any)->buffer->device();
     const auto host =
-        gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels(), gpu::Memory::upload);
+        gpu::Buffer::create_by_rows(device, gpu::Element::vec4, extent.pixels(),
+                                    gpu::Memory::upload);
     memcpy(host->map(), g_bytes_get_data(data, nullptr), host->bytes());
     const auto plane = std::make_shared<Plane>(
-        Plane{extent, gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels())});
+        Plane{extent, gpu::Buffer::create_by_rows(device, gpu::Element::vec4, extent.pixels())});
     gpu::Commands commands(device);
     commands.begin();
     commands.copy(host, plane->buffer, host->bytes());

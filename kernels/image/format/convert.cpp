@@ -148,7 +148,12 @@ uint32_t blocks(uint32_t pixels, uint32_t size) { return (pixels + size - 1) / s
 
 }  // namespace
 
-uint64_t raw_words(const FrameFormat& format) { return (frame_bytes(format) + 3) / 4; }
+uint64_t raw_words(const FrameFormat& format) {
+  // The only plane's last row is as long as the others, so that rows can be bound by.
+  if (format.format.planes == 1)
+    return (format.offset[0] + uint64_t{format.extent.height} * format.stride[0]) / 4;
+  return (frame_bytes(format) + 3) / 4;
+}
 
 Unpack::Unpack(const std::shared_ptr<gpu::Device>& device, const FrameFormat& format)
     : format_(format) {
@@ -186,12 +191,13 @@ void Unpack::record(gpu::Commands& commands, const gpu::BufferPtr& raw, const Pl
       .power = t.power,
       .ceiling = static_cast<float>(largest_value(luma)),
       .gain = 0,
-      .largest = 0};
-  const gpu::Items items{blocks(format_.extent.width, 4),
-                         blocks(format_.extent.height, kStripRows)};
+      .largest = 0,
+      .first_row = 0};
+  const gpu::Rows rows{blocks(format_.extent.width, 4), format_.extent.height, kStripRows};
   const auto dispatch = [&](const auto& program) {
     if (program)
-      program->dispatch(commands, listed, {.raw = raw, .linear = linear.buffer}, push, items);
+      program->dispatch_rows(commands, listed,
+                             {.raw = raw, .linear = gpu::by_rows(linear.buffer)}, push, rows);
   };
   dispatch(rgb_);
   dispatch(yuv_);
@@ -246,18 +252,20 @@ void Pack::record(gpu::Commands& commands, const Drawing& drawing, const gpu::Bu
                   .power = 1 / t.power,
                   .ceiling = static_cast<float>(t.decode(largest_value(luma))),
                   .gain = drawing.gain,
-                  .largest = luma.largest};
+                  .largest = luma.largest,
+                  .first_row = 0};
   const gpu::BufferPtr &picture = drawing.picture.buffer,
                        &alpha = drawing.alpha ? drawing.alpha->buffer : picture;
-  const gpu::Items items{blocks(format_.extent.width, across_),
-                         blocks(format_.extent.height, kStripRows)};
+  const gpu::Rows rows{blocks(format_.extent.width, across_), format_.extent.height, kStripRows};
+  // Rows of several planes are not one part of a buffer.
+  const gpu::Out to = format_.format.planes == 1 ? gpu::Out(gpu::by_rows(raw)) : gpu::Out(raw);
   if (rgb_)
-    rgb_->dispatch(commands, listed, {.picture = picture, .alpha_plane = alpha, .raw = raw}, push,
-                   items);
-  if (yuv_) yuv_->dispatch(commands, listed, {.picture = picture, .raw = raw}, push, items);
+    rgb_->dispatch_rows(commands, listed, {.picture = picture, .alpha_plane = alpha, .raw = to},
+                        push, rows);
+  if (yuv_) yuv_->dispatch_rows(commands, listed, {.picture = picture, .raw = to}, push, rows);
   if (table_)
-    table_->dispatch(commands, TileList::kTile % across_ == 0 ? listed : nullptr,
-                     {.picture = picture, .alpha_plane = alpha, .raw = raw}, push, items);
+    table_->dispatch_rows(commands, TileList::kTile % across_ == 0 ? listed : nullptr,
+                          {.picture = picture, .alpha_plane = alpha, .raw = to}, push, rows);
 }
 
 }  // namespace inverse

@@ -13,6 +13,7 @@ layout(push_constant) uniform Push {
   float ceiling;    // unpack: largest encoded value; pack: largest linear value
   float gain;       // pack: linear light is multiplied by it
   float largest;    // pack: largest code
+  uint first_row;   // of the plane that is unpacked; of a raw buffer of one plane
 } push;
 const uint ROWS = 8u;         // of the strip that an invocation converts
 const uint kFlagShading = 1u;  // draw the plane's w as gray

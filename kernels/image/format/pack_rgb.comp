@@ -18,7 +18,7 @@ WORD_OUT(2, raw);
 #include "image/tiles/tiles.glsl"
 
 void store(uint row, uint index, uint word) {
-  STORE(raw, push.offset.x + row * push.stride.x + index, word);
+  STORE(raw, push.offset.x + (row - push.first_row) * push.stride.x + index, word);
 }
 
 float alpha_at(uint row, uint column) {
@@ -30,7 +30,7 @@ void main() {
   uint block = place.x;
   if (block * 4u >= push.size.x) return;
   uint count = push.size.x - block * 4u;
-  uint first = place.y * ROWS;
+  uint first = push.first_row + place.y * ROWS;
   uint last = min(first + ROWS, push.size.y);
   for (uint row = first; row < last; ++row) {
     uint x = block * 4u;

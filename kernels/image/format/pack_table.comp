@@ -127,7 +127,7 @@ void store(uint row, uint block, uint lines) {
       if (line < (halved ? 1u : lines))
         [[unroll]] for (uint i = 0u; i < within; ++i)
           if (block * within + i < in_row)
-            STORE(raw, push.offset[plane] + ((halved ? row >> 1 : row) + line) * push.stride[plane] + block * within + i,
+            STORE(raw, push.offset[plane] + ((halved ? row >> 1 : row) + line - push.first_row) * push.stride[plane] + block * within + i,
                   words[(plane * 2u + line) * kMaxWords + i]);
   }
 }
@@ -136,8 +136,8 @@ void main() {
   uvec2 place = kTileAcross == 0u ? gl_GlobalInvocationID.xy : listed_position(push.size.x);
   uint block = place.x, first = block * ACROSS;
   if (first >= push.size.x) return;
-  uint end = min(place.y * ROWS + ROWS, push.size.y);
-  for (uint row = place.y * ROWS; row < end; row += 1u << H_SUB) {
+  uint begin = push.first_row + place.y * ROWS, end = min(begin + ROWS, push.size.y);
+  for (uint row = begin; row < end; row += 1u << H_SUB) {
     [[unroll]] for (uint i = 0u; i < words.length(); ++i) words[i] = 0u;
     [[unroll]] for (uint i = 0u; i < kMaxAcross; ++i) sum_cb[i] = sum_cr[i] = 0.0;
     uint lines = min(1u << H_SUB, end - row);

@@ -18,7 +18,7 @@ WORD_OUT(1, raw);
 #include "image/tiles/tiles.glsl"
 
 void store(uint plane, uint row, uint index, uint word) {
-  STORE(raw, push.offset[plane] + row * push.stride[plane] + index, word);
+  STORE(raw, push.offset[plane] + (row - push.first_row) * push.stride[plane] + index, word);
 }
 
 vec4 luma(Pack q) {
@@ -88,7 +88,7 @@ void main() {
   uvec2 place = kTileAcross == 0u ? gl_GlobalInvocationID.xy : listed_position(push.size.x);
   uint first = place.x * BLOCKS * 4u;
   if (first >= push.size.x) return;
-  uint begin = place.y * PAIRS;
+  uint begin = push.first_row / 2u + place.y * PAIRS;
   uint end = min(begin + PAIRS, (push.size.y + 1u) / 2u);
   for (uint pair = begin; pair < end; ++pair) {
     uint row = pair * 2u;

@@ -19,10 +19,10 @@ PLANE_OUT(1, linear);
 uint word(uint row, uint index) { return FETCH1(raw, word_index(0u, row, index)); }
 
 void store(uint at, uint count, vec4 r, vec4 g, vec4 b, vec4 a) {
-  if (count > 0u) STORE(linear, at, vec4(r.x, g.x, b.x, a.x));
-  if (count > 1u) STORE(linear, at + 1u, vec4(r.y, g.y, b.y, a.y));
-  if (count > 2u) STORE(linear, at + 2u, vec4(r.z, g.z, b.z, a.z));
-  if (count > 3u) STORE(linear, at + 3u, vec4(r.w, g.w, b.w, a.w));
+  if (count > 0u) STORE(linear, BY_ROWS(at), vec4(r.x, g.x, b.x, a.x));
+  if (count > 1u) STORE(linear, BY_ROWS(at + 1u), vec4(r.y, g.y, b.y, a.y));
+  if (count > 2u) STORE(linear, BY_ROWS(at + 2u), vec4(r.z, g.z, b.z, a.z));
+  if (count > 3u) STORE(linear, BY_ROWS(at + 3u), vec4(r.w, g.w, b.w, a.w));
 }
 
 vec4 light(uvec4 code) {
@@ -35,7 +35,7 @@ void main() {
   uint block = place.x;
   if (block * 4u >= push.size.x) return;
   uint count = push.size.x - block * 4u;
-  uint first = place.y * ROWS;
+  uint first = push.first_row + place.y * ROWS;
   uint last = min(first + ROWS, push.size.y);
   for (uint row = first; row < last; ++row) {
     uvec4 r, g, b, a;

@@ -56,7 +56,7 @@ void main() {
   uint x = place.x * 4u;
   if (x >= push.size.x) return;
   uint count = push.size.x - x;
-  uint first = place.y * ROWS;
+  uint first = push.first_row + place.y * ROWS;
   uint end = min(first + ROWS, push.size.y);
   Chroma upper = Chroma(vec4(0.0), vec4(0.0)), lower = upper;
   int have = -9;  // the chroma row in `upper`
@@ -88,9 +88,9 @@ void main() {
     }
     if (ALPHA) a = codes_at(3u, row, x) / float(largest_of(3u));
     uint at = row * push.size.x + x;
-    STORE(linear, at, vec4(r.x, g.x, b.x, a.x));
-    if (count > 1u) STORE(linear, at + 1u, vec4(r.y, g.y, b.y, a.y));
-    if (count > 2u) STORE(linear, at + 2u, vec4(r.z, g.z, b.z, a.z));
-    if (count > 3u) STORE(linear, at + 3u, vec4(r.w, g.w, b.w, a.w));
+    STORE(linear, BY_ROWS(at), vec4(r.x, g.x, b.x, a.x));
+    if (count > 1u) STORE(linear, BY_ROWS(at + 1u), vec4(r.y, g.y, b.y, a.y));
+    if (count > 2u) STORE(linear, BY_ROWS(at + 2u), vec4(r.z, g.z, b.z, a.z));
+    if (count > 3u) STORE(linear, BY_ROWS(at + 3u), vec4(r.w, g.w, b.w, a.w));
   }
 }

@@ -72,17 +72,17 @@ void draw(uint row, uint block, vec4 cb, vec4 cr) {
   vec4 b = light(y + push.matrix.w * cb);
   uint at = row * push.size.x + block * 4u;
   uint count = push.size.x - block * 4u;
-  STORE(linear, at, vec4(r.x, g.x, b.x, 1.0));
-  if (count > 1u) STORE(linear, at + 1u, vec4(r.y, g.y, b.y, 1.0));
-  if (count > 2u) STORE(linear, at + 2u, vec4(r.z, g.z, b.z, 1.0));
-  if (count > 3u) STORE(linear, at + 3u, vec4(r.w, g.w, b.w, 1.0));
+  STORE(linear, BY_ROWS(at), vec4(r.x, g.x, b.x, 1.0));
+  if (count > 1u) STORE(linear, BY_ROWS(at + 1u), vec4(r.y, g.y, b.y, 1.0));
+  if (count > 2u) STORE(linear, BY_ROWS(at + 2u), vec4(r.z, g.z, b.z, 1.0));
+  if (count > 3u) STORE(linear, BY_ROWS(at + 3u), vec4(r.w, g.w, b.w, 1.0));
 }
 
 void main() {
   uvec2 place = kTileAcross == 0u ? gl_GlobalInvocationID.xy : listed_position(push.size.x);
   uint block = place.x;
   if (block * 4u >= push.size.x) return;
-  uint first = place.y * PAIRS;
+  uint first = push.first_row / 2u + place.y * PAIRS;
   uint rows = (push.size.y + 1u) / 2u;
   uint end = min(first + PAIRS, rows);
   if (PACKED) {
