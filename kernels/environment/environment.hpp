@@ -9,6 +9,8 @@
 
 namespace inverse {
 
+class OpenFile;
+
 /// Distant light by direction: a latitude-longitude map of linear RGB radiance.
 ///
 /// Directions are in camera axes: x right, y up, z towards the camera. Row 0 is up, the center
@@ -35,6 +37,8 @@ class Environment {
   /// columns are mirrored here and in `save`. Invalid radiance is changed as in `bounded`;
   /// `changed` receives the count. Throws Error(file).
   static Environment load(const std::string& path, size_t* changed = nullptr);
+  /// The same of a file that is open; messages call it `path`.
+  static Environment load(const OpenFile& file, const std::string& path, size_t* changed = nullptr);
   /// Makes a map from any radiance: NaN and negative values become 0; values above kMaxRadiance
   /// become kMaxRadiance; infinity becomes the largest finite value, or the largest half float if
   /// that is greater. `changed` receives the number of changed values. Throws as the constructor.

@@ -3,18 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <memory>
 
 #include "common/error.hpp"
-#include "common/regular_file.hpp"
+#include "common/open_file.hpp"
 
 // stb_image's decoder, private to this file.
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_MAX_DIMENSIONS 8192
 #define STBI_ONLY_PNG
+#define STBI_NO_STDIO
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic ignored "-Wmissing-field-initializers"
@@ -42,13 +41,21 @@ NormalMap NormalMap::load(const std::string& path, std::string& warning) {
                                      "; a normal map is a PNG, RGB = xyz from -1 to 1, z to "
                                      "the camera");
   };
-  if (const std::string why = why_no_file(path); !why.empty()) refuse("it " + why);
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
-                                                             std::fclose);
-  if (!file) refuse(std::strerror(errno));
+  constexpr uint64_t kMaxBytes = uint64_t{1} << 30;  // twice the largest map, uncompressed
+  std::string fault;
+  const std::string file = read_file(path, kMaxBytes, fault);
+  if (!fault.empty()) refuse("it " + fault);
+  const auto* bytes = reinterpret_cast<const stbi_uc*>(file.data());
+  const auto size = static_cast<int>(file.size());
   int width = 0, height = 0, channels = 0;
+  // Before memory is taken for it: Deflate shrinks to a thousandth at most, one bit is the least.
+  constexpr uint64_t kMaxRatio = 8 * 1032;
+  if (stbi_info_from_memory(bytes, size, &width, &height, &channels) &&
+      kMaxRatio * file.size() < static_cast<uint64_t>(width) * static_cast<uint64_t>(height))
+    refuse("it ends too early for " + std::to_string(width) + "x" + std::to_string(height) +
+           " pixels");
   const std::unique_ptr<stbi_us, void (*)(void*)> pixels(
-      stbi_load_from_file_16(file.get(), &width, &height, &channels, 4), stbi_image_free);
+      stbi_load_16_from_memory(bytes, size, &width, &height, &channels, 4), stbi_image_free);
   if (!pixels) refuse(std::string("no PNG (") + stbi_failure_reason() + ")");
   if (channels < 3) refuse("it is gray");
   const Extent extent{static_cast<uint32_t>(width), static_cast<uint32_t>(height)};

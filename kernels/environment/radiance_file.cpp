@@ -13,10 +13,12 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <string_view>
 
 #include "common/error.hpp"
 #include "common/file_extension.hpp"
-#include "common/regular_file.hpp"
+#include "common/new_file.hpp"
+#include "common/open_file.hpp"
 #include "environment.hpp"
 
 // Private to this file, because an application may link its own stb.
@@ -79,13 +81,13 @@ Target target_of(const std::string& path) {
 struct Reader {
   static constexpr int kPixel = 4;
 
-  std::ifstream file;
+  std::string_view left;
   bool beyond_end = false;
 
   static int read(void* self, char* to, int bytes) {
     auto& reader = *static_cast<Reader*>(self);
-    reader.file.read(to, bytes);
-    const auto got = static_cast<int>(reader.file.gcount());
+    const auto got = static_cast<int>(reader.left.copy(to, static_cast<size_t>(bytes)));
+    reader.left.remove_prefix(static_cast<size_t>(got));
     // A buffer may end early, but pixels (4 bytes) have to be complete.
     if (got == bytes || (got > 0 && bytes > kPixel)) return got;
     reader.beyond_end = true;
@@ -93,12 +95,10 @@ struct Reader {
     return bytes;
   }
   static void skip(void* self, int bytes) {
-    static_cast<Reader*>(self)->file.seekg(bytes, std::ios::cur);
+    std::string_view& left = static_cast<Reader*>(self)->left;
+    left.remove_prefix(std::min(left.size(), static_cast<size_t>(std::max(bytes, 0))));
   }
-  static int ended(void* self) {
-    auto& reader = *static_cast<Reader*>(self);
-    return reader.file.eof() || !reader.file;
-  }
+  static int ended(void* self) { return static_cast<Reader*>(self)->left.empty(); }
 };
 
 /// Multiplies by the one or three numbers of a header line; keys may repeat.
@@ -118,13 +118,14 @@ void multiply(std::array<float, 3>& factors, std::string_view line) {
 }
 
 /// The factors that a file's header declares for red, green and blue.
-std::array<float, 3> exposure_of(const std::string& path) {
+std::array<float, 3> exposure_of(std::string_view file, const std::string& path) {
   std::array<float, 3> factors{1, 1, 1};
-  std::ifstream file(path, std::ios::binary);
-  for (char line[1024]; file.getline(line, sizeof line) && *line;)  // no header's are longer
-    if (const std::string_view text(line);
-        text.starts_with("EXPOSURE=") || text.starts_with("COLORCORR="))
-      multiply(factors, text);
+  while (true) {
+    const std::string_view line = file.substr(0, file.find('\n'));
+    if (line.empty()) break;
+    if (line.starts_with("EXPOSURE=") || line.starts_with("COLORCORR=")) multiply(factors, line);
+    file.remove_prefix(std::min(line.size() + 1, file.size()));
+  }
   for (const float f : factors)
     if (!std::isnormal(f) || f < 0) fail(path, "has an exposure of no use in its header");
   return factors;
@@ -136,14 +137,11 @@ struct Panorama {
 };
 
 /// The pixels of a file in camera axes.
-Panorama read(const std::string& path) {
-  const std::string name = "environment map " + path;
-  if (const std::string why = why_no_file(path); !why.empty()) fail(path, why);
+Panorama parse(std::string_view file, const std::string& path) {
   const stbi_io_callbacks callbacks{Reader::read, Reader::skip, Reader::ended};
   int width = 0, height = 0, channels = 0;
-  const auto open = [&](auto use) {
-    Reader reader{std::ifstream(path, std::ios::binary)};
-    if (!reader.file) fail(path, std::string("cannot be read: ") + strerror(errno));
+  const auto decode = [&](auto use) {
+    Reader reader{file};
     auto result = use(&reader);
     if (reader.beyond_end) fail(path, "ends too early; it was not copied or written whole");
     if (!result)
@@ -152,25 +150,23 @@ Panorama read(const std::string& path) {
                      stbi_failure_reason() + "); convert others, with Blender for example");
     return result;
   };
-  open([&](Reader* reader) {
+  decode([&](Reader* reader) {
     return stbi_info_from_callbacks(&callbacks, reader, &width, &height, &channels);
   });
   if (width < 0 || height < 0) fail(path, "has a size below 0 in its header");
   const Extent extent{static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
-  Environment::check_size(extent, name);
-  std::error_code status;
+  Environment::check_size(extent, "environment map " + path);
   // The size in the header may be wrong: a row needs at least two bytes per 127 values.
-  if (std::filesystem::file_size(path, status) <
-      static_cast<uint64_t>(height) * 8 * (static_cast<uint64_t>(width) / 127))
+  if (file.size() < static_cast<uint64_t>(height) * 8 * (static_cast<uint64_t>(width) / 127))
     fail(path, "ends too early; it was not copied or written whole");
-  const auto rgb = open([&](Reader* reader) {
+  const auto rgb = decode([&](Reader* reader) {
     return std::unique_ptr<float, void (*)(void*)>(
         stbi_loadf_from_callbacks(&callbacks, reader, &width, &height, &channels, 3),
         stbi_image_free);
   });
   Panorama panorama{extent, {rgb.get(), rgb.get() + 3 * extent.pixels()}};
   mirror_columns(panorama.rgb, extent);
-  const auto exposure = exposure_of(path);
+  const auto exposure = exposure_of(file, path);
   for (size_t i = 0; i < panorama.rgb.size(); ++i) panorama.rgb[i] /= exposure[i % 3];
   return panorama;
 }
@@ -178,7 +174,15 @@ Panorama read(const std::string& path) {
 }  // namespace
 
 Environment Environment::load(const std::string& path, size_t* changed) {
-  Panorama panorama = read(path);
+  return load(OpenFile(path), path, changed);
+}
+
+Environment Environment::load(const OpenFile& file, const std::string& path, size_t* changed) {
+  constexpr uint64_t kMaxBytes = uint64_t{1} << 30;  // twice the largest map without runs
+  std::string fault;
+  const std::string bytes = read_file(file, kMaxBytes, fault);
+  if (!fault.empty()) fail(path, fault);
+  Panorama panorama = parse(bytes, path);
   size_t values = 0;
   return bounded(panorama.extent, std::move(panorama.rgb), changed ? *changed : values,
                  "environment map " + path);
@@ -188,32 +192,38 @@ void Environment::check_target(const std::string& path) { target_of(path); }
 
 void Environment::save(const std::string& path) const {
   const auto [target, there, in_place] = target_of(path);
-  static std::atomic<unsigned> drafts{0};  // others may save to the same file meanwhile
-  const std::string draft = in_place ? path
-                                     : target.string() + "." + std::to_string(getpid()) + "-" +
-                                           std::to_string(drafts++) + ".new";
-  std::ofstream file(draft, std::ios::binary | std::ios::trunc);
-  if (!file) fail_to_write(path, strerror(errno));
-  const auto write = [](void* to, void* data, int bytes) {
-    static_cast<std::ofstream*>(to)->write(static_cast<const char*>(data), bytes);
+  const auto append = [](void* to, void* data, int bytes) {
+    static_cast<std::string*>(to)->append(static_cast<const char*>(data),
+                                          static_cast<size_t>(bytes));
   };
   std::vector<float> picture = rgb_;
   mirror_columns(picture, extent_);
-  const int done = stbi_write_hdr_to_func(write, &file, static_cast<int>(extent_.width),
-                                          static_cast<int>(extent_.height), 3, picture.data());
-  file.close();
-  if (!done || !file) {
-    if (!in_place) std::remove(draft.c_str());
-    fail_to_write(path, "the file is not whole; is the disk full?");
+  std::string bytes;
+  if (!stbi_write_hdr_to_func(append, &bytes, static_cast<int>(extent_.width),
+                              static_cast<int>(extent_.height), 3, picture.data()))
+    fail_to_write(path, "it cannot be encoded");
+  if (in_place) {
+    std::ofstream file(path, std::ios::binary | std::ios::trunc);
+    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    file.close();
+    if (!file) fail_to_write(path, "the file is not whole; is the disk full?");
+    return;
   }
-  if (in_place) return;
-  std::error_code none;
-  if (there)
-    std::filesystem::permissions(draft, std::filesystem::status(target, none).permissions(), none);
-  if (std::rename(draft.c_str(), target.c_str()) != 0) {
-    const std::string why = strerror(errno);
-    std::remove(draft.c_str());
-    fail_to_write(path, why);
+  static std::atomic<unsigned> drafts{0};  // others may save to the same file meanwhile
+  NewFile draft(target.string() + "." + std::to_string(getpid()) + "-" +
+                std::to_string(drafts++) + ".new");
+  try {
+    draft.write(0, bytes.data(), bytes.size());
+    draft.close();
+    std::error_code none;
+    if (there)
+      std::filesystem::permissions(draft.path(),
+                                   std::filesystem::status(target, none).permissions(), none);
+    if (std::rename(draft.path().c_str(), target.c_str()) != 0)
+      fail_to_write(path, strerror(errno));
+  } catch (const Error&) {
+    std::remove(draft.path().c_str());
+    throw;
   }
 }
 

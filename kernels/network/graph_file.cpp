@@ -4,13 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 
 #include "common/error.hpp"
-#include "common/regular_file.hpp"
+#include "common/open_file.hpp"
 
 static_assert(std::endian::native == std::endian::little, "files are read as they lie in memory");
 
@@ -193,11 +190,10 @@ Graph from_file(std::span<const std::byte> bytes, const std::string& name) {
 
 Graph load(const std::string& path) {
   constexpr const char* kRemedy = "; inverse-onnx-import makes a network file of an ONNX file";
-  if (const std::string why = why_no_file(path); !why.empty())
-    throw Error(ErrorKind::file, path + ": it " + why + kRemedy);
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(ErrorKind::file, path + ": " + std::strerror(errno) + kRemedy);
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
+  constexpr uint64_t kMaxBytes = uint64_t{1} << 30;
+  std::string fault;
+  const std::string bytes = read_file(path, kMaxBytes, fault);
+  if (!fault.empty()) throw Error(ErrorKind::file, path + ": it " + fault + kRemedy);
   return from_file(std::as_bytes(std::span(bytes)), path);
 }
 

@@ -367,6 +367,8 @@ TEST_F(NormalMapFile, InvalidFilesAreRefusedByName) {
   expect_refused("no PNG");
   file.write(png(90000, 90000, 3, 8, {1, 2, 3}));
   expect_refused("no PNG (too large)");
+  file.write(png(8000, 8000, 3, 8, {1, 2, 3}));
+  expect_refused("ends too early for 8000x8000");
 }
 
 }  // namespace inverse::testing

@@ -15,6 +15,7 @@
 #include "common/error.hpp"
 #include "kernels/environment/prefiltered_light.hpp"
 #include "tests/expect_error.hpp"
+#include "tests/replaced_file.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
@@ -167,6 +168,33 @@ TEST_F(EnvironmentTest, InvalidFilesAreErrorsWithTheirCause) {
   const Environment map = Environment::uniform({1, 1, 1});
   expect_error(ErrorKind::output, "cannot be written: there is no folder /nowhere",
                [&] { map.save("/nowhere/map.hdr"); });
+}
+
+// Whatever is put under its name meanwhile.
+TEST_F(EnvironmentTest, AFileIsReadFromOneOpening) {
+  const auto bytes = [&](uint32_t rows, float value) {
+    Environment({2 * rows, rows}, std::vector<float>(size_t{6} * rows * rows, value))
+        .save(path("one.hdr"));
+    return contents(path("one.hdr"));
+  };
+  const ReplacedFile file("map.hdr", {bytes(64, 1), bytes(4, 2), bytes(4, 4), bytes(4, 8)});
+  if (!file.works()) GTEST_SKIP() << "no leases on this file system";
+  const Environment map = Environment::load(file.path());
+  EXPECT_EQ(file.openings(), 1);
+  EXPECT_EQ(map.extent(), (Extent{128, 64}));
+  for (const float value : map.rgb()) ASSERT_EQ(value, 1);
+}
+
+// In a folder that others may write to, a link may lie where the draft will be.
+TEST_F(EnvironmentTest, ADraftDoesNotFollowALink) {
+  const std::string victim = written("victim", "somebody's"), map = path("map.hdr");
+  for (int i = 0; i < 1000; ++i)
+    std::filesystem::create_symlink(
+        victim, map + "." + std::to_string(getpid()) + "-" + std::to_string(i) + ".new");
+  expect_error(ErrorKind::output, "is in the way: remove it",
+               [&] { Environment::uniform({1, 1, 1}).save(map); });
+  EXPECT_EQ(contents(victim), "somebody's");
+  EXPECT_FALSE(std::filesystem::exists(map));
 }
 
 TEST_F(EnvironmentTest, InvalidRadianceBecomesTheNearestValidValue) {
