@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "common/error.hpp"
+
 namespace inverse::serial {
 namespace {
 
@@ -69,12 +71,21 @@ std::vector<std::string> program_lines(const LightProgram& program) {
   const uint32_t loop =
       static_cast<uint32_t>(program.steps.size()) + (program.marker == Marker::pass ? kMarker : 0);
   std::vector<std::string> lines;
+  size_t bytes = 0;
   lines.push_back("begin " + hex(program.id(), 16) + " " + std::to_string(program.lights.size()) +
                   " " + std::to_string(intro) + " " + std::to_string(loop) + " " +
                   std::to_string(program.repeat) + "\n");
   // The first triggers are the intro and one pass.
-  for (uint32_t i = 0; i < intro + loop; ++i)
+  for (uint32_t i = 0; i < intro + loop; ++i) {
     lines.push_back(set_line(i, program.colors(program.at(i))));
+    bytes += lines.back().size();
+    if (bytes > kMaxProgramBytes)
+      throw Error(ErrorKind::unsupported,
+                  '"' + program.name + "\" has more than " +
+                      std::to_string(kMaxProgramBytes >> 20) +
+                      " MiB of colors for a serial controller; use fewer steps that set lights one "
+                      "by one, or backend=sacn");
+  }
   const std::string sum = checksum_of(lines);
   lines.push_back("end " + sum + "\n");
   return lines;

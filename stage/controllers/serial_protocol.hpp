@@ -17,11 +17,14 @@ inline constexpr int kVersion = 1;
 /// Of a reply, bytes. The rest of a longer line is dropped.
 inline constexpr size_t kMaxReplyLength = 512;
 
+/// Of the upload of a program, which may be a thousand times as long as its file.
+inline constexpr size_t kMaxProgramBytes = size_t{64} << 20;
+
 /// CRC-32 of zlib and Ethernet.
 uint32_t crc32(std::string_view bytes);
 
 /// The upload of a program: `begin`, one `set` per step, `end` with the checksum of all bytes
-/// before it. Each line ends with a line feed.
+/// before it. Each line ends with a line feed. Throws Error(unsupported) above kMaxProgramBytes.
 std::vector<std::string> program_lines(const LightProgram& program);
 /// The checksum of `end` and of its reply, as text.
 std::string checksum_of(const std::vector<std::string>& lines);

@@ -3,17 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
+#include "common/json.hpp"
+#include "common/open_file.hpp"
 
 namespace inverse {
 namespace {
 
-constexpr uintmax_t kMaxJsonBytes = uintmax_t{16} << 20;
+constexpr uint64_t kMaxJsonBytes = uint64_t{16} << 20;
 
 [[noreturn]] void refuse(const std::string& text) { throw Error(ErrorKind::file, text); }
 
@@ -27,20 +25,17 @@ std::string usual_name(size_t light) {
 }  // namespace
 
 LightList LightList::load(const std::string& path) {
-  std::error_code error;
-  const uintmax_t size = std::filesystem::file_size(path, error);
-  if (error)
-    refuse("cannot read " + path + ": " + error.message() +
-           "; an OLAT folder has lights.json and olat/000.exr, 001.exr, …");
-  if (size > kMaxJsonBytes) refuse(path + " is too large for a list of lights");
-  std::ifstream file(path);
-  const std::string text(std::istreambuf_iterator<char>(file), {});
+  std::string fault;
+  const std::string text = read_file(path, kMaxJsonBytes, fault);
+  if (!fault.empty())
+    refuse(path + " " + fault + "; an OLAT folder has lights.json and olat/000.exr, 001.exr, …");
   return parse(text, path);
 }
 
 LightList LightList::parse(std::string_view text, const std::string& name) {
-  const auto json = nlohmann::json::parse(text, nullptr, false);
-  if (json.is_discarded()) refuse(name + " is no JSON");
+  std::string fault;
+  const auto json = parse_json<nlohmann::json>(text, fault);
+  if (!fault.empty()) refuse(name + " " + fault);
   LightList lights;
   auto& directions = lights.directions;
   auto& files = lights.files;

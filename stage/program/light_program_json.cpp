@@ -5,10 +5,11 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "common/error.hpp"
+#include "common/json.hpp"
+#include "common/open_file.hpp"
 #include "light_program.hpp"
 
 namespace inverse {
@@ -157,12 +158,9 @@ Json write(const LightStep& step) {
 
 LightProgram LightProgram::parse(std::string_view text, const std::string& name) {
   if (text.size() > kMaxFileBytes) throw Error(ErrorKind::file, name + " is longer than 64 MiB");
-  Json json;
-  try {
-    json = Json::parse(text);
-  } catch (const Json::exception& error) {
-    throw Error(ErrorKind::file, name + " is not JSON: " + error.what());
-  }
+  std::string fault;
+  const Json json = parse_json<Json>(text, fault);
+  if (!fault.empty()) throw Error(ErrorKind::file, name + " " + fault);
   const Object object(json, name);
   if (object.text("format") != kFormat)
     object.refuse(std::string("is not a light program: its \"format\" is not \"") + kFormat + "\"");
@@ -202,12 +200,9 @@ LightProgram LightProgram::parse(std::string_view text, const std::string& name)
 }
 
 LightProgram LightProgram::load(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(ErrorKind::file, "the light program " + path + " cannot be read");
-  std::string text;
-  std::array<char, 65536> part{};
-  while (text.size() <= kMaxFileBytes && (file.read(part.data(), part.size()) || file.gcount()))
-    text.append(part.data(), static_cast<size_t>(file.gcount()));
+  std::string fault;
+  const std::string text = read_file(path, kMaxFileBytes, fault);
+  if (!fault.empty()) throw Error(ErrorKind::file, "the light program " + path + " " + fault);
   return parse(text, path);
 }
 

@@ -3,6 +3,7 @@
 #include "stage/program/light_program.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -11,6 +12,7 @@
 #include <string>
 
 #include "common/error.hpp"
+#include "stage/program/light_list.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -143,7 +145,7 @@ TEST(LightProgram, InvalidProgramsAreErrorsWithTheirCause) {
       {"", "not JSON"},
       {"[]", "not an object"},
       {"{}", "\"format\""},
-      {std::string(100000, '['), "not JSON"},
+      {std::string(100000, '['), "more than 100 deep"},
       {R"({"format": "gst-inverse light program", "version": 2})", "version"},
       {with("", kBlack), "no lights"},
       {with(kTwo, ""), "no steps"},
@@ -188,7 +190,7 @@ TEST(LightProgram, ByName) {
                           [&] { light_program(name); });
   for (const auto& [name, text] :
        {std::pair{"/no/such.json", "the light program /no/such.json cannot be read"},
-        {"/", "/ is not JSON"}})
+        {"/", "the light program / is no file"}})
     testing::expect_error(ErrorKind::file, text, [&] { light_program(name); });
 }
 
@@ -213,6 +215,37 @@ TEST(LightProgram, UnknownFieldsAreNamed) {
   testing::expect_contains(parse_error(with(R"({"direction": [0, 0, 1], "channel": [1]})", kBlack)),
                            "light 0");
   EXPECT_EQ(parse_error(with(kTwo, kBlack, R"("comment": "of the old rig", )")), "");
+}
+
+TEST(LightProgram, JsonThatTakesMuchMemoryIsRefused) {
+  const std::string deep = std::string(101, '[') + std::string(101, ']');
+  testing::expect_contains(parse_error(with(kTwo, kBlack, "\"comment\": " + deep + ", ")),
+                           "program nests its JSON more than 100 deep");
+  testing::expect_contains(parse_error(std::string(1 << 20, '[')), "more than 100 deep");
+  std::string many = "[1";
+  for (int i = 0; i < 9000000; ++i) many += ",1";
+  testing::expect_contains(parse_error(with(kTwo, kBlack, "\"comment\": " + many + "], ")),
+                           "more than 8388608 values");
+  testing::expect_contains(parse_error(with(kTwo, kBlack, "\"rate\": 30, ")),
+                           "has the field \"rate\" twice");
+}
+
+TEST(LightList, JsonThatTakesMuchMemoryIsRefused) {
+  testing::expect_error(ErrorKind::file, "lights nests its JSON more than 100 deep", [] {
+    LightList::parse("{\"directions\": [[0, 0, 1]], \"comment\": " + std::string(101, '[') +
+                         std::string(101, ']') + "}",
+                     "lights");
+  });
+}
+
+// Its opening would wait for a writer.
+TEST(LightProgram, PipesAreRefused) {
+  const testing::TemporaryFolder folder;
+  ASSERT_EQ(mkfifo((folder / "lights.json").c_str(), 0600), 0);
+  for (const auto load : {+[](const std::string& path) { LightProgram::load(path); },
+                          +[](const std::string& path) { LightList::load(path); }})
+    testing::expect_error(ErrorKind::file, "lights.json is no file",
+                          [&] { load(folder / "lights.json"); });
 }
 
 TEST(LightProgram, LightsMayBeThoseOfAFolder) {

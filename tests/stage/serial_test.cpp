@@ -91,6 +91,18 @@ TEST(SerialProtocol, Replies) {
     EXPECT_EQ(serial::parse_reply(text).kind, Kind::other) << text;
 }
 
+// 100 kB of JSON would be 3 GB of lines.
+TEST(SerialProtocol, ProgramsThatExpandToGigabytesAreRefused) {
+  const auto gradients = [](size_t steps) {
+    LightProgram program = performance(stage_lights(geodesic_directions(4096)));
+    program.steps.resize(steps, program.steps.front());
+    return program;
+  };
+  expect_error(ErrorKind::unsupported, "more than 64 MiB of colors for a serial controller",
+               [&] { serial::program_lines(gradients(LightProgram::kMaxSteps)); });
+  EXPECT_EQ(serial::program_lines(gradients(100)).size(), 105U);
+}
+
 TEST_F(SerialDriver, UploadsOnceAndSteps) {
   for (const auto marker :
        {LightProgram::Marker::start, LightProgram::Marker::pass, LightProgram::Marker::none}) {
