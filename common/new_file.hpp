@@ -24,7 +24,7 @@ class NewFile {
       throw Error(ErrorKind::output, "cannot write " + path_ +
                                          ": another file or link of this name is in the way: "
                                          "remove it");
-    if (fd_ < 0) fail();
+    if (fd_ < 0) fail(errno);
   }
   ~NewFile() {
     if (fd_ >= 0) ::close(fd_);
@@ -39,24 +39,26 @@ class NewFile {
       const ssize_t part = pwrite(fd_, static_cast<const char*>(data) + done, bytes - done,
                                   static_cast<off_t>(at + done));
       if (part < 0 && errno == EINTR) continue;
-      if (part <= 0) fail();
+      if (part <= 0) fail(failure_ = errno);
       done += static_cast<size_t>(part);
     }
   }
-  /// Throws Error(output) if what was written is not stored.
+  /// Throws Error(output) if not all was stored, also if nobody saw that a write failed.
   void close() {
     const int fd = fd_;
     fd_ = -1;
-    if (::close(fd) != 0) fail();
+    if (::close(fd) != 0 && !failure_) failure_ = errno;
+    if (failure_) fail(failure_);
   }
 
  private:
-  [[noreturn]] void fail() const {
-    throw Error(ErrorKind::output, "cannot write " + path_ + ": " + std::strerror(errno));
+  [[noreturn]] void fail(int failure) const {
+    throw Error(ErrorKind::output, "cannot write " + path_ + ": " + std::strerror(failure));
   }
 
   std::string path_;
   int fd_;
+  int failure_ = 0;  // errno of a write
 };
 
 }  // namespace inverse

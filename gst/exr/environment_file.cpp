@@ -1,26 +1,25 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "environment_file.hpp"
 
-#include <fstream>
+#include <memory>
 #include <vector>
 
 #include "common/error.hpp"
-#include "common/regular_file.hpp"
+#include "common/open_file.hpp"
 #include "exr_picture.hpp"
 
 namespace inverse {
 namespace {
 
-bool is_exr(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
+bool is_exr(const OpenFile& file) {
   unsigned char head[4] = {};
-  file.read(reinterpret_cast<char*>(head), sizeof(head));
-  return file && head[0] == 0x76 && head[1] == 0x2f && head[2] == 0x31 && head[3] == 0x01;
+  return file.read(0, head, sizeof head) == sizeof head && head[0] == 0x76 && head[1] == 0x2f && head[2] == 0x31 && head[3] == 0x01;
 }
 
-Environment load_exr(const std::string& path, size_t& changed) {
+Environment load_exr(std::shared_ptr<const OpenFile> file, const std::string& path,
+                     size_t& changed) {
   const std::string name = "environment map " + path;
-  const ExrPicture picture(path, name, Environment::kMaxWidth);
+  ExrPicture picture(std::move(file), name, Environment::kMaxWidth);
   Environment::check_size(picture.extent(), name);
   std::vector<float> rgb = picture.rgb();
   mirror_columns(rgb, picture.extent());
@@ -30,11 +29,10 @@ Environment load_exr(const std::string& path, size_t& changed) {
 }  // namespace
 
 Environment load_environment(const std::string& path, std::string& warning) {
-  if (const std::string why = why_no_file(path); !why.empty())
-    throw Error(ErrorKind::file, "environment map " + path + " " + why);
+  const auto file = std::make_shared<const OpenFile>(path);
   size_t changed = 0;
   Environment environment =
-      is_exr(path) ? load_exr(path, changed) : Environment::load(path, &changed);
+      is_exr(*file) ? load_exr(file, path, changed) : Environment::load(*file, path, &changed);
   warning = changed == 0 ? ""
                          : "environment map " + path + " holds " + std::to_string(changed) +
                                " values that are no radiance (negative, above 1e9, infinite or no "

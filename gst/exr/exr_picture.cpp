@@ -9,6 +9,7 @@
 #include <array>
 
 #include "common/error.hpp"
+#include "exr_stream.hpp"
 
 namespace inverse {
 namespace {
@@ -42,29 +43,35 @@ auto read(const std::string& name, Act act) {
 }  // namespace
 
 ExrPicture::ExrPicture(const std::string& path, std::string name, int64_t max_side)
-    : path_(path), name_(std::move(name)) {
+    : ExrPicture(std::make_shared<const OpenFile>(path), std::move(name), max_side) {}
+
+ExrPicture::ExrPicture(std::shared_ptr<const OpenFile> file, std::string name, int64_t max_side)
+    : name_(std::move(name)) {
+  if (!file->fault().empty()) throw Error(ErrorKind::file, name_ + " " + file->fault());
   read(name_, [&] {
-    const Imf::InputFile file(path_.c_str());
-    const Imath::Box2i window = file.header().dataWindow();
+    stream_ = std::make_unique<ExrReader>(std::move(file), name_);
+    file_ = std::make_unique<Imf::InputFile>(*stream_);
+    const Imath::Box2i window = file_->header().dataWindow();
     const int64_t width = int64_t{window.max.x} - window.min.x + 1;
     const int64_t height = int64_t{window.max.y} - window.min.y + 1;
     if (width < 1 || height < 1 || width > max_side || height > max_side)
       throw Error(ErrorKind::file, name_ + " is " + std::to_string(width) + "x" +
                                        std::to_string(height) + "; pictures have up to " +
                                        std::to_string(max_side) + " pixels along a side");
-    channels_of(file.header(), name_);
+    channels_of(file_->header(), name_);
     extent_ = {static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
   });
 }
 
-std::vector<float> ExrPicture::rgb() const {
+ExrPicture::~ExrPicture() = default;
+
+std::vector<float> ExrPicture::rgb() {
   return read(name_, [&] {
-    Imf::InputFile file(path_.c_str());
-    const Imath::Box2i window = file.header().dataWindow();
+    const Imath::Box2i window = file_->header().dataWindow();
     const size_t width = extent_.width;
     std::vector<float> rgb(3 * extent_.pixels());
     Imf::FrameBuffer target;
-    const auto names = channels_of(file.header(), name_);
+    const auto names = channels_of(file_->header(), name_);
     const bool gray = names[0] == names[1];
     constexpr size_t kPixel = 3 * sizeof(float);
     for (size_t c = 0; c < (gray ? 1 : 3); ++c) {
@@ -75,8 +82,8 @@ std::vector<float> ExrPicture::rgb() const {
       target.insert(names[c],
                     Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(start), kPixel, kPixel * width));
     }
-    file.setFrameBuffer(target);
-    file.readPixels(window.min.y, window.max.y);
+    file_->setFrameBuffer(target);
+    file_->readPixels(window.min.y, window.max.y);
     if (gray)
       for (size_t i = 0; i < rgb.size(); i += 3) rgb[i + 1] = rgb[i + 2] = rgb[i];
     return rgb;

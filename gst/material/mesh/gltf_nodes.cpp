@@ -4,56 +4,28 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <unordered_map>
 #include <vector>
+
+#include "common/json.hpp"
 
 namespace inverse {
 namespace {
 
 using nlohmann::json;
 
-constexpr int kDeepest = 1000;     // nodes below each other
-constexpr int kDeepestJson = 100;  // brackets in each other
+constexpr int kDeepest = 1000;  // nodes below each other
 
 /// The JSON of a file: all of it, or the first chunk of a binary one.
-std::string json_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
+std::string_view json_of(std::string_view file) {
   uint32_t header[5] = {};  // magic, version, length; of the first chunk length and kind
-  file.read(reinterpret_cast<char*>(header), sizeof header);
-  if (file && std::memcmp(header, "glTF", 4) == 0) {
-    file.seekg(0, std::ios::end);
-    const auto bytes = static_cast<uint64_t>(file.tellg());
-    std::string text(std::min<uint64_t>(header[3], bytes), '\0');
-    file.seekg(sizeof header);
-    file.read(text.data(), static_cast<std::streamsize>(text.size()));
-    text.resize(static_cast<size_t>(file.gcount()));
-    return text;
+  if (file.starts_with("glTF") && file.size() >= sizeof header) {
+    std::memcpy(header, file.data(), sizeof header);
+    file = file.substr(sizeof header, header[3]);
   }
-  file.clear();
-  file.seekg(0);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-/// How deep brackets lie in each other.
-int depth_of(const std::string& json) {
-  int depth = 0, deepest = 0;
-  bool quoted = false;
-  for (size_t i = 0; i < json.size(); ++i) {
-    const char c = json[i];
-    if (quoted) {
-      if (c == '\\')
-        ++i;
-      else
-        quoted = c != '"';
-      continue;
-    }
-    quoted = c == '"';
-    if (c == '[' || c == '{') deepest = std::max(deepest, ++depth);
-    if (c == ']' || c == '}') --depth;
-  }
-  return deepest;
+  // What Assimp's reader passes over.
+  if (file.starts_with("\xef\xbb\xbf")) file.remove_prefix(3);
+  return file.substr(0, file.find('\0'));
 }
 
 /// Indices of the nodes below each node; other things than nodes that are there are the reader's.
@@ -80,11 +52,10 @@ std::vector<std::vector<size_t>> children_of(const json& nodes) {
 
 }  // namespace
 
-std::string gltf_nodes_fault(const std::string& path) {
-  const std::string text = json_of(path);
-  if (depth_of(text) > kDeepestJson)
-    return "nests its JSON more than " + std::to_string(kDeepestJson) + " deep";
-  const json file = json::parse(text, nullptr, false);
+std::string gltf_nodes_fault(std::string_view content) {
+  std::string fault;
+  const json file = parse_json<json>(json_of(content), fault);
+  if (!fault.empty()) return fault;
   if (!file.is_object() || !file.contains("nodes") || !file["nodes"].is_structured()) return "";
   const auto children = children_of(file["nodes"]);
   std::vector<int> parents(children.size(), 0);

@@ -10,7 +10,6 @@
 #include <array>
 #include <assimp/Importer.hpp>
 #include <cmath>
-#include <fstream>
 #include <iterator>
 #include <set>
 #include <string_view>
@@ -34,16 +33,19 @@ constexpr std::array<std::string_view, 4> kExtensions{"obj", "ply", "gltf", "glb
   throw Error(ErrorKind::file, "mesh " + path + " " + what);
 }
 
-void check_file(const std::string& path) {
-  if (const std::string why = why_no_mesh(path); !why.empty()) fail(path, why);
+/// The content of a file that was checked.
+std::string checked(const std::string& path) {
+  std::string why;
+  std::string content = read_mesh(path, why);
+  if (!why.empty()) fail(path, why);
   const std::string extension = extension_of(path);
   if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end())
     fail(path, "is not named as an OBJ, PLY or glTF file (.obj, .ply, .gltf, .glb)");
-  if (!std::ifstream(path)) fail(path, "cannot be read: permission denied");
   if (extension.starts_with("gl"))
-    if (const std::string fault = gltf_nodes_fault(path); !fault.empty()) fail(path, fault);
+    if (const std::string fault = gltf_nodes_fault(content); !fault.empty()) fail(path, fault);
   if (extension == "ply")
-    if (const std::string fault = ply_length_fault(path); !fault.empty()) fail(path, fault);
+    if (const std::string fault = ply_length_fault(content); !fault.empty()) fail(path, fault);
+  return content;
 }
 
 /// Of the many formats of Assimp, only ours: fewer surprises.
@@ -147,10 +149,10 @@ void append(Mesh& mesh, const aiMesh& part) {
   }
 }
 
-Mesh read(const std::string& path, std::string& warning) {
+Mesh read(const std::string& path, std::string content, std::string& warning) {
   Assimp::Importer importer;
   keep_our_formats(importer);
-  importer.SetIOHandler(mesh_system(path).release());  // now its own
+  importer.SetIOHandler(mesh_system(path, std::move(content)).release());  // now its own
   importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS,
                               aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
                                   aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS |
@@ -192,10 +194,10 @@ Mesh read(const std::string& path, std::string& warning) {
 
 Mesh load_mesh(const std::string& path, std::string& warning) {
   warning.clear();
-  check_file(path);
+  std::string content = checked(path);
   Mesh mesh;
   try {
-    mesh = read(path, warning);
+    mesh = read(path, std::move(content), warning);
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {

@@ -1,90 +1,112 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "mesh_system.hpp"
 
-#include <assimp/DefaultIOSystem.h>
-
+#include <algorithm>
 #include <assimp/IOStream.hpp>
 #include <cstdint>
-#include <filesystem>
+#include <cstring>
 #include <stdexcept>
 
 #include "common/file_extension.hpp"
-#include "common/regular_file.hpp"
+#include "common/open_file.hpp"
 
 namespace inverse {
 namespace {
 
-constexpr uintmax_t kMaxBytes = uintmax_t{1} << 30;
+namespace fs = std::filesystem;
+
+constexpr uint64_t kMaxBytes = uint64_t{1} << 30;
+constexpr const char* kRemedy = "; simplify it, with Blender's Decimate for example";
 
 /// A file as Assimp reads it. Some of Assimp's readers loop for ever behind its end: this
 /// one throws then.
-class BoundedStream final : public Assimp::IOStream {
+class MeshStream final : public Assimp::IOStream {
  public:
-  BoundedStream(Assimp::IOSystem& system, Assimp::IOStream* inner)
-      : system_(system), inner_(inner) {}
-  BoundedStream(const BoundedStream&) = delete;
-  BoundedStream& operator=(const BoundedStream&) = delete;
-  ~BoundedStream() override { system_.Close(inner_); }
+  explicit MeshStream(std::shared_ptr<const std::string> content) : content_(std::move(content)) {}
 
   size_t Read(void* to, size_t size, size_t count) override {
     constexpr int kMaxEmptyReads = 1000;
-    const size_t got = inner_->Read(to, size, count);
+    const size_t got = size == 0 ? 0 : std::min(count, (content_->size() - at_) / size);
     if (got == 0 && ++in_vain_ > kMaxEmptyReads)
       throw std::runtime_error("the file ends too early");
+    if (got) std::memcpy(to, content_->data() + at_, got * size);
+    at_ += got * size;
     return got;
   }
   size_t Write(const void*, size_t, size_t) override { return 0; }
-  aiReturn Seek(size_t offset, aiOrigin origin) override { return inner_->Seek(offset, origin); }
-  size_t Tell() const override { return inner_->Tell(); }
-  size_t FileSize() const override { return inner_->FileSize(); }
+  aiReturn Seek(size_t offset, aiOrigin origin) override {
+    const size_t from = origin == aiOrigin_SET   ? 0
+                        : origin == aiOrigin_CUR ? at_
+                                                 : content_->size();
+    const size_t to = from + offset;  // wraps: offsets may be meant as negative
+    if (to > content_->size()) return aiReturn_FAILURE;
+    at_ = to;
+    return aiReturn_SUCCESS;
+  }
+  size_t Tell() const override { return at_; }
+  size_t FileSize() const override { return content_->size(); }
   void Flush() override {}
 
  private:
-  Assimp::IOSystem& system_;
-  Assimp::IOStream* inner_;
+  std::shared_ptr<const std::string> content_;
+  size_t at_ = 0;
   int in_vain_ = 0;
 };
 
 /// The files of a mesh.
-class BoundedSystem final : public Assimp::DefaultIOSystem {
+class MeshSystem final : public Assimp::IOSystem {
  public:
-  explicit BoundedSystem(const std::string& mesh)
-      : mesh_(mesh), obj_(extension_of(mesh) == "obj") {}
-
-  bool Exists(const char* file) const override {  // Assimp's own opens it
-    return asks_for_shape(file) && why_no_mesh(file).empty();
+  MeshSystem(const std::string& mesh, std::string content)
+      : mesh_(mesh), content_(std::make_shared<const std::string>(std::move(content))) {
+    const fs::path folder = fs::path(mesh).parent_path();
+    folder_ = fs::canonical(folder.empty() ? "." : folder);
   }
-  Assimp::IOStream* Open(const char* file, const char* mode) override {
+
+  bool Exists(const char* file) const override {
     std::error_code status;
-    if (!asks_for_shape(file) || !std::filesystem::exists(file, status)) return nullptr;
-    if (const std::string why = why_no_mesh(file); !why.empty())
-      throw std::runtime_error(file + (" " + why));
-    Assimp::IOStream* inner = DefaultIOSystem::Open(file, mode);
-    return inner ? new BoundedStream(files_, inner) : nullptr;
+    return file == mesh_ || (asks_for_shape() && fs::is_regular_file(file, status));
+  }
+  char getOsSeparator() const override { return '/'; }
+  Assimp::IOStream* Open(const char* file, const char*) override {
+    if (file == mesh_) return new MeshStream(content_);
+    std::error_code status;
+    if (!asks_for_shape() || !fs::exists(file, status)) return nullptr;
+    const OpenFile found(file);
+    // Where it is by links and dots, so of what was opened.
+    if (found.fault().empty() && !is_within(folder_, found.real_path()))
+      throw std::runtime_error(std::string("it names the file ") + file +
+                               ", which is not in its folder: copy it there");
+    std::string fault;
+    std::string content = read_file(found, kMaxBytes, fault);
+    if (!fault.empty()) throw std::runtime_error(file + (" " + fault));
+    return new MeshStream(std::make_shared<const std::string>(std::move(content)));
   }
   void Close(Assimp::IOStream* stream) override { delete stream; }
 
  private:
   /// What an OBJ names are materials.
-  bool asks_for_shape(const std::string& file) const { return !obj_ || file == mesh_; }
+  bool asks_for_shape() const { return extension_of(mesh_) != "obj"; }
 
-  Assimp::DefaultIOSystem files_;
   std::string mesh_;
-  bool obj_;
+  fs::path folder_;  // without links
+  std::shared_ptr<const std::string> content_;
 };
 
 }  // namespace
 
-std::string why_no_mesh(const std::string& path) {
-  if (std::string why = why_no_file(path); !why.empty()) return why;
-  std::error_code status;
-  return std::filesystem::file_size(path, status) > kMaxBytes
-             ? "is larger than 1 GiB; simplify it, with Blender's Decimate for example"
-             : "";
+std::string read_mesh(const std::string& path, std::string& fault) {
+  std::string content = read_file(path, kMaxBytes, fault);
+  if (fault.starts_with("is larger")) fault += kRemedy;
+  return content;
 }
 
-std::unique_ptr<Assimp::IOSystem> mesh_system(const std::string& mesh) {
-  return std::make_unique<BoundedSystem>(mesh);
+bool is_within(const fs::path& folder, const fs::path& file) {
+  const auto [rest, none] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
+  return rest == folder.end() && file.is_absolute();
+}
+
+std::unique_ptr<Assimp::IOSystem> mesh_system(const std::string& mesh, std::string content) {
+  return std::make_unique<MeshSystem>(mesh, std::move(content));
 }
 
 }  // namespace inverse

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "ply_length.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <optional>
@@ -51,13 +51,14 @@ Format format_of(const std::string& name) {
   return name == "binary_big_endian" ? Format::big_endian : Format::none;
 }
 
-/// Reads up to the first byte behind the header. False if it is none, or one that Assimp does
-/// not take either.
-bool read_header(std::istream& file, Header& header) {
+/// Removes the header. False if it is none, or one that Assimp does not take either.
+bool read_header(std::string_view& file, Header& header) {
   constexpr size_t kLongest = size_t{1} << 16;  // comments are lines, too
-  std::vector<char> line(kLongest);
-  while (file.getline(line.data(), kLongest)) {
-    std::istringstream words{line.data()};
+  while (!file.empty()) {
+    const std::string_view line = file.substr(0, file.find('\n'));
+    if (line.size() >= kLongest) return false;
+    file.remove_prefix(std::min(line.size() + 1, file.size()));
+    std::istringstream words{std::string(line)};
     std::string word, type;
     words >> word;
     if (word == "end_header") return header.format != Format::none;
@@ -97,56 +98,56 @@ class Values {
 
 class BinaryValues final : public Values {
  public:
-  BinaryValues(std::istream& file, bool big_endian) : file_(file), big_endian_(big_endian) {
-    const auto here = file.tellg();
-    left_ = file.seekg(0, std::ios::end).tellg() - here;
-    file.seekg(here);
-  }
+  BinaryValues(std::string_view left, bool big_endian) : left_(left), big_endian_(big_endian) {}
   bool skip(int64_t count, Type type) override {
-    const auto bytes = static_cast<int64_t>(type.bytes);
-    if (count > left_ / bytes) return false;
-    left_ -= count * bytes;
-    file_.ignore(count * bytes);
+    if (count < 0 || static_cast<uint64_t>(count) > left_.size() / type.bytes) return false;
+    left_.remove_prefix(static_cast<size_t>(count) * type.bytes);
     return true;
   }
   std::optional<int64_t> next(Type type) override {
-    const auto bytes = static_cast<int64_t>(type.bytes);
-    if (left_ < bytes) return {};
-    left_ -= bytes;
+    if (left_.size() < type.bytes) return {};
     uint64_t value = 0, beyond = 1;
     for (size_t i = 0; i < type.bytes; ++i) {
-      const auto byte = static_cast<uint64_t>(static_cast<unsigned char>(file_.get()));
+      const auto byte = static_cast<uint64_t>(static_cast<unsigned char>(left_[i]));
       value = big_endian_ ? value << 8 | byte : value | byte << 8 * i;
       beyond <<= 8;
     }
+    left_.remove_prefix(type.bytes);
     if (type.is_signed && value >= beyond / 2) value -= beyond;
     return static_cast<int64_t>(value);
   }
 
  private:
-  std::istream& file_;
-  int64_t left_ = 0;
+  std::string_view left_;
   bool big_endian_;
 };
 
 class TextValues final : public Values {
  public:
-  explicit TextValues(std::istream& file) : file_(file) {}
+  explicit TextValues(std::string_view left) : left_(left) {}
   bool skip(int64_t count, Type) override {
     for (int64_t i = 0; i < count; ++i)
-      if (!(file_ >> word_)) return false;
+      if (word().empty()) return false;
     return true;
   }
   std::optional<int64_t> next(Type) override {
-    if (!(file_ >> word_)) return {};
+    const std::string_view text = word();
+    if (text.empty()) return {};
     int64_t value = 0;
-    std::from_chars(word_.data(), word_.data() + word_.size(), value);
+    std::from_chars(text.data(), text.data() + text.size(), value);
     return value;
   }
 
  private:
-  std::istream& file_;
-  std::string word_;
+  std::string_view word() {
+    constexpr const char* kSpace = " \t\n\v\f\r";
+    left_.remove_prefix(std::min(left_.find_first_not_of(kSpace), left_.size()));
+    const std::string_view found = left_.substr(0, left_.find_first_of(kSpace));
+    left_.remove_prefix(found.size());
+    return found;
+  }
+
+  std::string_view left_;
 };
 
 /// False if there are too few values, or a list of fewer than none.
@@ -166,8 +167,7 @@ int64_t skip(Values& values, const Element& element) {
 
 }  // namespace
 
-std::string ply_length_fault(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
+std::string ply_length_fault(std::string_view file) {
   Header header;
   if (!read_header(file, header)) return {};
   std::unique_ptr<Values> values;

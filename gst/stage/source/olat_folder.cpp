@@ -31,12 +31,12 @@ std::vector<uint32_t> OlatFolder::missing() const {
 
 ExrPicture OlatFolder::open(uint32_t light) const {
   const std::string file = path_ + "/" + files_[light];
-  return {file, file, kMaxPixels};
+  return ExrPicture(file, file, kMaxPixels);
 }
 
 std::vector<float> OlatFolder::image(uint32_t light) const {
   if (files_[light].empty()) return std::vector<float>(3 * extent_.pixels());
-  const ExrPicture picture = open(light);
+  ExrPicture picture = open(light);
   if (const Extent extent = picture.extent(); extent != extent_)
     refuse(path_ + "/" + files_[light] + " is " + std::to_string(extent.width) + "x" +
            std::to_string(extent.height) + ", the first image " + std::to_string(extent_.width) +

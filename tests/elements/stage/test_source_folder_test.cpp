@@ -92,7 +92,7 @@ TEST(LightStageTestSrc, InvalidFoldersAreErrors) {
     std::ofstream(folder.path() + "/lights.json") << "{\"directions\": [[0, 0, 2]]}";
     expect_contains(error_of(location), "not a unit vector");
     std::ofstream(folder.path() + "/lights.json") << "{\"directions\": [[0, 0";
-    expect_contains(error_of(location), "is no JSON");
+    expect_contains(error_of(location), "is not JSON");
     std::ofstream(folder.path() + "/lights.json") << "{\"directions\": [[0, 0, \"x\"]]}";
     expect_contains(error_of(location), "no direction of three numbers");
     std::ofstream(folder.path() + "/lights.json") << "[1]";
@@ -103,7 +103,7 @@ TEST(LightStageTestSrc, InvalidFoldersAreErrors) {
     fs::resize_file(folder.image(2), fs::file_size(folder.image(2)) / 2);
     expect_contains(error_of("location=" + folder.path()), "002.exr cannot be read as OpenEXR");
     fs::remove(folder.image(2));
-    expect_contains(error_of("location=" + folder.path()), "002.exr cannot be read as OpenEXR");
+    expect_contains(error_of("location=" + folder.path()), "002.exr cannot be read: No such file");
     folder.write(2, 25, 20);
     expect_contains(error_of("location=" + folder.path()),
                     "002.exr is 25x20, the first image 24x20");

@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "olat_assembler.hpp"
 
+#include <ImfHeader.h>
 #include <ImfRgbaFile.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
 #include "common/error.hpp"
+#include "common/new_file.hpp"
 #include "frame_picture.hpp"
 #include "gst/base/log/log.hpp"
+#include "gst/exr/exr_stream.hpp"
 #include "motion.hpp"
 #include "olat_motion.hpp"
 #include "stage/program/light_list.hpp"
@@ -28,15 +30,24 @@ using Position = LightProgram::Position;
 /// Linear light as half floats.
 void write_exr(const std::string& path, const cv::Mat& light) try {
   std::vector<Imf::Rgba> row(static_cast<size_t>(light.cols));
-  Imf::RgbaOutputFile file(path.c_str(), light.cols, light.rows, Imf::WRITE_RGB);
-  for (int y = 0; y < light.rows; ++y) {
-    const auto* from = light.ptr<cv::Vec3f>(y);
-    for (int x = 0; x < light.cols; ++x)
-      row[static_cast<size_t>(x)] = Imf::Rgba(from[x][0], from[x][1], from[x][2]);
-    file.setFrameBuffer(row.data() - static_cast<ptrdiff_t>(y) * light.cols, 1,
-                        static_cast<size_t>(light.cols));
-    file.writePixels(1);
+  NewFile made(path);
+  ExrWriter stream(made);
+  {
+    const Imf::Header header(light.cols, light.rows, 1, {0, 0}, 1, Imf::INCREASING_Y,
+                             Imf::PIZ_COMPRESSION);
+    Imf::RgbaOutputFile file(stream, header, Imf::WRITE_RGB);
+    for (int y = 0; y < light.rows; ++y) {
+      const auto* from = light.ptr<cv::Vec3f>(y);
+      for (int x = 0; x < light.cols; ++x)
+        row[static_cast<size_t>(x)] = Imf::Rgba(from[x][0], from[x][1], from[x][2]);
+      file.setFrameBuffer(row.data() - static_cast<ptrdiff_t>(y) * light.cols, 1,
+                          static_cast<size_t>(light.cols));
+      file.writePixels(1);
+    }
   }
+  made.close();
+} catch (const Error&) {
+  throw;
 } catch (const std::exception& error) {
   throw Error(ErrorKind::output, "cannot write " + path + ": " + error.what());
 }
@@ -83,7 +94,8 @@ void move_file(const std::string& from, const std::string& to) {
   std::error_code failed;
   std::filesystem::rename(from, to, failed);
   if (!failed) return;
-  std::filesystem::copy_file(from, to, std::filesystem::copy_options::overwrite_existing);
+  std::filesystem::remove(to);  // a link is replaced, not followed
+  std::filesystem::copy_file(from, to);
   std::filesystem::remove(from);
 }
 
@@ -245,14 +257,26 @@ std::string OlatAssembler::folder() const {
   return location_ + "/camera_" + std::to_string(camera_);
 }
 
-void OlatAssembler::save(const Held& held, const cv::Mat& light) {
+/// Others may write to the location: a link where the draft will be is not followed.
+void OlatAssembler::make_draft() const {
   std::error_code failed;
-  std::filesystem::create_directories(draft() + "/olat", failed);
+  std::filesystem::create_directories(folder(), failed);
+  for (const std::string& path : {draft(), draft() + "/olat"})
+    if (!failed && !std::filesystem::create_directory(path, failed) && !failed)
+      failed = std::make_error_code(std::errc::file_exists);
   if (failed)
     throw Error(ErrorKind::output,
-                "the folder " + draft() + " cannot be made: " + failed.message());
+                "the folder " + draft() + " cannot be made: " + failed.message() +
+                    "; name a location that only you write to");
+}
+
+void OlatAssembler::save(const Held& held, const cv::Mat& light) {
+  if (files_.empty() && olat_files_.empty()) make_draft();
   const LightStep& step = labels_->program().steps[held.label.position.index];
   const std::string name = file_name(step);
+  const bool again = step.kind == StepKind::olat ? olat_files_.contains(step.light)
+                                                 : files_.contains(name_of(step.kind));
+  if (again) std::filesystem::remove(draft() + "/" + name);
   write_exr(draft() + "/" + name, cv::max(light, 0));
   if (step.kind == StepKind::olat)
     olat_files_[step.light] = name;
@@ -281,10 +305,10 @@ void OlatAssembler::save_list() const {
       one["file"] = file->second;
     list["lights"].push_back(one);
   }
-  const std::string path = draft() + "/lights.json";
-  std::ofstream file(path);
-  file << list.dump(2) << "\n";
-  if (!file.flush()) throw Error(ErrorKind::output, "cannot write " + path);
+  NewFile file(draft() + "/lights.json");
+  const std::string text = list.dump(2) + "\n";
+  file.write(0, text.data(), text.size());
+  file.close();
 }
 
 /// Replaces an earlier capture by the draft. An incomplete draft is put beside it.

@@ -43,6 +43,7 @@ class OlatAssembler final : public FrameAssembler {
   /// `ended`: the pass was complete, apart from lost frames.
   GstFlowReturn assemble(bool ended);
   GstFlowReturn send(const Held& held, const cv::Mat& displacement);
+  void make_draft() const;
   void save(const Held& held, const cv::Mat& light);
   void save_list() const;
   void publish(bool ended);
