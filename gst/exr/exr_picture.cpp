@@ -5,7 +5,9 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
+#include <ImfTileDescription.h>
 
+#include <algorithm>
 #include <array>
 
 #include "common/error.hpp"
@@ -49,21 +51,47 @@ ExrPicture::ExrPicture(std::shared_ptr<const OpenFile> file, std::string name, i
     : name_(std::move(name)) {
   if (!file->fault().empty()) throw Error(ErrorKind::file, name_ + " " + file->fault());
   read(name_, [&] {
+    check_header(file, max_side);
     stream_ = std::make_unique<ExrReader>(std::move(file), name_);
     file_ = std::make_unique<Imf::InputFile>(*stream_);
-    const Imath::Box2i window = file_->header().dataWindow();
-    const int64_t width = int64_t{window.max.x} - window.min.x + 1;
-    const int64_t height = int64_t{window.max.y} - window.min.y + 1;
-    if (width < 1 || height < 1 || width > max_side || height > max_side)
-      throw Error(ErrorKind::file, name_ + " is " + std::to_string(width) + "x" +
-                                       std::to_string(height) + "; pictures have up to " +
-                                       std::to_string(max_side) + " pixels along a side");
+    extent_ = extent_of(file_->header(), max_side);
     channels_of(file_->header(), name_);
-    extent_ = {static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
   });
 }
 
 ExrPicture::~ExrPicture() = default;
+
+/// OpenEXR takes memory for lines and tiles when it opens a file.
+void ExrPicture::check_header(const std::shared_ptr<const OpenFile>& file, int64_t max_side) const {
+  constexpr uint64_t kVersionAt = 4, kHeaderAt = 8;
+  ExrReader stream(file, name_);
+  int version = 0;
+  if (file->read(kVersionAt, &version, sizeof version) != sizeof version)
+    throw Error(ErrorKind::file, name_ + " cannot be read as OpenEXR: it ends too early");
+  stream.seekg(kHeaderAt);
+  Imf::Header header;
+  header.readFrom(stream, version);
+  const Extent extent = extent_of(header, max_side);
+  if (!header.hasTileDescription()) return;
+  constexpr uint32_t kMaxTile = 4096;
+  const Imf::TileDescription& tile = header.tileDescription();
+  if (tile.xSize > std::max(extent.width, kMaxTile) ||
+      tile.ySize > std::max(extent.height, kMaxTile))
+    throw Error(ErrorKind::file, name_ + " has tiles of " + std::to_string(tile.xSize) + "x" +
+                                     std::to_string(tile.ySize) +
+                                     " pixels, more than the picture: store it again");
+}
+
+Extent ExrPicture::extent_of(const Imf::Header& header, int64_t max_side) const {
+  const Imath::Box2i window = header.dataWindow();
+  const int64_t width = int64_t{window.max.x} - window.min.x + 1;
+  const int64_t height = int64_t{window.max.y} - window.min.y + 1;
+  if (width < 1 || height < 1 || width > max_side || height > max_side)
+    throw Error(ErrorKind::file, name_ + " is " + std::to_string(width) + "x" +
+                                     std::to_string(height) + "; pictures have up to " +
+                                     std::to_string(max_side) + " pixels along a side");
+  return {static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
+}
 
 std::vector<float> ExrPicture::rgb() {
   return read(name_, [&] {

@@ -30,6 +30,9 @@ class ExrPicture {
   std::vector<float> rgb();
 
  private:
+  void check_header(const std::shared_ptr<const OpenFile>& file, int64_t max_side) const;
+  Extent extent_of(const Imf::Header& header, int64_t max_side) const;
+
   std::string name_;
   std::unique_ptr<ExrReader> stream_;
   std::unique_ptr<Imf::InputFile> file_;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Untrusted light programs: an Error, or a program that can be written and read again.
+// Untrusted light programs: an Error, or a program that can be written and read again, and is of
+// bounded length for a serial controller.
 #include "stage/program/light_program.hpp"
 
 #include <cstdlib>
 
 #include "common/error.hpp"
+#include "stage/controllers/serial_protocol.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace inverse;
@@ -20,5 +22,11 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       for (const float c : color)
         if (!(c >= 0 && c <= 1)) abort();
   program.triggers();
+  try {
+    size_t bytes = 0;
+    for (const std::string& line : serial::program_lines(program)) bytes += line.size();
+    if (bytes > serial::kMaxProgramBytes + 1000) abort();
+  } catch (const Error&) {
+  }
   return 0;
 }
