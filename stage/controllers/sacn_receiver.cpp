@@ -13,8 +13,6 @@
 namespace inverse::sacn {
 namespace {
 
-constexpr size_t kMaxSources = 16;  // per universe; bounds memory under a flood of forged senders
-constexpr size_t kMaxUniverses = 1024;
 constexpr int kMaxDatagramsPerPoll = 4096;  // so that a flood cannot block poll()
 
 double now_seconds() {
@@ -43,32 +41,39 @@ void join(int socket, uint32_t universe) {
                                            std::to_string(universe) + ": " + strerror(errno));
 }
 
+bool expired(double last, double now) { return now - last > kDataLossTimeout; }
+
 }  // namespace
 
-void Universes::take(std::span<const uint8_t> datagram, double now) {
-  const Parsed parsed = parse(datagram);
-  if (parsed.data)
-    take(*parsed.data, now);
-  else if (parsed.sync)
-    take(*parsed.sync, now);
-  else
-    ++stats_.malformed;
+Universes::Universes(std::span<const uint32_t> universes, AllowedSources allowed)
+    : allowed_(std::move(allowed)) {
+  for (const uint32_t universe : universes) universes_[universe];
 }
 
-void Universes::take(const DataPacket& packet, double now) {
-  // Not for every packet: there may be many.
-  if (now - last_expiry_ > kDataLossTimeout) drop_expired(now);
-  if (packet.preview || packet.start_code != 0 ||
-      (!universes_.contains(packet.universe) && universes_.size() >= kMaxUniverses)) {
+void Universes::take(std::span<const uint8_t> datagram, const Host& from, double now) {
+  const Parsed parsed = parse(datagram);
+  const Cid* cid = parsed.data   ? &parsed.data->cid
+                   : parsed.sync ? &parsed.sync->cid
+                                 : nullptr;
+  if (!cid)
+    ++stats_.malformed;
+  else if (!allowed_.contains(*cid, from))
+    ++stats_.other;
+  else if (parsed.data)
+    take(*parsed.data, {*cid, from}, now);
+  else
+    take(*parsed.sync, {*cid, from}, now);
+}
+
+void Universes::take(const DataPacket& packet, const Key& key, double now) {
+  const auto universe = universes_.find(packet.universe);
+  if (universe == universes_.end() || packet.preview || packet.start_code != 0) {
     ++stats_.other;
     return;
   }
-  Sources& sources = universes_[packet.universe];
-  auto known = sources.find(packet.cid);
-  if (known != sources.end() && now - known->second.last_packet > kDataLossTimeout) {
-    sources.erase(known);
-    known = sources.end();
-  }
+  Sources& sources = universe->second;
+  std::erase_if(sources, [&](const auto& s) { return expired(s.second.last_packet, now); });
+  const auto known = sources.find(key);
   if (known != sources.end() && !in_order(known->second.sequence, packet.sequence)) {
     ++stats_.late;
     return;
@@ -78,12 +83,13 @@ void Universes::take(const DataPacket& packet, double now) {
     ++stats_.packets;
     return;
   }
-  if (known == sources.end() && sources.size() >= kMaxSources) {
+  if (known == sources.end() && !make_room(sources, packet.priority)) {
     ++stats_.other;
     return;
   }
-  Source& source = sources[packet.cid];
+  Source& source = sources[key];
   if (known == sources.end()) source.since = stats_.packets;
+  if (source.sync_address != packet.sync_address) source.last_sync.reset();
   source.priority = packet.priority;
   source.sequence = packet.sequence;
   source.last_packet = now;
@@ -91,51 +97,48 @@ void Universes::take(const DataPacket& packet, double now) {
   DmxUniverse levels{};
   std::copy(packet.slots.begin(), packet.slots.end(), levels.begin());
   // Without recent synchronization packets, data takes effect at once.
-  const auto sync = syncs_.find({packet.cid, packet.sync_address});
-  source.waits =
-      packet.sync_address && sync != syncs_.end() && now - sync->second.second <= kDataLossTimeout;
+  source.waits = packet.sync_address && source.last_sync && !expired(source.last_sync->time, now);
   (source.waits ? source.waiting : source.levels) = levels;
   ++stats_.packets;
 }
 
-void Universes::take(const SyncPacket& packet, double now) {
-  const auto key = std::pair(packet.cid, packet.address);
-  const auto known = syncs_.find(key);
-  if (known != syncs_.end() && !in_order(known->second.first, packet.sequence) &&
-      now - known->second.second <= kDataLossTimeout) {
-    ++stats_.late;
-    return;
-  }
-  if (known == syncs_.end() && syncs_.size() >= kMaxUniverses) {
-    ++stats_.other;
-    return;
-  }
-  syncs_[key] = {packet.sequence, now};
-  ++stats_.packets;
-  for (auto& [universe, sources] : universes_) {
-    const auto source = sources.find(packet.cid);
-    if (source == sources.end() || !source->second.waits ||
-        source->second.sync_address != packet.address)
-      continue;
-    source->second.levels = source->second.waiting;
-    source->second.waits = false;
-  }
+/// For a new source of this priority; false if there is none.
+bool Universes::make_room(Sources& sources, uint8_t priority) {
+  if (sources.size() < kMaxSources) return true;
+  const auto last = std::ranges::min_element(sources, [](const auto& a, const auto& b) {
+    return a.second.priority != b.second.priority ? a.second.priority < b.second.priority
+                                                  : a.second.since > b.second.since;
+  });
+  if (last->second.priority >= priority) return false;
+  sources.erase(last);
+  return true;
 }
 
-void Universes::drop_expired(double now) {
-  last_expiry_ = now;
-  for (auto& [universe, sources] : universes_)
-    std::erase_if(sources,
-                  [&](const auto& s) { return now - s.second.last_packet > kDataLossTimeout; });
-  std::erase_if(syncs_, [&](const auto& s) { return now - s.second.second > kDataLossTimeout; });
+void Universes::take(const SyncPacket& packet, const Key& key, double now) {
+  bool known = false, late = false;
+  for (auto& [universe, sources] : universes_) {
+    const auto found = sources.find(key);
+    if (found == sources.end() || found->second.sync_address != packet.address) continue;
+    known = true;
+    Source& source = found->second;
+    if (source.last_sync && !in_order(source.last_sync->sequence, packet.sequence) &&
+        !expired(source.last_sync->time, now)) {
+      late = true;
+      continue;
+    }
+    source.last_sync = {packet.sequence, now};
+    if (source.waits) source.levels = source.waiting;
+    source.waits = false;
+  }
+  ++(late ? stats_.late : known ? stats_.packets : stats_.other);
 }
 
 std::map<uint32_t, DmxUniverse> Universes::levels(double now) {
-  drop_expired(now);
   std::map<uint32_t, DmxUniverse> result;
-  for (const auto& [universe, sources] : universes_) {
+  for (auto& [universe, sources] : universes_) {
+    std::erase_if(sources, [&](const auto& s) { return expired(s.second.last_packet, now); });
     const Source* best = nullptr;
-    for (const auto& [cid, source] : sources)
+    for (const auto& [key, source] : sources)
       if (!best || source.priority > best->priority ||
           (source.priority == best->priority && source.since < best->since))
         best = &source;
@@ -145,7 +148,8 @@ std::map<uint32_t, DmxUniverse> Universes::levels(double now) {
 }
 
 Receiver::Receiver(const std::string& listen, std::span<const uint32_t> universes,
-                   uint32_t sync_universe) {
+                   uint32_t sync_universe, AllowedSources allowed)
+    : universes_(universes, std::move(allowed)) {
   const udp::Address address = udp::resolve(listen, kPort);
   Descriptor socket = udp::open(address.family());
   // No port sharing: unicast packets would reach only one of the programs.
@@ -156,6 +160,9 @@ Receiver::Receiver(const std::string& listen, std::span<const uint32_t> universe
                          ? "; another program listens on this port: end it, or name another port"
                          : "; give an address of this machine, or only a port as in :5568"));
   if (receives_multicast(address.storage)) {
+    // Only the groups that are joined here, not those of other programs on this machine.
+    const int all = 0;
+    setsockopt(socket.get(), IPPROTO_IP, IP_MULTICAST_ALL, &all, sizeof all);
     for (const uint32_t universe : universes) join(socket.get(), universe);
     if (sync_universe) join(socket.get(), sync_universe);
   }
@@ -169,10 +176,14 @@ Receiver::Receiver(const std::string& listen, std::span<const uint32_t> universe
 void Receiver::poll() {
   std::array<uint8_t, 2048> datagram;
   for (int i = 0; i < kMaxDatagramsPerPoll; ++i) {
-    const ssize_t size = recv(socket_.get(), datagram.data(), datagram.size(), 0);
+    sockaddr_storage from{};
+    socklen_t length = sizeof from;
+    const ssize_t size = recvfrom(socket_.get(), datagram.data(), datagram.size(), 0,
+                                  reinterpret_cast<sockaddr*>(&from), &length);
     if (size < 0 && errno != EINTR) break;
     if (size >= 0)
-      universes_.take(std::span(datagram).first(static_cast<size_t>(size)), now_seconds());
+      universes_.take(std::span(datagram).first(static_cast<size_t>(size)), host_of(from),
+                      now_seconds());
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Untrusted datagrams, one after another, each after a byte with its length (in fours) and a byte
-// with its time.
+// with its time and sender.
+#include <array>
 #include <cstdlib>
 
 #include "stage/controllers/sacn_receiver.hpp"
@@ -26,19 +27,22 @@ void check(std::span<const uint8_t> datagram) {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   std::span<const uint8_t> rest(data, size);
-  sacn::Universes universes;
+  constexpr std::array<uint32_t, 3> kPatch{1, 5, 40};
+  sacn::Universes universes(kPatch);
   double now = 0;
   uint64_t count = 0;
   while (rest.size() >= 2) {
     const size_t length = std::min<size_t>(4 * size_t{rest[0]}, rest.size() - 2);
     now += rest[1] / 50.0;
     check(rest.subspan(2, length));
-    universes.take(rest.subspan(2, length), now);
+    sacn::Host from{};
+    from[15] = rest[1] % 3;
+    universes.take(rest.subspan(2, length), from, now);
     ++count;
     rest = rest.subspan(2 + length);
   }
   const auto& stats = universes.stats();
   if (stats.packets + stats.malformed + stats.late + stats.other != count) abort();
-  universes.levels(now);
+  if (universes.levels(now).size() != kPatch.size()) abort();
   return 0;
 }

@@ -190,17 +190,24 @@ class Heard : public ::testing::Test {
     packet.slots = {level};
     return packet;
   }
-  void take(const DataPacket& packet, double now) { universes.take(sacn::write(packet), now); }
-  void take(const SyncPacket& packet, double now) { universes.take(sacn::write(packet), now); }
-  int level(double now) {
-    const auto levels = universes.levels(now);
-    return levels.contains(5) ? levels.at(5)[0] : -1;
+  /// From a console, which is at this address.
+  template <typename Packet>
+  void take(const Packet& packet, double now) {
+    take(packet, now, kConsole);
   }
-  Universes universes;
+  template <typename Packet>
+  void take(const Packet& packet, double now, const sacn::Host& host) {
+    universes.take(sacn::write(packet), host, now);
+  }
+  int level(double now) { return universes.levels(now).at(5)[0]; }
+
+  static constexpr sacn::Host kConsole{1}, kStranger{2};
+  static constexpr std::array<uint32_t, 2> kPatch{5, 6};
+  Universes universes{kPatch};
 };
 
 TEST_F(Heard, LateOnesAreIgnored) {
-  EXPECT_EQ(level(0), -1);
+  EXPECT_EQ(level(0), 0);
   take(from(1, 250, 10), 0);
   take(from(1, 251, 11), 0);
   take(from(1, 250, 10), 0);
@@ -242,11 +249,11 @@ TEST_F(Heard, PreviewsAndOtherStartCodesAreNoLevels) {
   packet = from(1, 1, 10);
   packet.start_code = 0xdd;
   take(packet, 0);
-  EXPECT_EQ(level(0), -1);
+  EXPECT_EQ(level(0), 0);
   EXPECT_EQ(universes.stats().other, 2U);
   const std::vector<uint8_t> rubbish(638, 7);
-  universes.take(rubbish, 0);
-  universes.take(std::vector<uint8_t>{}, 0);
+  universes.take(rubbish, kConsole, 0);
+  universes.take(std::vector<uint8_t>{}, kConsole, 0);
   EXPECT_EQ(universes.stats().malformed, 2U);
 }
 
@@ -285,8 +292,99 @@ TEST_F(Heard, FloodsOfSendersAndUniversesAreBounded) {
     packet.universe = static_cast<uint16_t>(1 + i % 5000);
     take(packet, 0);
   }
-  EXPECT_LE(universes.levels(0).size(), 1024U);
-  EXPECT_GT(universes.stats().other, 70000U);
+  EXPECT_EQ(universes.levels(0).size(), 2U);
+  EXPECT_EQ(universes.stats().packets, 2 * Universes::kMaxSources);
+  EXPECT_EQ(universes.stats().other, 100000 - 2 * Universes::kMaxSources);
+}
+
+TEST_F(Heard, OnlyUniversesOfThePatch) {
+  DataPacket packet = from(1, 0, 10);
+  packet.universe = 7;
+  take(packet, 0);
+  EXPECT_EQ(universes.stats().other, 1U);
+  packet.universe = 6;
+  take(packet, 0);
+  const auto levels = universes.levels(0);
+  EXPECT_EQ(levels.size(), 2U);
+  EXPECT_EQ(levels.at(5)[0], 0);
+  EXPECT_EQ(levels.at(6)[0], 10);
+}
+
+TEST_F(Heard, StrangersOfLowerPriorityLeaveRoom) {
+  for (uint8_t i = 0; i < 2 * Universes::kMaxSources; ++i)
+    take(from(static_cast<uint8_t>(10 + i), 0, 7, 99), 0, kStranger);
+  take(from(1, 0, 200), 0);
+  EXPECT_EQ(level(0), 200);
+  // Nor does one of the same priority take the place of who was first.
+  for (uint8_t i = 0; i < 2 * Universes::kMaxSources; ++i)
+    take(from(static_cast<uint8_t>(50 + i), 0, 7, 100), 0, kStranger);
+  take(from(1, 1, 201), 0);
+  EXPECT_EQ(level(0), 201);
+}
+
+TEST_F(Heard, AStrangerOfTheHighestPriorityIsForgottenInSilence) {
+  take(from(1, 0, 10), 0);
+  for (uint8_t i = 0; i < 2 * Universes::kMaxSources; ++i)
+    take(from(static_cast<uint8_t>(10 + i), 0, 99, sacn::kMaxPriority), 0, kStranger);
+  EXPECT_EQ(level(0), 99);
+  take(from(1, 1, 11), 2);
+  EXPECT_EQ(level(2), 99);
+  take(from(1, 2, 12), 2.6);
+  EXPECT_EQ(level(2.6), 12);
+  EXPECT_EQ(level(5.2), 0);
+}
+
+TEST_F(Heard, AStrangerWithTheConsolesCidNeitherEndsNorDelaysIt) {
+  take(from(1, 0, 10), 0);
+  DataPacket end = from(1, 1, 0);
+  end.terminated = true;
+  take(end, 0, kStranger);
+  EXPECT_EQ(level(0), 10);
+  take(from(1, 15, 99), 0, kStranger);
+  take(from(1, 1, 11), 0);
+  EXPECT_EQ(level(0), 11);
+  // Synchronization, too, is the console's own.
+  DataPacket synced = from(1, 2, 12);
+  synced.sync_address = 9;
+  take(synced, 0);
+  take(SyncPacket{synced.cid, 0, 9}, 0);
+  synced.sequence = 3;
+  synced.slots = {13};
+  take(synced, 0);
+  take(SyncPacket{synced.cid, 10, 9}, 0, kStranger);
+  EXPECT_EQ(level(0), 12);
+  take(SyncPacket{synced.cid, 1, 9}, 0);
+  EXPECT_EQ(level(0), 13);
+}
+
+TEST_F(Heard, SynchronizationWithoutDataIsNotRemembered) {
+  take(SyncPacket{from(1, 0, 0).cid, 0, 9}, 0);
+  EXPECT_EQ(universes.stats().other, 1U);
+  DataPacket synced = from(1, 0, 10);
+  synced.sync_address = 9;
+  take(synced, 0);
+  EXPECT_EQ(level(0), 10);
+}
+
+TEST_F(Heard, OnlySourcesThatAreAllowed) {
+  const auto heard = [&](const std::string& allowed) {
+    universes = Universes(kPatch, sacn::AllowedSources(allowed));
+    const auto address = [](uint32_t host) {
+      return sacn::host_of(udp::ipv4(host, 5568).storage);
+    };
+    take(from(1, 0, 10), 0, address(0x0a000001));
+    take(from(2, 0, 20, sacn::kMaxPriority), 0, address(0x0a000002));
+    return level(0);
+  };
+  EXPECT_EQ(heard(""), 20);
+  EXPECT_EQ(heard("10.0.0.1"), 10);
+  EXPECT_EQ(heard("10.0.0.1, ::ffff:10.0.0.2"), 20);
+  EXPECT_EQ(heard("10.0.0.3"), 0);
+  EXPECT_EQ(heard("01000000-0000-0000-0000-000000000000"), 10);
+  EXPECT_EQ(heard("0100000000000000000000000000000f,02000000000000000000000000000000"), 20);
+  EXPECT_EQ(universes.stats().other, 1U);
+  expect_contains(error_of([&] { heard("10.0.0.1,,10.0.0.2"); }), "no list of sACN sources");
+  expect_contains(error_of([&] { heard("0100000-0000"); }), "cannot find the host");
 }
 
 TEST(SacnReceiver, ReceivesFromTheDriver) {

@@ -87,7 +87,8 @@ std::string TestSource::start() {
     patch_.emplace(program_, started_.universe);
     std::vector<uint32_t> universes;
     for (const auto& [universe, used] : patch_->universes()) universes.push_back(universe);
-    receiver_.emplace(started_.listen, universes, started_.sync_universe);
+    receiver_.emplace(started_.listen, universes, started_.sync_universe,
+                      sacn::AllowedSources(started_.listen_source));
   }
   frames_ = dropped_ = duplicated_ = overruns_ = 0;
   return folder_ ? lacking(*folder_) : "";

@@ -30,6 +30,10 @@ const PropertyTable<TestSourceParams>& test_source_properties() {
               "Host:port of sACN packets that set the lights, such as :5568; empty = the program's "
               "steps do",
               kReady),
+      text<P>("listen-source", &P::listen_source,
+              "With listen: the only sACN sources to accept, addresses or CIDs with commas "
+              "between; empty = any",
+              kReady),
       tuning(number<P>("universe", &P::universe, 1, 63999,
                        "With listen: the sACN universe that channel 1 is in", kReady)),
       tuning(number<P>("sync-universe", &P::sync_universe, 0, 63999,

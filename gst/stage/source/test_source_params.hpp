@@ -17,7 +17,7 @@ struct TestSourceParams {
   unsigned rate = 60;
   double start = 0;
   std::string location;
-  std::string listen;
+  std::string listen, listen_source;
   unsigned universe = 1;
   unsigned sync_universe = 0;
   unsigned camera = 0;
