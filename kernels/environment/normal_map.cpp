@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <string_view>
 
 #include "common/error.hpp"
 #include "common/open_file.hpp"
@@ -32,6 +33,19 @@ Normal normalized(const Normal& n) {
   return {n[0] / length, n[1] / length, n[2] / length};
 }
 
+/// Whether the chunks of a PNG end within the file: stb takes memory for what they declare.
+bool has_its_chunks(std::string_view png) {
+  constexpr size_t kSignature = 8, kHead = 8, kChecksum = 4;
+  for (png.remove_prefix(std::min(kSignature, png.size())); png.size() >= kHead;) {
+    size_t length = 0;
+    for (size_t i = 0; i < 4; ++i) length = length << 8 | static_cast<unsigned char>(png[i]);
+    if (length > png.size() - kHead) return false;
+    if (png.substr(4, 4) == "IEND") break;
+    png.remove_prefix(std::min(kHead + length + kChecksum, png.size()));
+  }
+  return true;
+}
+
 }  // namespace
 
 NormalMap NormalMap::load(const std::string& path, std::string& warning) {
@@ -48,6 +62,7 @@ NormalMap NormalMap::load(const std::string& path, std::string& warning) {
   const auto* bytes = reinterpret_cast<const stbi_uc*>(file.data());
   const auto size = static_cast<int>(file.size());
   int width = 0, height = 0, channels = 0;
+  if (!has_its_chunks(file)) refuse("no PNG (it ends too early)");
   // Before memory is taken for it: Deflate shrinks to a thousandth at most, one bit is the least.
   constexpr uint64_t kMaxRatio = 8 * 1032;
   if (stbi_info_from_memory(bytes, size, &width, &height, &channels) &&
