@@ -20,10 +20,10 @@ namespace inverse {
 struct SyncCamera {
   using Clock = std::chrono::steady_clock;
 
-  /// A buffer or an event, in order of arrival.
+  /// A buffer, an event or a query, in order of arrival.
   struct Item {
     enum class State : uint8_t { waiting, leaves, dropped } state = State::waiting;
-    GstMiniObject* object = nullptr;
+    GstMiniObject* object = nullptr;  // owned, unless it is a query
     uint64_t token = 0;  // of a buffer
     std::optional<FrameLabel> label;
     GstClockTime time = GST_CLOCK_TIME_NONE;  // running time
@@ -36,10 +36,17 @@ struct SyncCamera {
 
   std::string name() const { return "sink_" + std::to_string(number); }
 
-  /// Appends an event, which leaves when all before it has.
-  void append(GstEvent* event) {
+  /// Appends an event or a query, which leaves when all before it has.
+  template <typename Object>
+  void append(Object* object) {
     line.push_back(
-        {Item::State::leaves, GST_MINI_OBJECT_CAST(event), 0, std::nullopt, GST_CLOCK_TIME_NONE});
+        {Item::State::leaves, GST_MINI_OBJECT_CAST(object), 0, std::nullopt, GST_CLOCK_TIME_NONE});
+  }
+  /// Takes a query back from the line; false if it has left it.
+  bool take_back(GstQuery* query) {
+    return std::erase_if(line, [&](const Item& item) {
+             return item.object == GST_MINI_OBJECT_CAST(query);
+           }) > 0;
   }
   /// Moves decided items at the head of the line on to the source pad's thread.
   void advance() {
@@ -102,6 +109,8 @@ struct SyncCamera {
   bool left_alone = false;     // sets do not wait for it any more
   bool stalled = false;        // and that was reported
   bool begun = false;          // caps or a frame have come
+  GstQuery* query = nullptr;   // behind the frames before it; null once it is answered
+  bool answer = false;         // to it
   Clock::time_point last_arrival{};
   GstFlowReturn flow = GST_FLOW_OK;  // of the last push
   FrameLabeler::Counts triggered;    // in place of the labeler's if frames are triggered

@@ -436,6 +436,10 @@ void SyncElement::push_out(SyncCamera& camera) {
     gst_pad_pause_task(camera.src);
     return;
   }
+  if (GST_IS_QUERY(item.object)) {
+    answer(camera, GST_QUERY_CAST(item.object));
+    return;
+  }
   const bool ending =
       GST_IS_EVENT(item.object) && GST_EVENT_TYPE(GST_EVENT_CAST(item.object)) == GST_EVENT_EOS;
   const bool is_buffer = GST_IS_BUFFER(item.object);

@@ -66,6 +66,8 @@ class SyncElement {
   void push_out(SyncCamera& camera);
   bool take_out(SyncCamera& camera, SyncCamera::Item& item);
   GstFlowReturn send(SyncCamera& camera, SyncCamera::Item& item);
+  gboolean query_in_line(SyncCamera& camera, GstQuery* query);
+  void answer(SyncCamera& camera, GstQuery* query);
   bool set_caps(SyncCamera& camera, GstCaps* caps);
   FrameLabeler::Params labeler_params(uint32_t source_id_bits = 0) const;
   void make_labeler(SyncCamera& camera);

@@ -11,6 +11,7 @@
 namespace inverse {
 namespace {
 
+constexpr auto kCheckEvery = std::chrono::milliseconds(50);
 constexpr double kSameRate = 1e-3;  // of the program's
 
 }  // namespace
@@ -157,6 +158,46 @@ gboolean SyncElement::sink_event(const CameraPtr& camera, GstEvent* event) {
   return TRUE;
 }
 
+/// A serialized query, such as a drain: behind all frames that came before it. Those that wait for
+/// later ones to confirm their labels are decided, as at the end of a stream. If frames of other
+/// cameras do not come within the timeout, it fails and is not passed on.
+gboolean SyncElement::query_in_line(SyncCamera& camera, GstQuery* query) {
+  Lock lock(mutex_);
+  if (camera.flushing || camera.ended || !camera.labeler) return FALSE;
+  labeled(camera, camera.labeler->drain());
+  camera.query = query;
+  camera.append(query);
+  advance();
+  const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                        std::chrono::duration<double>(frame_timeout()));
+  camera.blocked = true;
+  while (camera.query) {
+    if ((camera.flushing || Clock::now() > until) && camera.take_back(query)) {
+      camera.query = nullptr;
+      camera.answer = false;
+      break;
+    }
+    changed_.wait_for(lock, kCheckEvery);
+    report_stalled_cameras();
+    post(lock);
+  }
+  camera.blocked = false;
+  camera.last_arrival = Clock::now();
+  return camera.answer;
+}
+
+/// The source pad's thread.
+void SyncElement::answer(SyncCamera& camera, GstQuery* query) {
+  bool good = true;
+  if (GST_QUERY_TYPE(query) == GST_QUERY_DRAIN)
+    good = guarded(element_, [&] { camera.assembler->return_buffers(); });
+  good = good && gst_pad_peer_query(camera.src, query);
+  Lock lock(mutex_);
+  camera.query = nullptr;
+  camera.answer = good;
+  changed_.notify_all();
+}
+
 gboolean SyncElement::sink_query(const CameraPtr& camera, GstQuery* query) {
   switch (GST_QUERY_TYPE(query)) {
     case GST_QUERY_CAPS: {
@@ -177,7 +218,9 @@ gboolean SyncElement::sink_query(const CameraPtr& camera, GstQuery* query) {
       // Frames wait here: a pool of downstream would run dry.
       return FALSE;
     default:
-      return gst_pad_query_default(camera->sink, GST_OBJECT(element_), query);
+      return GST_QUERY_IS_SERIALIZED(query)
+                 ? query_in_line(*camera, query)
+                 : gst_pad_query_default(camera->sink, GST_OBJECT(element_), query);
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // lightstagesync: streams that end, restart, break off and resume.
 #include <atomic>
+#include <mutex>
 #include <thread>
 
 #include "stage_fixture.hpp"
@@ -102,6 +103,140 @@ TEST_F(StageStreams, LosingAnUnmarkedProgramIsAWarningWithItsRemedy) {
   for (const Out& frame : pull(count("labeled"))) EXPECT_LT(frame.trigger, 20);
   ASSERT_TRUE(push_end());
   EXPECT_TRUE(warned_of("the program has no marker"));
+}
+
+class StageDrains : public StageStreams {
+ protected:
+  /// What leaves a camera's source pad, "frame" and "drain", in order.
+  void watch(unsigned number = 0) {
+    gst_pad_add_probe(camera(number)->sinkpad,
+                      static_cast<GstPadProbeType>(GST_PAD_PROBE_TYPE_BUFFER |
+                                                   GST_PAD_PROBE_TYPE_QUERY_DOWNSTREAM),
+                      note, this, nullptr);
+  }
+  bool drain(unsigned number = 0) {
+    GstQuery* query = gst_query_new_drain();
+    const bool drained = gst_pad_peer_query(camera(number)->srcpad, query);
+    gst_query_unref(query);
+    return drained;
+  }
+  std::vector<std::string> left() {
+    std::lock_guard lock(mutex_);
+    return left_;
+  }
+
+ private:
+  static GstPadProbeReturn note(GstPad*, GstPadProbeInfo* info, gpointer data) {
+    auto* self = static_cast<StageDrains*>(data);
+    std::lock_guard lock(self->mutex_);
+    if (info->type & GST_PAD_PROBE_TYPE_BUFFER)
+      self->left_.emplace_back("frame");
+    else if ((info->type & GST_PAD_PROBE_TYPE_PUSH) &&
+             GST_QUERY_TYPE(GST_PAD_PROBE_INFO_QUERY(info)) == GST_QUERY_DRAIN)
+      self->left_.emplace_back("drain");
+    return GST_PAD_PROBE_OK;
+  }
+  std::mutex mutex_;
+  std::vector<std::string> left_;
+};
+
+TEST_F(StageDrains, FramesThatWaitForTheirLabelsGoFirst) {
+  use(static_capture(stage_lights(geodesic_directions(42))));
+  g_object_set(element_, "tuning", "drop-unlabeled=false", nullptr);
+  start();
+  watch();
+  push_all(-10, 8);  // single lights wait for the tracking frame after them
+  EXPECT_TRUE(drain());
+  std::vector<std::string> expected(18, "frame");
+  expected.emplace_back("drain");
+  EXPECT_EQ(left(), expected);
+  push_all(8, 54);
+  const auto frames = pull(60);
+  EXPECT_EQ(frames[18].trigger, 8) << "labels go on";
+  EXPECT_EQ(frames.back().trigger, 49);
+}
+
+TEST_F(StageDrains, FramesThatWaitForAnotherCameraGoFirst) {
+  use_performance();
+  g_object_set(element_, "timeout", 60.0, nullptr);
+  start(0);
+  start(1);
+  watch();
+  push_all(-10, 20, 2);
+  push_all(20, 25);
+  pull(20);
+  std::atomic<bool> done{false}, drained{false};
+  std::thread drainer([&] {
+    drained = drain();
+    done = true;
+  });
+  g_usleep(100000);
+  EXPECT_FALSE(done);
+  EXPECT_EQ(left(), std::vector<std::string>(20, "frame"));
+  for (int64_t n = 20; n < 25; ++n) EXPECT_EQ(push(n, 1), GST_FLOW_OK);
+  drainer.join();
+  EXPECT_TRUE(drained);
+  std::vector<std::string> expected(25, "frame");
+  expected.emplace_back("drain");
+  EXPECT_EQ(left(), expected);
+}
+
+// The other's source may itself wait for the answer.
+TEST_F(StageDrains, FailIfFramesOfAnotherFileDoNotCome) {
+  use_performance();
+  g_object_set(element_, "timeout", 0.2, nullptr);
+  for (const unsigned number : {0U, 1U}) {
+    gst_harness_set_live(camera(number), FALSE);
+    start(number);
+  }
+  watch();
+  push_all(-10, 20, 2);
+  push_all(20, 25);
+  EXPECT_FALSE(drain());
+  for (int64_t n = 20; n < 25; ++n) EXPECT_EQ(push(n, 1), GST_FLOW_OK);
+  EXPECT_EQ(pull(25).back().trigger, 24);
+  EXPECT_EQ(left(), std::vector<std::string>(25, "frame"));
+}
+
+TEST_F(StageDrains, AFlushEndsTheWait) {
+  use_performance();
+  g_object_set(element_, "timeout", 60.0, nullptr);
+  start(0);
+  start(1);
+  push_all(-10, 20, 2);
+  push_all(20, 25);
+  std::atomic<bool> done{false}, drained{true};
+  std::thread drainer([&] {
+    drained = drain();
+    done = true;
+  });
+  g_usleep(200000);
+  EXPECT_FALSE(done);
+  flush(camera());
+  drainer.join();
+  EXPECT_FALSE(drained);
+}
+
+// Upstream drains to get its buffers back; the first frame of a pair has to wait for the second.
+TEST_F(StageDrains, TheFirstOfAPairIsCopied) {
+  use_performance();
+  gst_util_set_object_arg(G_OBJECT(element_), "assemble", "pairs");
+  start();
+  push_all(-10, 13);
+  const BallOnStage ball(program_, kWidth, kHeight);
+  std::atomic<bool> returned{false};
+  GstBuffer* first = buffer_of(ball.draw(13), 13);
+  gst_mini_object_weak_ref(
+      GST_MINI_OBJECT_CAST(first),
+      [](gpointer flag, GstMiniObject*) { *static_cast<std::atomic<bool>*>(flag) = true; },
+      &returned);
+  ASSERT_EQ(gst_harness_push(camera(), first), GST_FLOW_OK);
+  EXPECT_TRUE(drain());
+  EXPECT_TRUE(returned);
+  push_all(14, 20);
+  const auto pairs = pull(8);
+  EXPECT_EQ(pairs[5].trigger, 13);
+  EXPECT_EQ(pairs[5].bytes[4 * (kWidth + kWidth / 2)], ball.draw(14)[4 * (kWidth / 2)]);
 }
 
 TEST_F(StageStreams, CamerasMayGoWhileTheyAreFlushed) {

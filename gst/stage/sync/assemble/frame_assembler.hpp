@@ -26,6 +26,8 @@ class FrameAssembler {
   virtual GstFlowReturn take(GstBuffer* buffer, const FrameLabel* label);
   /// Ends what is incomplete: the program has ended, or the stream before it.
   virtual GstFlowReturn finish(bool /*program_over*/) { return GST_FLOW_OK; }
+  /// Upstream drains: copies frames that are held, whose memory is upstream's.
+  virtual void return_buffers() {}
   /// A flush: drops frames. From upstream's thread, while none pushes.
   virtual void forget() {}
   /// Adds fields to the camera's stats. From any thread.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "frame_picture.hpp"
 #include "gst/base/caps.hpp"
@@ -248,6 +249,13 @@ GstFlowReturn PairAssembler::pair(GstBuffer* b, const FrameLabel& label) {
 GstFlowReturn PairAssembler::finish(bool /*program_over*/) {
   drop_first();
   return GST_FLOW_OK;
+}
+
+void PairAssembler::return_buffers() {
+  if (!a_) return;
+  GstBuffer* copy = gst_buffer_copy_deep(a_);
+  if (!copy) throw Error(ErrorKind::out_of_memory, "no memory for a frame; use smaller ones");
+  gst_buffer_unref(std::exchange(a_, copy));
 }
 
 void PairAssembler::forget() {

@@ -20,6 +20,7 @@ class PairAssembler final : public FrameAssembler {
   bool set_caps(GstCaps* caps) override;
   GstFlowReturn take(GstBuffer* buffer, const FrameLabel* label) override;
   GstFlowReturn finish(bool program_over) override;
+  void return_buffers() override;
   void forget() override;
   void add_stats(GstStructure* stats) const override;
 
