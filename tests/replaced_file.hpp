@@ -77,4 +77,29 @@ class ReplacedFile {
   std::jthread replacer_;
 };
 
+/// A file whose opening waits until `release`, or 45 seconds (/proc/sys/fs/lease-break-time).
+class HeldFile {
+ public:
+  explicit HeldFile(const std::string& path) : fd_(open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+    fcntl(fd_, F_SETSIG, SIGURG);
+    works_ = fcntl(fd_, F_SETLEASE, F_WRLCK) == 0;
+  }
+  ~HeldFile() { release(); }
+  HeldFile(const HeldFile&) = delete;
+  HeldFile& operator=(const HeldFile&) = delete;
+
+  /// False if this file system has no leases: nothing can be tested then.
+  bool works() const { return works_; }
+  /// Whether an opening waits.
+  bool is_wanted() const { return fd_ >= 0 && fcntl(fd_, F_GETLEASE) != F_WRLCK; }
+  void release() {
+    if (fd_ >= 0) close(fd_);
+    fd_ = -1;
+  }
+
+ private:
+  int fd_;
+  bool works_ = false;
+};
+
 }  // namespace inverse::testing

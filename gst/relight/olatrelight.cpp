@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <future>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -14,6 +16,7 @@
 #include "gst/base/models.hpp"
 #include "gst/exr/environment_file.hpp"
 #include "gst/stage/meta/inverse_light_stage_meta.h"
+#include "gst/stage/sync/shared/upstream.hpp"
 #include "kernels/image/view/mosaic.hpp"
 #include "kernels/relight/relighting.hpp"
 #include "side_by_side.hpp"
@@ -146,7 +149,7 @@ class RelightElement final : public Filter {
       GST_CAT_INFO_OBJECT(log().category, log().object, "light program \"%s\": %s",
                           program_.c_str(), program.name.c_str());
     }
-    reported_stage_ = reported_gray_ = false;
+    reported_stage_ = reported_gray_ = checked_source_ = false;
     model_ = params.model;
     models_.reset();  // files may be others
     if (model_ == Relighting::Model::network) {
@@ -154,7 +157,9 @@ class RelightElement final : public Filter {
       models_ = RelightModels::load(folder);
       GST_CAT_INFO_OBJECT(log().category, log().object, "read networks of %s", folder.c_str());
     }
-    load(params.environment);
+    loading_ = {};
+    asked_ = params.environment;
+    use(load(asked_));
   }
 
   void check_plain(const GstVideoInfo& in, const GstVideoInfo& out) const override {
@@ -259,27 +264,42 @@ class RelightElement final : public Filter {
            a.exposure == b.exposure && a.max_error == b.max_error && a.adaptive == b.adaptive;
   }
 
-  void load(const std::string& path) {
-    std::string warning;
-    const Environment environment =
-        path.empty() ? Environment::studio() : load_environment(path, warning);
-    map_ = LightCells::map(environment);
-    environment_path_ = path;
-    environment_name_ = path.empty() ? "studio" : path;
+  /// Light that was read from a file.
+  struct Light {
+    LightCells::Map map;
+    std::string path, warning;
+  };
+  /// From any thread.
+  static Light load(const std::string& path) {
+    Light light{{}, path, ""};
+    light.map = LightCells::map(path.empty() ? Environment::studio()
+                                             : load_environment(path, light.warning));
+    return light;
+  }
+  void use(Light light) {
+    map_ = std::move(light.map);
+    environment_path_ = light.path;
+    environment_name_ = light.path.empty() ? "studio" : light.path;
     GST_CAT_INFO_OBJECT(log().category, log().object, "light: %s", environment_name_.c_str());
-    if (!warning.empty()) pending_warning_ = warning;
+    if (!light.warning.empty()) pending_warning_ = light.warning;
     if (method_) method_->set_environment(map_);
   }
 
-  /// Another file while playing: one that cannot be read is reported once, and the light stays.
+  /// Another file while playing, which another thread reads: frames go on under the light before.
+  /// One that cannot be read is reported once, and the light stays.
   void take_environment(FrameContext& frame, const Params& params) {
-    const bool asked = params.environment != asked_;
-    asked_ = params.environment;
-    if (asked && asked_ != environment_path_) try {
-        load(asked_);
+    if (loading_.valid() && loading_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
+      try {
+        Light light = loading_.get();
+        if (light.path == params.environment) use(std::move(light));
       } catch (const Error& error) {
         frame.warnings.push_back(std::string(error.what()) + "; the light before stays");
       }
+    if (!loading_.valid() && params.environment != asked_) {
+      asked_ = params.environment;
+      if (asked_ != environment_path_)
+        loading_ = std::async(std::launch::async, &RelightElement::load, asked_);
+    }
     if (pending_warning_) frame.warnings.push_back(*std::exchange(pending_warning_, {}));
   }
 
@@ -293,7 +313,7 @@ class RelightElement final : public Filter {
   /// Checks that the frame's label is that of a pair, from this stage.
   void check_label(FrameContext& frame) {
     const GstLightStageMeta* meta = frame.in ? gst_buffer_get_light_stage_meta(frame.in) : nullptr;
-    if (!meta) return;
+    if (!meta) return check_source(frame);
     if (meta->kind != GST_LIGHT_STAGE_GRADIENTS)
       throw Error(ErrorKind::unsupported,
                   "frames show one step of a light program each, not the two gradients; set "
@@ -304,6 +324,32 @@ class RelightElement final : public Filter {
                              " lights that are not where the " + std::to_string(gradient_.size()) +
                              " of \"" + program_ +
                              "\" are; set program to the one that lightstagesync has");
+  }
+
+  /// Plain frames without a label may be pairs from a file, but not what a stage's camera sends.
+  void check_source(FrameContext& frame) {
+    if (frame.layers.gradients() || std::exchange(checked_source_, true)) return;
+    GstPad* sink = gst_element_get_static_pad(log().object, "sink");
+    GstElement* source = upstream_element(sink, sends_single_frames_or_mixes);
+    gst_object_unref(sink);
+    if (!source) return;
+    if (sends_single_frames(source))
+      frame.warnings.push_back(
+          std::string("frames of ") + GST_OBJECT_NAME(source) +
+          " show one pattern of the lights each, and are taken for the two gradients side by "
+          "side: put lightstagesync assemble=pairs before this element");
+    gst_object_unref(source);
+  }
+  static bool sends_single_frames(GstElement* element) {
+    constexpr std::array kNames{"lightstagetestsrc", "lightstagearavissrc", "lightstagesync"};
+    const GstElementFactory* factory = gst_element_get_factory(element);
+    return factory && std::ranges::any_of(kNames, [&](const char* name) {
+             return g_str_equal(GST_OBJECT_NAME(factory), name);
+           });
+  }
+  /// What mixes several streams may put pictures side by side.
+  static bool sends_single_frames_or_mixes(GstElement* element) {
+    return element->numsinkpads > 1 || sends_single_frames(element);
   }
 
   /// Gradients give the directions of lights.
@@ -374,13 +420,14 @@ class RelightElement final : public Filter {
   Parameters<Params> parameters_{table()};
   std::string program_;
   std::vector<LightColor> gradient_;  // of the program's lights
-  bool reported_stage_ = false, reported_gray_ = false;
+  bool reported_stage_ = false, reported_gray_ = false, checked_source_ = false;
   std::shared_ptr<const RelightStage> stage_;
   Relighting::Model model_{};  // that it was started with, whatever is set since
   std::optional<RelightModels> models_;
   LightCells::Map map_;
   std::string environment_path_, environment_name_ = "studio";
   std::string asked_;  // the environment that was last asked for, and perhaps could not be read
+  std::future<Light> loading_;  // valid while a file is read
   std::optional<std::string> pending_warning_;
 
   std::optional<Relighting> method_;

@@ -112,6 +112,14 @@ class RelightTest : public ::testing::Test {
     write_graph(random_light(2), folder / "models/olat/light.net");
     return folder / "models";
   }
+  /// The first picture that stats say is lit by this; waits for it.
+  std::vector<uint8_t> lit_by(VideoHarness& harness, const std::string& light) const {
+    while (true) {
+      auto picture = harness.process(sphere.side_by_side());
+      if (stat<std::string>(harness.find("olatrelight"), "environment") == light) return picture;
+      g_usleep(1000);
+    }
+  }
   static LineResult run(const std::string& properties, int width = 128) {
     return run_line("videotestsrc num-buffers=2 ! video/x-raw,width=" + std::to_string(width) +
                     ",height=32 ! olatrelight " + properties + " ! fakesink");

@@ -6,10 +6,12 @@
 #include <sys/stat.h>
 
 #include <limits>
+#include <set>
 
 #include "gst/base/meta/inverse_layers_meta.h"
 #include "kernels/image/layers.hpp"
 #include "relight_fixture.hpp"
+#include "tests/replaced_file.hpp"
 #include "tests/update_max.hpp"
 
 namespace inverse::testing {
@@ -235,8 +237,12 @@ TEST_F(RelightTest, EveryPropertyMayChangeWhilePlaying) {
   changes("exposure", "-1.5");
   changes("tuning", "noise=0.8");
   for (const char* show : {"olat", "normal", "full-on", "mosaic", "relit"}) changes("show", show);
-  changes("environment-location", white(2).c_str());
-  changes("environment-location", "");
+  for (const std::string& file : {white(2), std::string()}) {
+    g_object_set(relight, "environment-location", file.c_str(), nullptr);
+    const auto after = lit_by(harness, file.empty() ? "studio" : file);
+    EXPECT_GT(largest_difference(after, before), 2) << file;
+    before = after;
+  }
   EXPECT_TRUE(harness.errors().empty());
 }
 
@@ -320,15 +326,70 @@ TEST_F(RelightTest, AnUnreadableEnvironmentLeavesTheLightUnchanged) {
   const auto before = harness.process(sphere.side_by_side());
   const std::string file = folder / "white.hdr";
   g_object_set(relight, "environment-location", file.c_str(), nullptr);
+  std::vector<std::string> warnings;
+  while (warnings.empty()) {
+    ASSERT_EQ(harness.process(sphere.side_by_side()), before);
+    g_usleep(1000);
+    warnings = harness.warnings();
+  }
   EXPECT_EQ(harness.process(sphere.side_by_side()), before);
-  EXPECT_EQ(harness.process(sphere.side_by_side()), before);
+  expect_one(warnings, "white.hdr cannot be read", "the light before stays");
   EXPECT_TRUE(harness.errors().empty());
   // Set again once the file exists.
   g_object_set(relight, "environment-location", "", nullptr);
   EXPECT_EQ(harness.process(sphere.side_by_side()), before);
   ASSERT_EQ(white(3), file);
   g_object_set(relight, "environment-location", file.c_str(), nullptr);
-  EXPECT_NE(harness.process(sphere.side_by_side()), before);
+  EXPECT_NE(lit_by(harness, file), before);
+}
+
+TEST_F(RelightTest, FramesGoOnWhileAnEnvironmentIsRead) {
+  VideoHarness harness("olatrelight", caps(), caps(kSide));
+  GstElement* relight = harness.find("olatrelight");
+  const auto before = harness.process(sphere.side_by_side());
+  const std::string slow = white(3), other = lamp_file(9, 9, 2);
+  HeldFile held(slow);
+  if (!held.works()) GTEST_SKIP() << "no leases on this file system";
+  g_object_set(relight, "environment-location", slow.c_str(), nullptr);
+  for (int i = 0; i < 5 || !held.is_wanted(); ++i) {
+    ASSERT_EQ(harness.process(sphere.side_by_side()), before);
+    ASSERT_EQ(stat<std::string>(relight, "environment"), "studio");
+  }
+  // One that was not asked for any more is not shown.
+  g_object_set(relight, "environment-location", other.c_str(), nullptr);
+  EXPECT_EQ(harness.process(sphere.side_by_side()), before);
+  held.release();
+  std::set<std::string> shown;
+  while (!shown.contains(other)) {
+    harness.process(sphere.side_by_side());
+    shown.insert(stat<std::string>(relight, "environment"));
+  }
+  EXPECT_FALSE(shown.contains(slow));
+  EXPECT_TRUE(harness.errors().empty());
+}
+
+TEST_F(RelightTest, AStreamThatIsNotAssembledIsAWarningWithItsRemedy) {
+  const std::string camera =
+      "lightstagetestsrc is-live=false num-buffers=8 program=performance:42 ! "
+      "video/x-raw,format=RGBA,width=64,height=32 ! ";
+  const std::string relight = "olatrelight program=performance:42 ! fakesink";
+  for (const std::string& between :
+       {std::string(), std::string("queue ! videoconvert ! "),
+        // None of its frames has a label.
+        std::string("lightstagesync program=static:42 tuning=drop-unlabeled=false ! ")}) {
+    const LineResult result = run_line(camera + between + relight);
+    EXPECT_EQ(result.first_error(), "");
+    const auto halves = std::ranges::count_if(result.warnings, [](const std::string& text) {
+      return text.find("lightstagesync assemble=pairs") != std::string::npos;
+    });
+    EXPECT_EQ(halves, 1) << between;
+  }
+  // Two pictures side by side, by other means.
+  const LineResult pairs = run_line(
+      "compositor name=c sink_1::xpos=64 ! video/x-raw,format=RGBA,width=128,height=32 ! " +
+      relight + " " + camera + "c. " + camera + "c.");
+  EXPECT_EQ(pairs.first_error(), "");
+  EXPECT_TRUE(pairs.warnings.empty());
 }
 
 TEST_F(RelightTest, LargeFramesWorkOrAreOneError) {
