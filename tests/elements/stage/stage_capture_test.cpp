@@ -3,9 +3,11 @@
 #include <ImfArray.h>
 #include <ImfRgbaFile.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "stage_fixture.hpp"
 #include "tests/srgb.hpp"
@@ -259,6 +261,35 @@ TEST_F(StageCaptureFolder, AFolderMayBeALinkToAnotherDisk) {
   std::filesystem::create_directory_symlink(elsewhere.path(), location_ + "/camera_0");
   play(LightProgram::kMarkerSteps + pass_);
   EXPECT_EQ(pictures(elsewhere.path()), 15u);
+}
+
+// In a folder that others may write to, links may appear where the pictures will be.
+TEST_F(StageCaptureFolder, DraftsDoNotFollowLinks) {
+  use_passes(LightProgram::Marker::pass);
+  const TemporaryFolder elsewhere;
+  const std::string victim = elsewhere.write("victim", "somebody's");
+  std::atomic<bool> stop{false};
+  std::thread planter([&] {
+    const std::string draft = location_ + "/camera_0/new";
+    std::error_code none;
+    while (!stop) {
+      std::filesystem::create_directory_symlink(elsewhere.path(), draft, none);
+      for (int light = 0; light < 15; ++light)
+        std::filesystem::create_symlink(
+            victim, draft + "/olat/0" + (light < 10 ? "0" : "") + std::to_string(light) + ".exr",
+            none);
+    }
+  });
+  start();
+  for (int64_t n = -20; n < LightProgram::kMarkerSteps + pass_; ++n) push(n);
+  push_end();
+  ends();  // or an error says what is in the way
+  stop = true;
+  planter.join();
+  EXPECT_FALSE(std::filesystem::exists(elsewhere / "olat"));
+  std::string text;
+  std::getline(std::ifstream(victim), text);
+  EXPECT_TRUE(text == "somebody's");
 }
 
 TEST_F(StageCaptureFolder, TheFirstCaptureIsThereAsFarAsItCame) {
