@@ -20,7 +20,7 @@ class OpenFile {
   explicit OpenFile(const std::string& path) {
     // Found first and opened when it is no pipe, for which opening would wait.
     const int found = open(path.c_str(), O_PATH | O_CLOEXEC);
-    struct stat status{};
+    struct stat status {};
     if (found >= 0 && fstat(found, &status) == 0 && S_ISREG(status.st_mode))
       fd_ = open(("/proc/self/fd/" + std::to_string(found)).c_str(), O_RDONLY | O_CLOEXEC);
     if (found >= 0 && fd_ < 0 && !S_ISREG(status.st_mode))

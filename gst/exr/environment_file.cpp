@@ -13,7 +13,8 @@ namespace {
 
 bool is_exr(const OpenFile& file) {
   unsigned char head[4] = {};
-  return file.read(0, head, sizeof head) == sizeof head && head[0] == 0x76 && head[1] == 0x2f && head[2] == 0x31 && head[3] == 0x01;
+  return file.read(0, head, sizeof head) == sizeof head && head[0] == 0x76 && head[1] == 0x2f &&
+         head[2] == 0x31 && head[3] == 0x01;
 }
 
 Environment load_exr(std::shared_ptr<const OpenFile> file, const std::string& path,

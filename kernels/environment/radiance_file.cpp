@@ -210,8 +210,8 @@ void Environment::save(const std::string& path) const {
     return;
   }
   static std::atomic<unsigned> drafts{0};  // others may save to the same file meanwhile
-  NewFile draft(target.string() + "." + std::to_string(getpid()) + "-" +
-                std::to_string(drafts++) + ".new");
+  NewFile draft(target.string() + "." + std::to_string(getpid()) + "-" + std::to_string(drafts++) +
+                ".new");
   try {
     draft.write(0, bytes.data(), bytes.size());
     draft.close();

@@ -52,9 +52,7 @@ Universes::Universes(std::span<const uint32_t> universes, AllowedSources allowed
 
 void Universes::take(std::span<const uint8_t> datagram, const Host& from, double now) {
   const Parsed parsed = parse(datagram);
-  const Cid* cid = parsed.data   ? &parsed.data->cid
-                   : parsed.sync ? &parsed.sync->cid
-                                 : nullptr;
+  const Cid* cid = parsed.data ? &parsed.data->cid : parsed.sync ? &parsed.sync->cid : nullptr;
   if (!cid)
     ++stats_.malformed;
   else if (!allowed_.contains(*cid, from))

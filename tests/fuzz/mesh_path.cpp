@@ -24,8 +24,7 @@ struct Folder {
     fs::create_directory_symlink("..", path / "model/up");
   }
   ~Folder() { fs::remove_all(path); }
-  const fs::path path =
-      fs::temp_directory_path() / ("inverse-fuzz-" + std::to_string(getpid()));
+  const fs::path path = fs::temp_directory_path() / ("inverse-fuzz-" + std::to_string(getpid()));
 };
 
 }  // namespace

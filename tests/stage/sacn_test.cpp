@@ -369,9 +369,7 @@ TEST_F(Heard, SynchronizationWithoutDataIsNotRemembered) {
 TEST_F(Heard, OnlySourcesThatAreAllowed) {
   const auto heard = [&](const std::string& allowed) {
     universes = Universes(kPatch, sacn::AllowedSources(allowed));
-    const auto address = [](uint32_t host) {
-      return sacn::host_of(udp::ipv4(host, 5568).storage);
-    };
+    const auto address = [](uint32_t host) { return sacn::host_of(udp::ipv4(host, 5568).storage); };
     take(from(1, 0, 10), 0, address(0x0a000001));
     take(from(2, 0, 20, sacn::kMaxPriority), 0, address(0x0a000002));
     return level(0);

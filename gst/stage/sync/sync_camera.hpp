@@ -24,7 +24,7 @@ struct SyncCamera {
   struct Item {
     enum class State : uint8_t { waiting, leaves, dropped } state = State::waiting;
     GstMiniObject* object = nullptr;  // owned, unless it is a query
-    uint64_t token = 0;  // of a buffer
+    uint64_t token = 0;               // of a buffer
     std::optional<FrameLabel> label;
     GstClockTime time = GST_CLOCK_TIME_NONE;  // running time
   };

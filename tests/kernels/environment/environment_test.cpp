@@ -191,8 +191,9 @@ TEST_F(EnvironmentTest, ADraftDoesNotFollowALink) {
   for (int i = 0; i < 1000; ++i)
     std::filesystem::create_symlink(
         victim, map + "." + std::to_string(getpid()) + "-" + std::to_string(i) + ".new");
-  expect_error(ErrorKind::output, "is in the way: remove it",
-               [&] { Environment::uniform({1, 1, 1}).save(map); });
+  expect_error(ErrorKind::output, "is in the way: remove it", [&] {
+    Environment::uniform({1, 1, 1}).save(map);
+  });
   EXPECT_EQ(contents(victim), "somebody's");
   EXPECT_FALSE(std::filesystem::exists(map));
 }

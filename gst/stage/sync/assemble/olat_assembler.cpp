@@ -265,9 +265,9 @@ void OlatAssembler::make_draft() const {
     if (!failed && !std::filesystem::create_directory(path, failed) && !failed)
       failed = std::make_error_code(std::errc::file_exists);
   if (failed)
-    throw Error(ErrorKind::output,
-                "the folder " + draft() + " cannot be made: " + failed.message() +
-                    "; name a location that only you write to");
+    throw Error(ErrorKind::output, "the folder " + draft() +
+                                       " cannot be made: " + failed.message() +
+                                       "; name a location that only you write to");
 }
 
 void OlatAssembler::save(const Held& held, const cv::Mat& light) {
