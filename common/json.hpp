@@ -9,43 +9,68 @@
 namespace inverse {
 
 /// Brackets in each other that JSON may have: readers of it recurse.
-inline constexpr int kMaxJsonDepth = 100;
+inline constexpr size_t kMaxJsonDepth = 100;
 /// Values and names that JSON may have: each takes some 50 bytes of memory, however short.
 inline constexpr size_t kMaxJsonValues = size_t{8} << 20;
 
+/// Checks JSON without storing it. `fault` says what is wrong, as the end of a message that starts
+/// with the file's name.
+template <typename Json>
+class JsonCheck final : public nlohmann::json_sax<Json> {
+ public:
+  std::string fault;
+
+  bool null() override { return count(); }
+  bool boolean(bool) override { return count(); }
+  bool number_integer(typename Json::number_integer_t) override { return count(); }
+  bool number_unsigned(typename Json::number_unsigned_t) override { return count(); }
+  bool number_float(typename Json::number_float_t, const std::string&) override { return count(); }
+  bool string(std::string&) override { return count(); }
+  bool binary(typename Json::binary_t&) override { return count(); }
+  bool start_array(size_t) override { return open(); }
+  bool end_array() override { return close(); }
+  bool start_object(size_t) override { return open(); }
+  bool end_object() override { return close(); }
+  bool key(std::string& name) override {
+    if (!names_.back().insert(name).second)
+      fault = "has the field \"" + name.substr(0, 40) + "\" twice";
+    return fault.empty() && count();
+  }
+  bool parse_error(size_t, const std::string&, const nlohmann::detail::exception& error) override {
+    fault = std::string("is not JSON: ") + error.what();
+    return false;
+  }
+
+ private:
+  bool count() {
+    if (++values_ > kMaxJsonValues)
+      fault = "has more than " + std::to_string(kMaxJsonValues) + " values in its JSON";
+    return fault.empty();
+  }
+  bool open() {
+    names_.emplace_back();
+    if (names_.size() > kMaxJsonDepth)
+      fault = "nests its JSON more than " + std::to_string(kMaxJsonDepth) + " deep";
+    return fault.empty() && count();
+  }
+  bool close() {
+    names_.pop_back();
+    return true;
+  }
+
+  size_t values_ = 0;
+  std::vector<std::unordered_set<std::string>> names_;  // in each open bracket
+};
+
 /// Parses JSON from strangers. If it is none, is nested deeper than kMaxJsonDepth, has more than
 /// kMaxJsonValues values or one name twice in an object, of which readers take either, the result
-/// is discarded and `fault` says why, as the end of a message that starts with the file's name.
+/// is discarded and `fault` says why.
 template <typename Json>
 Json parse_json(std::string_view text, std::string& fault) {
-  struct Refused {
-    std::string why;
-  };
-  fault.clear();
-  size_t values = 0;
-  std::vector<std::unordered_set<std::string>> names;  // of the objects that are open
-  const auto check = [&](int depth, typename Json::parse_event_t event, Json& parsed) {
-    using Event = typename Json::parse_event_t;
-    if ((event == Event::object_start || event == Event::array_start) && depth >= kMaxJsonDepth)
-      throw Refused{"nests its JSON more than " + std::to_string(kMaxJsonDepth) + " deep"};
-    if (event != Event::object_end && event != Event::array_end && ++values > kMaxJsonValues)
-      throw Refused{"has more than " + std::to_string(kMaxJsonValues) + " values in its JSON"};
-    if (event == Event::object_start) names.emplace_back();
-    if (event == Event::object_end) names.pop_back();
-    if (event == Event::key &&
-        !names.back().insert(parsed.template get_ref<const std::string&>()).second)
-      throw Refused{"has the field \"" +
-                    parsed.template get_ref<const std::string&>().substr(0, 40) + "\" twice"};
-    return true;
-  };
-  try {
-    return Json::parse(text, check);
-  } catch (const Refused& refused) {
-    fault = refused.why;
-  } catch (const nlohmann::json::exception& error) {
-    fault = std::string("is not JSON: ") + error.what();
-  }
-  return Json(nlohmann::json::value_t::discarded);
+  JsonCheck<Json> check;
+  const bool good = Json::sax_parse(text, &check);
+  fault = check.fault;
+  return good ? Json::parse(text) : Json(nlohmann::json::value_t::discarded);
 }
 
 }  // namespace inverse

@@ -230,6 +230,14 @@ TEST(LightProgram, JsonThatTakesMuchMemoryIsRefused) {
                            "has the field \"rate\" twice");
 }
 
+TEST(LightProgram, OfTheLargestSizeIsRead) {
+  LightProgram program = static_capture(stage_lights(geodesic_directions(331)));
+  const std::vector<LightStep> pass = program.steps;
+  while (program.steps.size() < LightProgram::kMaxSteps)
+    program.steps.push_back(pass[program.steps.size() % pass.size()]);
+  EXPECT_EQ(LightProgram::parse(program.json()).id(), program.id());
+}
+
 TEST(LightList, JsonThatTakesMuchMemoryIsRefused) {
   testing::expect_error(ErrorKind::file, "lights nests its JSON more than 100 deep", [] {
     LightList::parse("{\"directions\": [[0, 0, 1]], \"comment\": " + std::string(101, '[') +
