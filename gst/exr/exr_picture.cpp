@@ -83,7 +83,7 @@ void ExrPicture::check_header(const std::shared_ptr<const OpenFile>& file, int64
 }
 
 Extent ExrPicture::extent_of(const Imf::Header& header, int64_t max_side) const {
-  const Imath::Box2i window = header.dataWindow();
+  const Imath::Box2i& window = header.dataWindow();
   const int64_t width = int64_t{window.max.x} - window.min.x + 1;
   const int64_t height = int64_t{window.max.y} - window.min.y + 1;
   if (width < 1 || height < 1 || width > max_side || height > max_side)
@@ -95,7 +95,7 @@ Extent ExrPicture::extent_of(const Imf::Header& header, int64_t max_side) const 
 
 std::vector<float> ExrPicture::rgb() {
   return read(name_, [&] {
-    const Imath::Box2i window = file_->header().dataWindow();
+    const Imath::Box2i& window = file_->header().dataWindow();
     const size_t width = extent_.width;
     std::vector<float> rgb(3 * extent_.pixels());
     Imf::FrameBuffer target;

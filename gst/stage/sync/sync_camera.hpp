@@ -100,6 +100,7 @@ struct SyncCamera {
   std::optional<uint64_t> last_trigger;
   GstClockTime last_time = GST_CLOCK_TIME_NONE;  // running time of that frame
   std::string stream_id;
+  GstQuery* query = nullptr;  // behind the frames before it; null once it is answered
   bool live = false, upstream_known = false;
   GstClockTime sinks_wait = 0;  // latency of the sinks after it
   uint32_t id_bits = 0;         // as upstream says; 0: it does not
@@ -109,7 +110,6 @@ struct SyncCamera {
   bool left_alone = false;     // sets do not wait for it any more
   bool stalled = false;        // and that was reported
   bool begun = false;          // caps or a frame have come
-  GstQuery* query = nullptr;   // behind the frames before it; null once it is answered
   bool answer = false;         // to it
   Clock::time_point last_arrival{};
   GstFlowReturn flow = GST_FLOW_OK;  // of the last push

@@ -218,7 +218,7 @@ gboolean SyncElement::sink_query(const CameraPtr& camera, GstQuery* query) {
       // Frames wait here: a pool of downstream would run dry.
       return FALSE;
     default:
-      return GST_QUERY_IS_SERIALIZED(query)
+      return gst_query_type_get_flags(GST_QUERY_TYPE(query)) & GST_QUERY_TYPE_SERIALIZED
                  ? query_in_line(*camera, query)
                  : gst_pad_query_default(camera->sink, GST_OBJECT(element_), query);
   }
