@@ -17,8 +17,9 @@ namespace {
 namespace fs = std::filesystem;
 constexpr uintmax_t kLargest = uintmax_t{256} << 20;  // bytes of a file that is read
 
-fs::path folder() {
+fs::path folder_for(const VkPhysicalDeviceProperties& properties) {
   if (const char* named = std::getenv("INVERSE_PIPELINE_CACHE")) return named;
+  if (properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU) return {};
   if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache == '/')
     return fs::path(cache) / "gst-inverse";
   if (const char* home = std::getenv("HOME"); home && *home == '/')
@@ -66,7 +67,7 @@ bool suits(const std::vector<char>& data, const VkPhysicalDeviceProperties& prop
 PipelineCache::PipelineCache(VkDevice device, const VkPhysicalDeviceProperties& properties)
     : device_(device) {
   std::vector<char> data;
-  if (const fs::path in = folder(); !in.empty()) {
+  if (const fs::path in = folder_for(properties); !in.empty()) {
     file_ = in / name_for(properties);
     data = read(file_);
     if (!suits(data, properties)) data.clear();
