@@ -165,7 +165,7 @@ VkDescriptorSet Commands::descriptor_set(VkDescriptorSetLayout layout) {
 }
 
 uint32_t Commands::rows_at_once(std::span<const Binding> buffers, uint32_t rows) const {
-  constexpr uint32_t kStep = 64;  // rows of items and alignment of offsets fit
+  constexpr uint32_t kStep = Rows::kStep;
   uint64_t most = rows;
   for (const Binding& binding : buffers)
     if (binding.by_rows && binding.buffer->bytes() > device_->limits().window_bytes)

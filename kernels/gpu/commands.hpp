@@ -62,8 +62,10 @@ class Commands {
     static_assert(Push::layout == Shader::Push::layout && sizeof(Push) <= Kernel::kPushBytes);
     const auto bindings = buffers.all();
     const uint32_t at_once = rows_at_once(bindings, rows.rows);
-    for (uint32_t first = 0; first < rows.rows; first += at_once) {
-      const uint32_t count = std::min(at_once, rows.rows - first);
+    const uint32_t end = std::min(rows.end, rows.rows);
+    for (uint32_t first = rows.begin / Rows::kStep * Rows::kStep, count = 0; first < end;
+         first += count) {
+      count = std::min(at_once, end - first);
       const uint32_t down = (count - 1) / rows.rows_an_item + 1;
       push.first_row = first;
       run(program.kernel(), bindings, std::as_bytes(std::span(&push, 1)),

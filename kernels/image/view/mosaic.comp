@@ -12,11 +12,12 @@ layout(push_constant) uniform Push {
   uvec2 tile;    // its size
   uint shading;  // 1: draw w as gray
   float gain;  // 0: black, whatever the image holds
+  uint first_row;
 } push;
 
 void main() {
-  uvec2 at = gl_GlobalInvocationID.xy;
-  if (at.x >= push.tile.x) return;
+  uvec2 at = gl_GlobalInvocationID.xy + uvec2(0u, push.first_row - push.origin.y);
+  if (any(greaterThanEqual(at, push.tile))) return;  // rows before the first wrap around
   uvec2 first = at * 2u;
   uvec2 last = min(first + 1u, push.size - 1u);
   uint top = first.y * push.size.x;
@@ -26,5 +27,5 @@ void main() {
   vec3 color = (push.shading != 0u ? sum.www : sum.rgb) * (0.25 * push.gain);
   if (push.gain == 0.0) color = vec3(0.0);
   uvec2 to = at + push.origin;
-  STORE(target, to.y * push.size.x + to.x, vec4(color, 1.0));
+  STORE(target, BY_ROWS(to.y * push.size.x + to.x), vec4(color, 1.0));
 }

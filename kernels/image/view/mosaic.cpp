@@ -25,13 +25,16 @@ void Mosaic::record(gpu::Commands& commands, const std::array<Tile, 4>& tiles,
                       bottom ? size.height - large.height : large.height};
     if (tile.pixels() == 0) continue;  // a frame one pixel wide or high
     const Plane& picture = tiles[i].picture ? *tiles[i].picture : *any;
-    commands.dispatch(kernel_, {.picture = picture.buffer, .target = target.buffer},
-                      {.size = size,
-                       .origin = {right ? large.width : 0, bottom ? large.height : 0},
-                       .tile = tile,
-                       .shading = tiles[i].source == Drawing::Source::shading,
-                       .gain = tiles[i].picture ? tiles[i].gain : 0},
-                      {tile.width, tile.height});
+    const uint32_t top = bottom ? large.height : 0;
+    commands.dispatch_rows(
+        kernel_, {.picture = picture.buffer, .target = gpu::by_rows(target.buffer)},
+        {.size = size,
+         .origin = {right ? large.width : 0, top},
+         .tile = tile,
+         .shading = tiles[i].source == Drawing::Source::shading,
+         .gain = tiles[i].picture ? tiles[i].gain : 0,
+         .first_row = 0},
+        {.width = tile.width, .rows = size.height, .begin = top, .end = top + tile.height});
   }
 }
 

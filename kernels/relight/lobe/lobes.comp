@@ -18,6 +18,7 @@ layout(push_constant) uniform Push {
   int grid;          // points along a side of the grid
   float noise2;      // square of the F that is as good as nothing
   float exponent;    // largest
+  uint first_row;
 } push;
 
 vec3 corrected(vec3 m) {
@@ -33,7 +34,7 @@ vec3 corrected(vec3 m) {
 }
 
 void main() {
-  uvec2 at = gl_GlobalInvocationID.xy;
+  uvec2 at = gl_GlobalInvocationID.xy + uvec2(0u, push.first_row);
   if (at.x >= push.size.x) return;
   uint i = at.y * push.size.x + at.x, from = at.y * push.stride + at.x;
   vec4 first = finite(FETCH(a, int(from))), second = finite(FETCH(b, int(from + push.second)));
@@ -45,6 +46,6 @@ void main() {
   float size = length(mean), limit = (push.exponent + 1.0) / (push.exponent + 2.0);
   float narrow = clamp(size, 0.5, limit);
   vec3 u = size > 1e-6 ? mean / size : vec3(0.0, 0.0, 1.0);
-  STORE(full, i, vec4(sum, first.w));
-  STORE(lobes, i, vec4(u * min(2.0 * size, 1.0), (2.0 * narrow - 1.0) / (1.0 - narrow)));
+  STORE(full, BY_ROWS(i), vec4(sum, first.w));
+  STORE(lobes, BY_ROWS(i), vec4(u * min(2.0 * size, 1.0), (2.0 * narrow - 1.0) / (1.0 - narrow)));
 }

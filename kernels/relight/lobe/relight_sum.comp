@@ -14,12 +14,13 @@ layout(push_constant) uniform Push {
   vec4 even;  // what comes from everywhere gives: Σ weights / N
   uvec2 size;
   int lights;
+  uint first_row;
 } push;
 
 #include "lobe_table.glsl"
 
 void main() {
-  uvec2 at = gl_GlobalInvocationID.xy;
+  uvec2 at = gl_GlobalInvocationID.xy + uvec2(0u, push.first_row);
   if (at.x >= push.size.x) return;
   uint i = at.y * push.size.x + at.x;
   vec4 f = FETCH(full, int(i)), lobe = FETCH(lobes, int(i));
@@ -29,5 +30,5 @@ void main() {
   for (int k = 0; k < push.lights; ++k)
     sum += FETCH(lights, 2 * k + 1).rgb * lobe_at(dot(FETCH(lights, 2 * k).xyz, u), lobe.w);
   vec3 light = mix(push.even.rgb, sum * lobe_table(u, lobe.w).w, min(share, 1.0));
-  STORE(picture, i, vec4(f.rgb * light, f.w));
+  STORE(picture, BY_ROWS(i), vec4(f.rgb * light, f.w));
 }
