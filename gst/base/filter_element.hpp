@@ -134,8 +134,8 @@ class FilterElement {
   std::optional<PlanePool> planes_;
   Repeats repeats_;
   std::vector<uint8_t> every_tile_;  // FrameContext::changed of frames that change as a whole
-  PlanePtr kept_input_;   // of the frame before, while repeats go on or little changes
-  gpu::BufferPtr drawn_;  // the slot's buffer with the bytes of the frame before
+  PlanePtr kept_input_;              // of the frame before, while repeats go on or little changes
+  gpu::BufferPtr drawn_;             // the slot's buffer with the bytes of the frame before
   gpu::FrameRing<Slot> slots_;
   size_t next_slot_ = 0;
   uint64_t number_ = 0;  // frames since `configure`

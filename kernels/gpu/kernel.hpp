@@ -37,7 +37,7 @@ struct Rows {
   uint32_t rows = 1;          ///< of the picture
   uint32_t rows_an_item = 1;  ///< a power of two up to 64
   bool line = false;          ///< dispatched as a line: the shader reads line_index
-  uint32_t begin = 0;         ///< the first row to work on; up to kStep - 1 before it are dispatched
+  uint32_t begin = 0;  ///< the first row to work on; up to kStep - 1 before it are dispatched
   uint32_t end = UINT32_MAX;  ///< the row after the last one to work on, at most `rows`
   /// Parts begin at multiples of it, which suits items and the alignment of bindings.
   static constexpr uint32_t kStep = 64;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // soak [--quick] [--decomposer FACTORY] [--frames N] [--caps-changes N] [--cycles N] [--scenes N]
-//      [--device-slack MIB]
+//      [--sizes N] [--device-slack MIB]
 //
 // Long runs through a decomposer and an editing chain, monitored for growth: frames with flushing
-// seeks, caps changes, start-stop cycles, extreme changes of scene. Without --decomposer and
+// seeks, caps changes, start-stop cycles, extreme changes of scene, rounds of sizes up to 8192x8192
+// before a slow sink (12 GB on a software device). Without --decomposer and
 // --quick, some hundred frames of each of the thesis' elements, of limematerial with materialclone,
 // and of olatrelight follow. Exit status 1 if memory, open files or threads grow, an element posts
 // an error, or nothing happens for a minute.
@@ -40,7 +41,7 @@ constexpr const char* kEnd = " ! video/x-raw ! fakesink name=sink sync=false sig
 struct Plan {
   std::string decomposer = "intrinsicdecomp";
   std::string chain = kChain;  ///< the element's name, properties, and what follows it
-  unsigned frames = 10000, caps_changes = 200, cycles = 50, scenes = 1000;
+  unsigned frames = 10000, caps_changes = 200, cycles = 50, scenes = 1000, sizes = 5;
   /// Pools grow by a plane (0.1 MiB) whenever frames in flight first need one more, depending on
   /// timing; leaks per frame, seek or scene are far larger.
   Slack slack{.device_mib = 0.5};
@@ -138,6 +139,29 @@ Growth soak_cycles(const Plan& plan) {
   return growth;
 }
 
+/// A few frames of each size, with queues that hold layers before a slow sink.
+Growth soak_sizes(const Plan& plan) {
+  constexpr std::pair<int, int> kSizes[] = {{3840, 2160}, {4096, 2160}, {7680, 4320},
+                                            {8192, 8192}, {32767, 1},   {1, 32767}};
+  Growth growth("sizes", plan.slack);
+  for (unsigned round = 0; round < plan.sizes; ++round) {
+    for (const auto& [width, height] : kSizes) {
+      Line line("videotestsrc num-buffers=4 ! video/x-raw,format=RGBA,framerate=30/1,width=" +
+                std::to_string(width) + ",height=" + std::to_string(height) + " ! " +
+                plan.decomposer + " name=decomposer ! queue ! " +
+                "intrinsicrecolor key=0xffff0000 ! queue ! intrinsiccompose ! " +
+                "identity sleep-time=300000" + kEnd);
+      line.set_state(GST_STATE_PLAYING);
+      line.wait_for_end();
+      const uint64_t device_bytes = line.device_bytes();
+      line.set_state(GST_STATE_NULL);
+      if (&width == &std::rbegin(kSizes)->first) growth.sample_now(device_bytes);
+    }
+    progress("sizes", round + 1, plan.sizes, growth.last());
+  }
+  return growth;
+}
+
 unsigned number(const char* text) {
   char* end = nullptr;
   const unsigned long value = strtoul(text, &end, 10);
@@ -150,7 +174,7 @@ Plan of_thesis(const char* decomposer) {
   Plan plan;
   plan.decomposer = decomposer;
   plan.frames = plan.scenes = 300;
-  plan.caps_changes = plan.cycles = 0;
+  plan.caps_changes = plan.cycles = plan.sizes = 0;
   return plan;
 }
 
@@ -164,6 +188,7 @@ Plan of_materials() {
   plan.caps_changes = 24;
   plan.cycles = 8;
   plan.scenes = 200;
+  plan.sizes = 0;
   return plan;
 }
 
@@ -175,7 +200,7 @@ Plan of_relighting(const char* model) {
   plan.chain = std::string(" name=decomposer model=") + model;
   plan.frames = 600;
   plan.cycles = 8;
-  plan.caps_changes = plan.scenes = 0;
+  plan.caps_changes = plan.scenes = plan.sizes = 0;
   return plan;
 }
 
@@ -184,7 +209,8 @@ std::vector<Plan> parse(int count, char** words) {
       {"--frames", &Plan::frames},
       {"--caps-changes", &Plan::caps_changes},
       {"--cycles", &Plan::cycles},
-      {"--scenes", &Plan::scenes}};
+      {"--scenes", &Plan::scenes},
+      {"--sizes", &Plan::sizes}};
   Plan plan;
   bool others = true;
   for (int i = 1; i < count; ++i) {
@@ -196,6 +222,7 @@ std::vector<Plan> parse(int count, char** words) {
       plan.cycles = 8;
       plan.slack.resident_mib = 16;  // a few samples of what swings by 10 from one to the next
       plan.scenes = 120;
+      plan.sizes = 0;
       others = false;
     } else if (word == "--decomposer" && more) {
       const std::string name = words[++i];
@@ -213,7 +240,7 @@ std::vector<Plan> parse(int count, char** words) {
     } else {
       throw std::runtime_error(
           "soak [--quick] [--decomposer FACTORY] [--frames N] [--caps-changes N] [--cycles N] "
-          "[--scenes N] [--device-slack MIB]");
+          "[--scenes N] [--sizes N] [--device-slack MIB]");
     }
   }
   std::vector<Plan> plans{plan};
@@ -235,6 +262,7 @@ bool run(const Plan& plan) {
   if (plan.caps_changes > 0) phases.push_back(soak_caps(plan));
   if (plan.cycles > 0) phases.push_back(soak_cycles(plan));
   if (plan.scenes > 0) phases.push_back(soak_scenes(plan.decomposer, plan.scenes, plan.slack));
+  if (plan.sizes > 0) phases.push_back(soak_sizes(plan));
   printf("%-12s %-20s %10s %10s %10s %8s\n", "phase", "holds", "warm", "end", "growth", "slack");
   bool good = true;
   for (const Growth& phase : phases) good = phase.judge() && good;

@@ -231,7 +231,8 @@ FrameOutput::FrameOutput(const GstVideoInfo& info, GstVideoColorPrimaries planes
 
 gpu::BufferPtr FrameOutput::make_buffer(const std::shared_ptr<gpu::Device>& device) const {
   // Rows of several planes are not one part of a buffer.
-  const auto create = format_.format.planes == 1 ? gpu::Buffer::create_by_rows : gpu::Buffer::create;
+  const auto create =
+      format_.format.planes == 1 ? gpu::Buffer::create_by_rows : gpu::Buffer::create;
   auto raw = create(device, gpu::Element::word, raw_words(format_), gpu::Memory::readback);
   memset(raw->map(), 0, raw->bytes());  // row padding goes out with the rows
   return raw;

@@ -51,9 +51,8 @@ gboolean upload(GstInverseLayersMeta* meta, GstInverseRole role, GBytes* data) {
   if (any == layers.planes.end() || g_bytes_get_size(data) != extent.pixels() * 16) return FALSE;
   try {
     const auto device = (*any)->buffer->device();
-    const auto host =
-        gpu::Buffer::create_by_rows(device, gpu::Element::vec4, extent.pixels(),
-                                    gpu::Memory::upload);
+    const auto host = gpu::Buffer::create_by_rows(device, gpu::Element::vec4, extent.pixels(),
+                                                  gpu::Memory::upload);
     memcpy(host->map(), g_bytes_get_data(data, nullptr), host->bytes());
     const auto plane = std::make_shared<Plane>(
         Plane{extent, gpu::Buffer::create_by_rows(device, gpu::Element::vec4, extent.pixels())});

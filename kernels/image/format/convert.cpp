@@ -196,8 +196,8 @@ void Unpack::record(gpu::Commands& commands, const gpu::BufferPtr& raw, const Pl
   const gpu::Rows rows{blocks(format_.extent.width, 4), format_.extent.height, kStripRows};
   const auto dispatch = [&](const auto& program) {
     if (program)
-      program->dispatch_rows(commands, listed,
-                             {.raw = raw, .linear = gpu::by_rows(linear.buffer)}, push, rows);
+      program->dispatch_rows(commands, listed, {.raw = raw, .linear = gpu::by_rows(linear.buffer)},
+                             push, rows);
   };
   dispatch(rgb_);
   dispatch(yuv_);

@@ -67,19 +67,19 @@ void CosineLobe::record_lobes(gpu::Commands& commands, const GradientPair& pair,
   if (!has_gains_) make_gains(commands);
   const float noise = params.noise >= 1e-6F ? params.noise : 1e-6F;
   commands.dispatch_rows(find_,
-                    {.a = pair.a.buffer,
-                     .b = pair.b.buffer,
-                     .moments = grid_,
-                     .full = gpu::by_rows(full_->buffer),
-                     .lobes = gpu::by_rows(lobes_->buffer)},
-                    {.size = extent_,
-                     .stride = pair.a.extent.width,
-                     .second = pair.second,
-                     .grid = LobeMoments::kGrid,
-                     .noise2 = noise * noise,
-                     .exponent = static_cast<float>(moments_->largest_exponent()),
-                     .first_row = 0},
-                    {extent_.width, extent_.height});
+                         {.a = pair.a.buffer,
+                          .b = pair.b.buffer,
+                          .moments = grid_,
+                          .full = gpu::by_rows(full_->buffer),
+                          .lobes = gpu::by_rows(lobes_->buffer)},
+                         {.size = extent_,
+                          .stride = pair.a.extent.width,
+                          .second = pair.second,
+                          .grid = LobeMoments::kGrid,
+                          .noise2 = noise * noise,
+                          .exponent = static_cast<float>(moments_->largest_exponent()),
+                          .first_row = 0},
+                         {extent_.width, extent_.height});
 }
 
 void CosineLobe::write_lights(gpu::Commands& commands, std::span<const WeightedLight> lights) {
@@ -95,13 +95,14 @@ void CosineLobe::record_lights(gpu::Commands& commands, std::span<const Weighted
 }
 
 void CosineLobe::record_relit(gpu::Commands& commands, const Plane& target) const {
-  commands.dispatch_rows(relight_,
-                    {.full = full_->buffer,
-                     .lobes = lobes_->buffer,
-                     .lobe_values = table_,
-                     .picture = gpu::by_rows(target.buffer)},
-                    {.even = {even_[0], even_[1], even_[2], 0}, .size = extent_, .first_row = 0},
-                    {extent_.width, extent_.height});
+  commands.dispatch_rows(
+      relight_,
+      {.full = full_->buffer,
+       .lobes = lobes_->buffer,
+       .lobe_values = table_,
+       .picture = gpu::by_rows(target.buffer)},
+      {.even = {even_[0], even_[1], even_[2], 0}, .size = extent_, .first_row = 0},
+      {extent_.width, extent_.height});
 }
 
 void CosineLobe::record_sum(gpu::Commands& commands, std::span<const WeightedLight> lights,
@@ -109,23 +110,25 @@ void CosineLobe::record_sum(gpu::Commands& commands, std::span<const WeightedLig
   const Rgb even = even_light(lights, stage_lights_);
   write_lights(commands, lights);
   commands.dispatch_rows(sum_,
-                    {.full = full_->buffer,
-                     .lobes = lobes_->buffer,
-                     .lobe_values = gains_,
-                     .lights = lights_,
-                     .picture = gpu::by_rows(target.buffer)},
-                    {.even = {even[0], even[1], even[2], 0},
-                     .size = extent_,
-                     .lights = static_cast<int32_t>(lights.size()),
-                     .first_row = 0},
-                    {extent_.width, extent_.height});
+                         {.full = full_->buffer,
+                          .lobes = lobes_->buffer,
+                          .lobe_values = gains_,
+                          .lights = lights_,
+                          .picture = gpu::by_rows(target.buffer)},
+                         {.even = {even[0], even[1], even[2], 0},
+                          .size = extent_,
+                          .lights = static_cast<int32_t>(lights.size()),
+                          .first_row = 0},
+                         {extent_.width, extent_.height});
 }
 
 void CosineLobe::record_directions(gpu::Commands& commands, const Params& params,
                                    const Plane& target) const {
-  commands.dispatch_rows(directions_,
-                    {.full = full_->buffer, .lobes = lobes_->buffer, .picture = gpu::by_rows(target.buffer)},
-                    {.size = extent_, .min_light = params.noise, .first_row = 0}, {extent_.width, extent_.height});
+  commands.dispatch_rows(
+      directions_,
+      {.full = full_->buffer, .lobes = lobes_->buffer, .picture = gpu::by_rows(target.buffer)},
+      {.size = extent_, .min_light = params.noise, .first_row = 0},
+      {extent_.width, extent_.height});
 }
 
 void CosineLobe::record_responses(gpu::Commands& commands, const gpu::BufferPtr& samples,

@@ -61,7 +61,8 @@ TEST_F(DeviceTest, RowsBeyondTheLargestBindingAreWritten) {
   if (device->variant().portable && bytes == limits.storage_buffer_bytes)
     GTEST_SKIP() << "this variant reads storage buffers";
   const Extent extent{64 * 15, static_cast<uint32_t>(bytes / 64 / 15 / 16 + 100)};
-  const Plane target{extent, gpu::Buffer::create_by_rows(device, gpu::Element::vec4, extent.pixels())};
+  const Plane target{extent,
+                     gpu::Buffer::create_by_rows(device, gpu::Element::vec4, extent.pixels())};
   if (!target.buffer->map()) GTEST_SKIP() << "the host cannot read this device's memory";
   run([&](gpu::Commands& commands) {
     commands.fill(target.buffer);

@@ -50,8 +50,8 @@ TEST_F(MemoryTest, BuffersNeverOverlap) {
       continue;
     }
     const uint64_t words = 1 + random() % (random() % 10 == 0 ? 1U << 21U : 5000U);
-    held.push_back({gpu::Buffer::create(device, gpu::Element::word, words, gpu::Memory::upload),
-                    round});
+    held.push_back(
+        {gpu::Buffer::create(device, gpu::Element::word, words, gpu::Memory::upload), round});
     std::fill_n(held.back().buffer->map_as<uint32_t>(), words, round);
   }
   while (!held.empty()) ASSERT_NO_FATAL_FAILURE(check_and_drop(held.size() - 1));
@@ -76,8 +76,7 @@ class PipelineCacheTest : public GpuTest {
   }
   static size_t files_in(const std::filesystem::path& folder) {
     if (!std::filesystem::exists(folder)) return 0;
-    return static_cast<size_t>(
-        std::distance(std::filesystem::directory_iterator(folder), {}));
+    return static_cast<size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
   }
 
   static constexpr const char* kVariable = "INVERSE_PIPELINE_CACHE";
