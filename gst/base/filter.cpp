@@ -73,7 +73,9 @@ GstStateChangeReturn change_state(GstElement* element, GstStateChange transition
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED) {
     element_of(element).context().wait_for_neighbor();
     if (!element_of(element).restart()) return GST_STATE_CHANGE_FAILURE;
+    element_of(element).set_flushing(false);
   }
+  if (transition == GST_STATE_CHANGE_PAUSED_TO_READY) element_of(element).set_flushing(true);
   const GstStateChangeReturn result =
       GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
   if (transition == GST_STATE_CHANGE_READY_TO_NULL) element_of(element).close();
@@ -213,7 +215,11 @@ GstFlowReturn transform(GstBaseTransform* transform, GstBuffer* in, GstBuffer* o
 gboolean sink_event(GstBaseTransform* transform, GstEvent* event) {
   const inverse::Log& log = element_of(transform).log();
   GST_CAT_DEBUG_OBJECT(log.category, log.object, "event: %" GST_PTR_FORMAT, event);
-  if (GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP) element_of(transform).flush("flush");
+  if (GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_START) element_of(transform).set_flushing(true);
+  if (GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP) {
+    element_of(transform).set_flushing(false);
+    element_of(transform).flush("flush");
+  }
   if (GST_EVENT_TYPE(event) == GST_EVENT_STREAM_START) element_of(transform).flush("new stream");
   if (GST_EVENT_TYPE(event) == GST_EVENT_EOS) element_of(transform).ended();
   const bool caps = GST_EVENT_TYPE(event) == GST_EVENT_CAPS;

@@ -151,27 +151,36 @@ void FilterElement::flush(const char* reason) {
 }
 
 void FilterElement::wait(Slot& slot, const char* reason) {
-  if (slot.commands->done()) return slot.commands->wait();
+  if (slot.commands->done()) {
+    slot.commands->wait();
+    return;
+  }
   const auto start = Clock::now();
-  slot.commands->wait();
+  if (!slot.commands->wait([&] { return transforms_ && flushing_.load(); })) throw Flushing{};
   GST_DEBUG_OBJECT(element_, "waited %.2f ms for the device: %s", milliseconds_since(start),
                    reason);
 }
 
 GstFlowReturn FilterElement::transform(GstBuffer* in, GstBuffer* out) {
-  if (guarded(element_, [&] {
-        const auto device = device_for(in);
-        try {
-          run_frame(in, out, device);
-        } catch (const Error& error) {
-          throw with_largest_size(error, device);
-        }
-      }))
-    return GST_FLOW_OK;
+  GstFlowReturn result = GST_FLOW_OK;
+  transforms_ = true;
+  const bool good = guarded(element_, [&] {
+    const auto device = device_for(in);
+    try {
+      run_frame(in, out, device);
+    } catch (const Flushing&) {
+      GST_DEBUG_OBJECT(element_, "flushed in frame %" G_GUINT64_FORMAT, number_);
+      result = GST_FLOW_FLUSHING;
+    } catch (const Error& error) {
+      throw with_largest_size(error, device);
+    }
+  });
+  transforms_ = false;
+  if (good && result == GST_FLOW_OK) return result;
   // What was recorded was never computed.
   forget_repeats();
   fresh_ = true;
-  return GST_FLOW_ERROR;
+  return good ? result : GST_FLOW_ERROR;
 }
 
 void FilterElement::forget_repeats() {
@@ -316,13 +325,13 @@ void FilterElement::run_frame(GstBuffer* in, GstBuffer* out,
     throw;
   }
   post_messages(log_, frame);
+  slot.number = number_++;  // also if its wait is ended by a flush
   send(out, slot, frame);
   if (frame.decorate) frame.decorate(out);
   if (!out_layers_) mark_shown(element_, *filter_, out);
   // vulkanupload overwrites its staging buffer with the next frame once this one is returned, even
   // if the device has not copied it yet (GStreamer 1.22): wait until it has.
   if (in_images_) wait(slot, "for the input image");
-  slot.number = number_++;
   slot.wall_ms = milliseconds_since(start);
   slot.pending = true;
   // Frames that are done by now, the oldest first, this one included if it was waited for.
@@ -352,7 +361,12 @@ bool FilterElement::breaks_off(GstBuffer* in) {
 void FilterElement::finish(Slot& slot) {
   if (!slot.pending) return;
   slot.pending = false;
-  wait(slot, "for a frame in flight");
+  try {
+    wait(slot, "for a frame in flight");
+  } catch (const Flushing&) {
+    slot.pending = true;
+    throw;
+  }
   // If the device is not waited for, the wall clock does not measure the cost of a frame.
   filter_->completed(slot.number, std::max(slot.wall_ms, device_ms(*slot.commands)));
   GstStructure* stats = frame_stats(*slot.commands, ++frames_, slot.wall_ms);

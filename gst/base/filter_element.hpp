@@ -43,6 +43,8 @@ class FilterElement {
   void explain_refusal();
   /// Takes one buffer through the filter into `out`, which has memory only if pixels go out.
   GstFlowReturn transform(GstBuffer* in, GstBuffer* out);
+  /// A flush began, or ended: a frame that waits for the device stops doing so. From any thread.
+  void set_flushing(bool flushing) { flushing_ = flushing; }
   /// The next frame starts afresh; `reason` is for the log.
   void flush(const char* reason);
   /// The stream ended, or will stop.
@@ -101,6 +103,8 @@ class FilterElement {
   GstClockTime stream_time(GstBuffer* in) const;
   /// Whether `in` has nothing to do with the frame before it.
   bool breaks_off(GstBuffer* in);
+  /// What `wait` throws if the pipeline flushes while a frame is transformed.
+  struct Flushing {};
   /// Waits until a frame's work on the device is done.
   void wait(Slot& slot, const char* reason);
   /// Waits for a slot's frame and publishes its stats, once.
@@ -128,7 +132,8 @@ class FilterElement {
   GstVideoFormat reported_format_ = GST_VIDEO_FORMAT_UNKNOWN;  // last, by check_format
   bool in_layers_ = false, in_images_ = false, out_layers_ = false;
   bool configured_ = false;
-  std::atomic<bool> fresh_{true};
+  std::atomic<bool> fresh_{true}, flushing_{false};
+  bool transforms_ = false;  // a frame, now
   std::unique_ptr<FrameInput> input_;
   std::unique_ptr<FrameOutput> output_;
   std::optional<PlanePool> planes_;

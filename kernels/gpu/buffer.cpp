@@ -73,10 +73,11 @@ Buffer::Buffer(std::shared_ptr<Device> device, Element element, uint64_t count, 
   const Limits& limits = device_->limits();
   const bool view = !device_->variant().portable;
   if (view && count_ > limits.texel_elements)
-    throw Error(ErrorKind::limit,
-                "a buffer of " + std::to_string(count_) +
-                    " elements exceeds maxTexelBufferElements of \"" + device_->name() + "\", " +
-                    std::to_string(limits.texel_elements) + "; set INVERSE_PORTABLE=1");
+    throw Error(ErrorKind::limit, "a buffer of " + std::to_string(count_) +
+                                      " elements exceeds maxTexelBufferElements of \"" +
+                                      device_->name() + "\", " +
+                                      std::to_string(limits.texel_elements) +
+                                      "; use a smaller frame or another device");
   try {
     VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
     info.size = padded(*device_, bytes());

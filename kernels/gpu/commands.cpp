@@ -384,10 +384,18 @@ void Commands::submit() {
   in_flight_ = true;
 }
 
-void Commands::wait() {
-  if (!in_flight_) return;
-  const uint64_t timeout = timed_out_ ? 0 : device_->timeout_ns();
-  const VkResult result = vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, timeout);
+bool Commands::wait(const std::function<bool()>& stop) {
+  if (!in_flight_) return true;
+  constexpr uint64_t kStep = 20'000'000;  // ns
+  uint64_t left = timed_out_ ? 0 : device_->timeout_ns();
+  VkResult result = VK_TIMEOUT;
+  for (;;) {
+    const uint64_t step = stop ? std::min(left, kStep) : left;
+    result = vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, step);
+    left -= step;
+    if (result != VK_TIMEOUT || left == 0) break;
+    if (stop()) return false;
+  }
   timed_out_ = result == VK_TIMEOUT;
   device_->note_unresponsive(timed_out_);
   if (timed_out_)
@@ -400,6 +408,7 @@ void Commands::wait() {
   check(result, "waiting for a frame");
   kept_.clear();  // planes go back to those who hold them still
   read_stages();
+  return true;
 }
 
 bool Commands::done() const {

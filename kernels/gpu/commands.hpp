@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -141,8 +142,9 @@ class Commands {
   /// Hands the recorded work to the device.
   void submit();
   /// Waits until the submitted work is done. Throws Error(device_lost) if the device is lost, or
-  /// after `Device::timeout_ns`; further waits then throw at once until the work is done.
-  void wait();
+  /// after `Device::timeout_ns`; further waits then throw at once until the work is done. False if
+  /// `stop`, which is asked every 20 ms, ended the wait.
+  bool wait(const std::function<bool()>& stop = {});
   /// Whether `wait` would return at once.
   bool done() const;
 

@@ -113,6 +113,13 @@ void flush(GstHarness* harness) {
   gst_harness_push_event(harness, gst_event_new_segment(&segment));
 }
 
+bool has_pixels(GstBuffer* buffer) {
+  GstMapInfo map;
+  if (!gst_buffer_map(buffer, &map, GST_MAP_READ)) return false;
+  gst_buffer_unmap(buffer, &map);
+  return true;
+}
+
 std::string caps_out_of(GstHarness* harness) {
   GstCaps* caps = gst_pad_get_current_caps(harness->sinkpad);
   if (!caps) return "";

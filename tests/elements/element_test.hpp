@@ -56,6 +56,8 @@ class NewDevice {
 
 /// Flushes as a seek does: flush-start, flush-stop, a new segment in time.
 void flush(GstHarness* harness);
+/// Whether the memory of a buffer can be read; that of layers cannot.
+bool has_pixels(GstBuffer* buffer);
 /// The caps of what comes out of a harness; empty if there are none.
 std::string caps_out_of(GstHarness* harness);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What an element makes of the stream around it: gaps, devices that go, latency, stats.
 #include <map>
+#include <thread>
 
 #include "tests/elements/element_test.hpp"
 #include "tests/elements/layer_of.hpp"
@@ -146,6 +147,30 @@ TEST(Stream, GapsPassThroughEveryElement) {
       EXPECT_TRUE(history_of(harness)) << line;
     }
   }
+}
+
+// Seconds of work are not waited for.
+TEST(Stream, AFlushEndsTheWaitForTheDevice) {
+  const std::string caps = VideoHarness::caps("RGBA", 1280, 720);
+  VideoHarness harness("intrinsicdecompthesis quality=best", caps, caps);
+  const auto frame = random_frame(caps, 1);
+  GstElement* element = harness.find("intrinsicdecompthesis");
+  GstFlowReturn flow = GST_FLOW_OK;
+  std::thread streaming([&] { flow = harness.push(frame); });
+  g_usleep(200'000);
+  gst_harness_push_event(harness.harness(), gst_event_new_flush_start());
+  streaming.join();
+  if (flow == GST_FLOW_OK) GTEST_SKIP() << "the frame was done before the flush";
+  EXPECT_EQ(flow, GST_FLOW_FLUSHING);
+  EXPECT_FALSE(find_stat<guint64>(element, "frames")) << "it was waited for";
+  gst_harness_push_event(harness.harness(), gst_event_new_flush_stop(TRUE));
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  gst_harness_push_event(harness.harness(), gst_event_new_segment(&segment));
+  g_object_set(element, "quality", 0, nullptr);
+  EXPECT_EQ(harness.process(frame).size(), frame.size());
+  EXPECT_TRUE(find_stat<guint64>(element, "frames"));
+  EXPECT_EQ(harness.errors(), std::vector<std::string>());
 }
 
 }  // namespace inverse::testing
