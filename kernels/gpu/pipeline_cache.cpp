@@ -5,17 +5,17 @@
 
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <string>
 #include <vector>
 
+#include "common/open_file.hpp"
 #include "device.hpp"
 
 namespace inverse::gpu {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr uintmax_t kLargest = uintmax_t{256} << 20;  // bytes of a file that is read
+constexpr uint64_t kLargest = uint64_t{256} << 20;  // bytes of a file that is read
 
 fs::path folder_for(const VkPhysicalDeviceProperties& properties) {
   if (const char* named = std::getenv("INVERSE_PIPELINE_CACHE")) return named;
@@ -36,20 +36,9 @@ std::string name_for(const VkPhysicalDeviceProperties& properties) {
   return name + ".bin";
 }
 
-std::vector<char> read(const fs::path& file) {
-  std::error_code error;
-  const uintmax_t size = fs::file_size(file, error);
-  if (error || size > kLargest) return {};
-  std::ifstream stream(file, std::ios::binary);
-  std::vector<char> data(size);
-  stream.read(data.data(), static_cast<std::streamsize>(size));
-  data.resize(static_cast<size_t>(stream.gcount()));
-  return data;
-}
-
 /// Whether a driver of this device wrote the data (Vulkan 1.1, VkPipelineCacheHeaderVersionOne).
 /// Drivers check it, too, but not all of them well.
-bool suits(const std::vector<char>& data, const VkPhysicalDeviceProperties& properties) {
+bool suits(const std::string& data, const VkPhysicalDeviceProperties& properties) {
   struct Header {
     uint32_t size, version, vendor, device;
     uint8_t uuid[VK_UUID_SIZE];
@@ -66,10 +55,11 @@ bool suits(const std::vector<char>& data, const VkPhysicalDeviceProperties& prop
 
 PipelineCache::PipelineCache(VkDevice device, const VkPhysicalDeviceProperties& properties)
     : device_(device) {
-  std::vector<char> data;
+  std::string data;
   if (const fs::path in = folder_for(properties); !in.empty()) {
     file_ = in / name_for(properties);
-    data = read(file_);
+    std::string fault;  // such a file is ignored
+    data = read_file(file_.string(), kLargest, fault);
     if (!suits(data, properties)) data.clear();
   }
   read_ = data.size();
