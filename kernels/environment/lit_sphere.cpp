@@ -103,9 +103,7 @@ void LitSphere::record(gpu::Commands& commands, const Surface& surface, const Vi
   const float gain = Surface::lobe_gain(s.shininess) * s.specular * state.view.intensity;
   const uint32_t side = table_.extent.width;
   const bool broad = s.shininess < kBroad;
-  commands.write_table(
-      samples_, gpu::Element::vec4,
-      std::span<const PrefilteredLight::Vec4>(lobe(double{s.shininess}, light_->rows)));
+  commands.write_table(samples_, gpu::Element::vec4, lobe(double{s.shininess}, light_->rows));
   commands.dispatch(
       kernel_,
       {.cells = light_->cells,

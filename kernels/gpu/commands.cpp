@@ -33,6 +33,11 @@ void abandon(std::vector<std::shared_ptr<void>> objects) {
                     std::make_move_iterator(objects.end()));
 }
 
+/// Elements that hold the data, the last one perhaps in part.
+size_t elements_of(Element element, std::span<const std::byte> data) {
+  return (data.size() + element_bytes(element) - 1) / element_bytes(element);
+}
+
 }  // namespace
 
 Commands::Commands(std::shared_ptr<Device> device) : device_(std::move(device)) {
@@ -293,19 +298,17 @@ void Commands::copy(const BufferPtr& source, const BufferPtr& target, uint64_t b
   vkCmdCopyBuffer(buffer_, source->handle(), target->handle(), 1, &region);
 }
 
-void Commands::update_bytes(const BufferPtr& buffer, std::span<const std::byte> data) {
+void Commands::write_bytes(BufferPtr& table, Element element, std::span<const std::byte> data) {
   refuse_when("a copy");
-  if (data.size() > buffer->bytes() || data.size() % 4 != 0)
-    throw Error(ErrorKind::internal, "an update of " + std::to_string(data.size()) +
-                                         " bytes of a buffer of " +
-                                         std::to_string(buffer->bytes()));
-  touch(buffer->handle(), false, true);
+  const size_t count = elements_of(element, data);
+  if (!table || table->count() < count) table = Buffer::create(device_, element, count);
+  if (data.empty()) return;
+  touch(table->handle(), false, true);
   barrier_if_needed();
-  kept_.push_back(buffer);
+  kept_.push_back(table);
   constexpr size_t kAtOnce = 65536;  // Vulkan's limit
   for (size_t at = 0; at < data.size(); at += kAtOnce)
-    vkCmdUpdateBuffer(buffer_, buffer->handle(), at, std::min(kAtOnce, data.size() - at),
-                      &data[at]);
+    vkCmdUpdateBuffer(buffer_, table->handle(), at, std::min(kAtOnce, data.size() - at), &data[at]);
 }
 
 void Commands::fill(const BufferPtr& buffer, uint32_t word) {
@@ -417,7 +420,7 @@ bool Commands::done() const {
 
 BufferPtr make_table(const std::shared_ptr<Device>& device, Element element,
                      std::span<const std::byte> data) {
-  const size_t size = element_bytes(element), count = (data.size() + size - 1) / size;
+  const size_t count = elements_of(element, data);
   const BufferPtr table = Buffer::create(device, element, count);
   const bool staged = !table->map();
   const BufferPtr target = staged ? Buffer::create(device, element, count, Memory::upload) : table;

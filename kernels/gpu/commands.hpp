@@ -109,17 +109,12 @@ class Commands {
   /// Copies `bytes` from one buffer to another.
   void copy(const BufferPtr& source, const BufferPtr& target, uint64_t bytes,
             uint64_t source_offset = 0, uint64_t target_offset = 0);
-  /// Copies up to a buffer's size from the host, which may change `data` at once.
+  /// Copies data from the host into `table`, which is made anew, of device memory, if
+  /// it is too short or null. The host may change the data at once.
   template <typename T>
-  void update(const BufferPtr& buffer, std::span<const T> data) {
-    update_bytes(buffer, std::as_bytes(data));
-  }
-  /// As `update` into `table`, which is made anew, of device memory, if it is too short or null.
-  template <typename T>
-  void write_table(BufferPtr& table, Element element, std::span<const T> data) {
-    const size_t count = (data.size_bytes() + element_bytes(element) - 1) / element_bytes(element);
-    if (!table || table->count() < count) table = Buffer::create(device_, element, count);
-    if (!data.empty()) update(table, data);
+  void write_table(BufferPtr& table, Element element, const std::vector<T>& data) {
+    static_assert(sizeof(T) % 4 == 0, "Vulkan copies whole words");
+    write_bytes(table, element, std::as_bytes(std::span(data)));
   }
   /// Sets every 32-bit word of a buffer.
   void fill(const BufferPtr& buffer, uint32_t word = 0);
@@ -160,7 +155,7 @@ class Commands {
     VkBuffer buffer;
     bool written;
   };
-  void update_bytes(const BufferPtr& buffer, std::span<const std::byte> data);
+  void write_bytes(BufferPtr& table, Element element, std::span<const std::byte> data);
   void begin_when(const BufferPtr& condition, uint64_t offset);
   void end_when();
   void refuse_when(const char* what) const;

@@ -103,7 +103,7 @@ PlanePtr OlatStack::record(gpu::Commands& commands, std::span<const LightColor> 
     ++made_;
   }
   PlanePtr plane = planes_.acquire();
-  commands.write_table(table_, gpu::Element::vec4, std::span<const std::array<float, 4>>(list));
+  commands.write_table(table_, gpu::Element::vec4, list);
   const auto pixels = static_cast<uint32_t>(extent_.pixels());
   uint32_t first = 0;
   bool add = false;

@@ -83,7 +83,7 @@ void CosineLobe::record_lobes(gpu::Commands& commands, const GradientPair& pair,
 }
 
 void CosineLobe::write_lights(gpu::Commands& commands, std::span<const WeightedLight> lights) {
-  commands.write_table(lights_, gpu::Element::vec4, std::span<const float>(rows_of(lights)));
+  commands.write_table(lights_, gpu::Element::vec4, rows_of(lights));
 }
 
 void CosineLobe::record_lights(gpu::Commands& commands, std::span<const WeightedLight> lights) {

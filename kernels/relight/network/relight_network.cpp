@@ -84,7 +84,7 @@ uint32_t RelightNetwork::write_lights(gpu::Commands& commands,
     std::copy(bias.begin(), bias.end(), to + 8);
     to += 4 * kLightSize;
   }
-  commands.write_table(lights_, gpu::Element::vec4, std::span<const float>(rows));
+  commands.write_table(lights_, gpu::Element::vec4, rows);
   return static_cast<uint32_t>(count);
 }
 
