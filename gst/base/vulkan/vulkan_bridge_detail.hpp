@@ -8,16 +8,14 @@ extern "C" {  // missing in gstvkqueue.h of 1.22
 
 #include <memory>
 
+#include "gst/base/pads.hpp"
 #include "kernels/gpu/device.hpp"
 
 namespace inverse::bridge {
 
-struct Unref {
-  void operator()(gpointer object) const { gst_object_unref(object); }
-};
-using InstanceRef = std::unique_ptr<GstVulkanInstance, Unref>;
-using DeviceRef = std::unique_ptr<GstVulkanDevice, Unref>;
-using QueueRef = std::unique_ptr<GstVulkanQueue, Unref>;
+using InstanceRef = std::unique_ptr<GstVulkanInstance, UnrefObject>;
+using DeviceRef = std::unique_ptr<GstVulkanDevice, UnrefObject>;
+using QueueRef = std::unique_ptr<GstVulkanQueue, UnrefObject>;
 template <typename T>
 T* add_ref(T* object) {
   return static_cast<T*>(gst_object_ref(object));

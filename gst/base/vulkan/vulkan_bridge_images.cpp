@@ -198,7 +198,7 @@ GstBufferPool* make_image_pool(const DevicePtr& device, GstCaps* caps, guint* si
   if (!handles || !gst_video_info_from_caps(&info, caps))
     throw Error(ErrorKind::internal, "images were asked for on a device without GStreamer's part");
   const VkImageCreateInfo image = image_info(*device, info);
-  std::unique_ptr<GstBufferPool, bridge::Unref> pool(
+  std::unique_ptr<GstBufferPool, UnrefObject> pool(
       GST_BUFFER_POOL(gst_object_ref_sink(g_object_new(image_pool_type(), nullptr))));
   auto* images = reinterpret_cast<ImagePool*>(pool.get());
   images->device = add_ref(handles->device.get());

@@ -1,40 +1,23 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "upstream.hpp"
 
+#include "gst/base/pads.hpp"
+
 namespace inverse {
 namespace {
 
 constexpr int kFarthest = 64;  // pads between
 constexpr const char* kIdBits = "frame-id-bits";
 
-GstElement* found_upstream(GstPad* sink, bool (*wanted)(GstElement*), int distance) {
-  GstPad* peer = distance < kFarthest ? gst_pad_get_peer(sink) : nullptr;
+ElementPtr found_upstream(GstPad* sink, bool (*wanted)(GstElement*), int distance) {
+  const PadPtr peer(distance < kFarthest ? gst_pad_get_peer(sink) : nullptr);
   if (!peer) return nullptr;
-  GstElement* element = gst_pad_get_parent_element(peer);
-  if (element && wanted(element)) {
-    gst_object_unref(peer);
-    return element;
-  }
-  if (element) gst_object_unref(element);
+  ElementPtr element = element_of_pad(peer.get());
+  if (element && wanted(element.get())) return element;
   // Into an element that passes on, into a bin, or out of one.
-  GstElement* found = nullptr;
-  if (GstIterator* inside = gst_pad_iterate_internal_links(peer)) {
-    GValue item = G_VALUE_INIT;
-    GstIteratorResult result;
-    while (!found && ((result = gst_iterator_next(inside, &item)) == GST_ITERATOR_OK ||
-                      result == GST_ITERATOR_RESYNC)) {
-      if (result == GST_ITERATOR_RESYNC) {
-        gst_iterator_resync(inside);
-        continue;
-      }
-      found = found_upstream(GST_PAD(g_value_get_object(&item)), wanted, distance + 1);
-      g_value_reset(&item);
-    }
-    if (G_IS_VALUE(&item)) g_value_unset(&item);
-    gst_iterator_free(inside);
-  }
-  gst_object_unref(peer);
-  return found;
+  for (const PadPtr& inside : pads_behind(peer.get()))
+    if (ElementPtr found = found_upstream(inside.get(), wanted, distance + 1)) return found;
+  return nullptr;
 }
 
 /// Whether `frame-id-bits` is a number, or an enum whose values are these numbers.
@@ -47,7 +30,7 @@ bool has_id_bits(GstElement* element) {
 }  // namespace
 
 GstElement* upstream_element(GstPad* sink, bool (*wanted)(GstElement*)) {
-  return found_upstream(sink, wanted, 0);
+  return found_upstream(sink, wanted, 0).release();
 }
 
 uint32_t upstream_id_bits(GstPad* sink) {
