@@ -51,44 +51,22 @@ struct PixelFormat {
       i420, yuy2, uyvy, p010_10le, i420_10le;
 };
 
-inline constexpr PixelFormat PixelFormat::rgba{
-    "RGBA",
-    Model::rgb,
-    Unit::byte,
-    1,
-    0,
-    0,
-    {{{0, 0, 4, 0, 8}, {0, 1, 4, 0, 8}, {0, 2, 4, 0, 8}, {0, 3, 4, 0, 8}}},
-    true};
-inline constexpr PixelFormat PixelFormat::bgra{
-    "BGRA",
-    Model::rgb,
-    Unit::byte,
-    1,
-    0,
-    0,
-    {{{0, 2, 4, 0, 8}, {0, 1, 4, 0, 8}, {0, 0, 4, 0, 8}, {0, 3, 4, 0, 8}}},
-    true};
-inline constexpr PixelFormat PixelFormat::rgbx{
-    "RGBx",
-    Model::rgb,
-    Unit::byte,
-    1,
-    0,
-    0,
-    {{{0, 0, 4, 0, 8}, {0, 1, 4, 0, 8}, {0, 2, 4, 0, 8}, {0, 3, 4, 0, 8}}}};
-inline constexpr PixelFormat PixelFormat::bgrx{
-    "BGRx",
-    Model::rgb,
-    Unit::byte,
-    1,
-    0,
-    0,
-    {{{0, 2, 4, 0, 8}, {0, 1, 4, 0, 8}, {0, 0, 4, 0, 8}, {0, 3, 4, 0, 8}}}};
-inline constexpr PixelFormat PixelFormat::rgb{
-    "RGB", Model::rgb, Unit::byte, 1, 0, 0, {{{0, 0, 3, 0, 8}, {0, 1, 3, 0, 8}, {0, 2, 3, 0, 8}}}};
-inline constexpr PixelFormat PixelFormat::bgr{
-    "BGR", Model::rgb, Unit::byte, 1, 0, 0, {{{0, 2, 3, 0, 8}, {0, 1, 3, 0, 8}, {0, 0, 3, 0, 8}}}};
+/// R, G and B of eight bits at these bytes of every `stride`, which may have a fourth.
+constexpr PixelFormat packed_rgb(std::string_view name, std::array<uint8_t, 3> at, uint8_t stride,
+                                 bool alpha = false) {
+  PixelFormat format{name};
+  for (size_t c = 0; c < 3; ++c) format.components[c] = {0, at[c], stride, 0, 8};
+  if (stride == 4) format.components[3] = {0, 3, 4, 0, 8};
+  format.alpha = alpha;
+  return format;
+}
+
+inline constexpr PixelFormat PixelFormat::rgba = packed_rgb("RGBA", {0, 1, 2}, 4, true);
+inline constexpr PixelFormat PixelFormat::bgra = packed_rgb("BGRA", {2, 1, 0}, 4, true);
+inline constexpr PixelFormat PixelFormat::rgbx = packed_rgb("RGBx", {0, 1, 2}, 4);
+inline constexpr PixelFormat PixelFormat::bgrx = packed_rgb("BGRx", {2, 1, 0}, 4);
+inline constexpr PixelFormat PixelFormat::rgb = packed_rgb("RGB", {0, 1, 2}, 3);
+inline constexpr PixelFormat PixelFormat::bgr = packed_rgb("BGR", {2, 1, 0}, 3);
 inline constexpr PixelFormat PixelFormat::rgba64_le{
     "RGBA64_LE",
     Model::rgb,
