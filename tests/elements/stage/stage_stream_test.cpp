@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // lightstagesync: streams that end, restart, break off and resume.
 #include <atomic>
+#include <future>
 #include <mutex>
 #include <thread>
 
@@ -165,17 +166,11 @@ TEST_F(StageDrains, FramesThatWaitForAnotherCameraGoFirst) {
   push_all(-10, 20, 2);
   push_all(20, 25);
   pull(20);
-  std::atomic<bool> done{false}, drained{false};
-  std::thread drainer([&] {
-    drained = drain();
-    done = true;
-  });
-  g_usleep(100000);
-  EXPECT_FALSE(done);
+  auto draining = std::async(std::launch::async, [&] { return drain(); });
+  EXPECT_EQ(draining.wait_for(std::chrono::milliseconds(100)), std::future_status::timeout);
   EXPECT_EQ(left(), std::vector<std::string>(20, "frame"));
   for (int64_t n = 20; n < 25; ++n) EXPECT_EQ(push(n, 1), GST_FLOW_OK);
-  drainer.join();
-  EXPECT_TRUE(drained);
+  EXPECT_TRUE(draining.get());
   std::vector<std::string> expected(25, "frame");
   expected.emplace_back("drain");
   EXPECT_EQ(left(), expected);
@@ -205,16 +200,10 @@ TEST_F(StageDrains, AFlushEndsTheWait) {
   start(1);
   push_all(-10, 20, 2);
   push_all(20, 25);
-  std::atomic<bool> done{false}, drained{true};
-  std::thread drainer([&] {
-    drained = drain();
-    done = true;
-  });
-  g_usleep(200000);
-  EXPECT_FALSE(done);
+  auto draining = std::async(std::launch::async, [&] { return drain(); });
+  EXPECT_EQ(draining.wait_for(std::chrono::milliseconds(200)), std::future_status::timeout);
   flush(camera());
-  drainer.join();
-  EXPECT_FALSE(drained);
+  EXPECT_FALSE(draining.get());
 }
 
 // Upstream drains to get its buffers back; the first frame of a pair has to wait for the second.
