@@ -11,7 +11,7 @@
 namespace inverse {
 namespace {
 
-constexpr GstClockTime kPatience = 2 * GST_SECOND;
+constexpr GstClockTime kInterval = 2 * GST_SECOND;
 
 /// Whether the pipeline is still on its way to a state, as it is until all its sinks have a frame.
 bool starting(GstElement* element) {
@@ -95,7 +95,7 @@ StartWatch::StartWatch(GstElement* split, GstPad* pad, const std::string& waitin
   state_->pad.reset(GST_PAD(gst_object_ref(pad)));
   state_->waiting = waiting;
   GstClock* clock = gst_system_clock_obtain();
-  id_ = gst_clock_new_periodic_id(clock, gst_clock_get_time(clock) + kPatience, kPatience);
+  id_ = gst_clock_new_periodic_id(clock, gst_clock_get_time(clock) + kInterval, kInterval);
   gst_clock_id_wait_async(
       id_,
       [](GstClock*, GstClockTime, GstClockID, gpointer state) -> gboolean {

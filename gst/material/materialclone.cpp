@@ -102,7 +102,7 @@ const PropertyTable<Params>& table() {
 constexpr size_t kManyTriangles = 100'000;
 
 /// Frames without an object before a warning: limematerial finds one some frames after it appears.
-constexpr uint64_t kPatience = 10;
+constexpr uint64_t kMinFrames = 10;
 constexpr const char* kNoObject =
     "limematerial finds no object in the video, so diffuse-color, specular and shininess are "
     "drawn; "
@@ -219,7 +219,7 @@ class CloneElement final : public Filter {
   /// A stream too short for the warning of `check_object`.
   void ended() override {
     const uint64_t frames = std::exchange(without_object_, 0);
-    if (frames > 0 && frames < kPatience && !seen_)
+    if (frames > 0 && frames < kMinFrames && !seen_)
       throw Error(ErrorKind::unsupported, kEndedEarly);
   }
 
@@ -264,7 +264,7 @@ class CloneElement final : public Filter {
   void check_object(FrameContext& frame, const GstMaterialMeta* meta, const Params& params) {
     if (!meta || meta->found || params.source != MaterialFrom::stream)
       without_object_ = 0;
-    else if (++without_object_ == kPatience)
+    else if (++without_object_ == kMinFrames)
       frame.warnings.emplace_back(seen_ ? kLostObject : kNoObject);
   }
 

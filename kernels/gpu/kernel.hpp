@@ -43,8 +43,8 @@ struct Rows {
   static constexpr uint32_t kStep = 64;
 };
 
-/// `groups` workgroups along x as rows of at most `limit` along y: {x, y} with the fewest rows and
-/// less than one row too many.
+/// `groups` workgroups along x as rows of at most `limit` along y: {x, y} with the minimum
+/// number of rows and less than one row too many.
 constexpr std::pair<uint32_t, uint32_t> rows_of_groups(uint32_t groups, uint32_t limit) {
   const uint32_t rows = groups > 0 ? (groups - 1) / limit + 1 : 1;
   return {groups / rows + (groups % rows > 0), rows};

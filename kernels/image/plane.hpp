@@ -42,7 +42,7 @@ class PlanePool {
   struct Shelf {
     std::mutex mutex;
     std::vector<gpu::BufferPtr> buffers;
-    size_t unneeded = 0;  // the fewest buffers left over by an `acquire` of this interval
+    size_t unneeded = 0;  // minimum that an `acquire` of this interval left over
     uint32_t acquired = 0;
   };
   std::shared_ptr<gpu::Device> device_;
