@@ -6,17 +6,17 @@
 #include "intrinsic/guide/guide.glsl"
 #include "bins.glsl"
 
-// Adds every cell to the four bins around its chroma: with kWeights its weight g, else g r of the current solution,
-// r = m' - s' - (correction of s'). One pack of cells an invocation. All invocations share the bins by atomics; if kTables > 1,
-// kTables invocations with bins of their own go over all packs, because atomic additions dominate the time on a CPU. Sums in fixed
-// point are equal either way.
+// Adds every cell to the four bins around its chroma: with kWeights its weight g, else g (r / kMaxReflectance + 1) / 2 of the current
+// solution, r = m' - s' - (correction of s'), so that all sums grow. One pack of cells an invocation. All invocations share the bins
+// by atomics; if kTables > 1, kTables invocations with bins of their own go over all packs, because atomic additions dominate the time
+// on a CPU. Sums in fixed point are equal either way.
 layout(constant_id = 1) const bool kWeights = false;
 layout(constant_id = 2) const uint kTables = 1;
 PLANE_IN(0, cells);
 PLANE_IN(1, terms);
 PLANE_IN(2, mean);        // s'
 PLANE_IN(3, correction);
-WORD_INOUT(4, sums);      // kTables tables, interleaved; signed, start at 0
+WORD_INOUT(4, sums);      // kTables tables, interleaved; start at 0
 layout(push_constant) uniform Push {
   uvec2 size;  // of level 2
   float scale;
@@ -30,10 +30,10 @@ uint add_word(uint at, uint more) {
   return before;
 }
 
-void add(uint bin, int share) {
-  uint low = bin * kTables + (kTables > 1u ? line_index() : 0u), before = add_word(low, uint(share));
-  int carry = int(before + uint(share) < before) - int(share < 0);
-  if (carry != 0) add_word(low + uint(kBins * kBins) * kTables, uint(carry));
+void add(uint bin, uint share) {
+  uint low = bin * kTables + (kTables > 1u ? line_index() : 0u), before = add_word(low, share);
+  // Carries are rare. On a CPU a loop that no invocation enters costs nothing, unlike a branch.
+  for (bool carry = before + share < before; carry; carry = false) add_word(low + uint(kBins * kBins) * kTables, 1u);
 }
 
 void main() {
@@ -44,13 +44,13 @@ void main() {
     vec4 part = push.scale * FETCH(terms, TERMS_STRIDE * at + TERMS_CHROMA);
     if (!kWeights) {
       vec4 r = FETCH(terms, TERMS_STRIDE * at + TERMS_MEAN) - FETCH(mean, at) - FETCH(correction, at);
-      part *= clamp(r / kMaxReflectance, -1.0, 1.0);
+      part *= 0.5 * clamp(r / kMaxReflectance, -1.0, 1.0) + 0.5;
     }
     uint count = min(push.size.x - 4u * position.x, 4u);
     for (uint k = 0u; k < count; ++k) {
       vec2 fraction, chroma = FETCH(cells, int(CELL_STRIDE * (position.y * push.size.x + 4u * position.x + k))).yz;
       uvec2 bin = bin_of(chroma, fraction);
-      ivec4 shares = ivec4(round(hats(fraction) * part.x));
+      uvec4 shares = uvec4(round(hats(fraction) * part.x));
       uint to = bin.y * uint(kBins) + bin.x;
       add(to, shares.x);
       add(to + 1u, shares.y);

@@ -21,14 +21,15 @@ ChromaBins::ChromaBins(const std::shared_ptr<gpu::Device>& device, Extent cells)
       tables_(device->variant().own_tables ? kTables : 1),
       weigh_(device, {.weights = true, .tables = tables_}, tables_ > 1 ? kTableLanes : 0),
       splat_(device, {.tables = tables_}, tables_ > 1 ? kTableLanes : 0),
+      sum_weights_(device, {.weights = true, .tables = static_cast<int32_t>(tables_)}),
       mean_(device, {.tables = static_cast<int32_t>(tables_)}),
       slice_(device),
       without_bins_(device, {.has_bins = false}),
       source_term_(device),
       measuring_source_term_(device, {.measure = true}),
       total_(device),
-      weights_(gpu::Buffer::create(device, gpu::Element::word, kWords * kBins * tables_)),
-      totals_(gpu::Buffer::create(device, gpu::Element::word, kWords * kBins * tables_)),
+      table_sums_(gpu::Buffer::create(device, gpu::Element::word, kWords * kBins * tables_)),
+      weights_(gpu::Buffer::create(device, gpu::Element::scalar, kBins)),
       means_(gpu::Buffer::create(device, gpu::Element::scalar, kBins)),
       target_(gpu::Buffer::create(device, gpu::Element::vec4, pack4_count(cells))),
       sums_(gpu::Buffer::create(
@@ -44,29 +45,31 @@ void ChromaBins::record_weights(gpu::Commands& commands, const Guide& guide,
                                 const gpu::BufferPtr& terms, float max_weight) {
   on_ = max_weight > 0;
   if (!on_) return;
-  // The largest for which no cell overflows 31 bits.
-  scale_ = 2.0e9F / std::max(max_weight, 1e-20F);
-  commands.fill(weights_);
-  commands.fill(totals_);
+  // The largest for which no cell overflows a word.
+  scale_ = 4.0e9F / std::max(max_weight, 1e-20F);
+  commands.fill(table_sums_);
   commands.dispatch(weigh_,
                     {.cells = guide.cells(),
                      .terms = terms,
                      .mean = terms,
                      .correction = terms,
-                     .sums = weights_},
+                     .sums = table_sums_},
                     {.size = cells_, .scale = scale_}, splat_items());
+  commands.dispatch(sum_weights_, {.sums = table_sums_, .weights = means_, .values = weights_},
+                    {kBins});
 }
 
 void ChromaBins::record(gpu::Commands& commands, const Guide& guide, const State& state) const {
   if (on_) {
+    commands.fill(table_sums_);
     commands.dispatch(splat_,
                       {.cells = guide.cells(),
                        .terms = state.terms,
                        .mean = state.means,
                        .correction = state.correction,
-                       .sums = totals_},
+                       .sums = table_sums_},
                       {.size = cells_, .scale = scale_}, splat_items());
-    commands.dispatch(mean_, {.weights = weights_, .totals = totals_, .means = means_}, {kBins});
+    commands.dispatch(mean_, {.sums = table_sums_, .weights = weights_, .values = means_}, {kBins});
   }
   commands.dispatch(on_ ? slice_ : without_bins_,
                     {.cells = guide.cells(),

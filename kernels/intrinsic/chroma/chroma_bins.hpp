@@ -45,12 +45,12 @@ class ChromaBins {
   float scale_ = 1;
   bool on_ = true;
   gpu::Program<shaders::intrinsic_chroma_bin_splat> weigh_, splat_;
-  gpu::Program<shaders::intrinsic_chroma_bin_means> mean_;
+  gpu::Program<shaders::intrinsic_chroma_bin_means> sum_weights_, mean_;
   gpu::Program<shaders::intrinsic_chroma_bin_slice> slice_, without_bins_;
   gpu::Program<shaders::intrinsic_chroma_source_term> source_term_, measuring_source_term_;
   gpu::Program<shaders::solve_total> total_;
-  gpu::BufferPtr weights_, totals_, means_, target_, sums_, binding_;
-  bool cleared_ = false;  // the sums' unused slots
+  gpu::BufferPtr table_sums_, weights_, means_, target_, sums_, binding_;
+  bool cleared_ = false;  // the unused slots of sums_
 };
 
 }  // namespace inverse
