@@ -23,8 +23,7 @@ uint32_t stride_of(size_t level) { return level < kCells ? Multigrid::kFineStrid
 
 Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : smooth_{{device, {.stride = kFineStride, .cell_pixels = 4}, 2, 4},
-              {device, {.stride = kFineStride, .cell_pixels = 2}, 1, 2},
-              {device, {.stride = kCoarseStride}, 0, 0}},
+              {device, {.stride = kFineStride, .cell_pixels = 2}, 1, 2}},
       correct_{{device, {.stride = kFineStride, .correct = true, .cell_pixels = 4}, 2, 4},
                {device, {.stride = kFineStride, .correct = true, .cell_pixels = 2}, 1, 2},
                {device, {.stride = kCoarseStride, .correct = true}, 0, 0}},
@@ -34,7 +33,8 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
           {device, {.stride = kCoarseStride, .coarse_stride = kCoarseStride}, 0, 0}},
       restrict_{{device, {.stride = kFineStride, .means = 1}, 2, 8},
                 {device, {.stride = kFineStride, .means = 2}, 1, 4},
-                {device, {.stride = kCoarseStride}, 0, 0}},
+                {device, {.stride = kCoarseStride}, 0, 0},
+                {device, {.stride = kCoarseStride, .from_zero = true}, 0, 0}},
       extrapolate_(device, {}, 4, 16),
       measure_(device, {.measure = true}, 4, 16),
       copy_tiles_(device, {}, 4, 16) {
@@ -74,18 +74,18 @@ void Multigrid::smooth(gpu::Commands& commands, size_t i, const TileList* listed
       line_of(static_cast<uint64_t>((pack4_count(level.extent.width) + 1) / 2) *
               ((level.extent.height + 3) / 4));
   for (const uint32_t color : {0U, 1U})
-    smooth_[std::min(i, kCells)].dispatch(commands, listed,
-                                          {.system = level.system,
-                                           .now = level.field,
-                                           .coarse = level.field,
-                                           .source_term = cell_source_term_,
-                                           .improved = gpu::aliased(level.field)},
-                                          {.size = level.extent,
-                                           .finest = levels_[0].extent,
-                                           .color = color,
-                                           .mass = level.mass,
-                                           .around = 0},
-                                          items);
+    smooth_[i].dispatch(commands, listed,
+                        {.system = level.system,
+                         .now = level.field,
+                         .coarse = level.field,
+                         .source_term = cell_source_term_,
+                         .improved = gpu::aliased(level.field)},
+                        {.size = level.extent,
+                         .finest = levels_[0].extent,
+                         .color = color,
+                         .mass = level.mass,
+                         .around = 0},
+                        items);
 }
 
 void Multigrid::correct(gpu::Commands& commands, size_t i, const TileList* listed) const {
@@ -111,7 +111,7 @@ void Multigrid::correct(gpu::Commands& commands, size_t i, const TileList* liste
 void Multigrid::restrict_to(gpu::Commands& commands, size_t i, const TileList* listed) const {
   const Level &fine = levels_[i], &coarse = levels_[i + 1];
   const bool to_cells = i + 1 == kCells;
-  restrict_[std::min(i, kCells)].dispatch(
+  restrict_[std::min<size_t>(i, 3)].dispatch(
       commands, listed,
       {.system = fine.system,
        .now = fine.field,
@@ -151,10 +151,7 @@ void Multigrid::record_residual(gpu::Commands& commands, const TileList* around)
 }
 
 void Multigrid::cell_cycle(gpu::Commands& commands, const Params& params) const {
-  for (size_t i = kCells; i + 1 < levels_.size(); ++i) {
-    smooth(commands, i);
-    restrict_to(commands, i);
-  }
+  for (size_t i = kCells; i + 1 < levels_.size(); ++i) restrict_to(commands, i);
   const Level& last = levels_.back();
   commands.dispatch(coarse_cycle_, {.system = last.system, .field = last.field},
                     {.size = last.extent, .scale = params.scale}, {});

@@ -19,7 +19,8 @@ namespace inverse {
 /// Multigrid for the linear system of energy.glsl: one unknown a pixel, edges to four neighbors,
 /// and terms of 4 x 4 cells that enter on level 2. Levels shrink 2:1 to a single pixel; aggregates
 /// of 2 x 2 carry corrections; blocks of 4 x 4 pixels are relaxed in checkerboard order, their rows
-/// solved exactly. Levels of few pixels run in one dispatch.
+/// solved exactly, before and after the correction from below. Levels of few pixels run together in
+/// one dispatch; those between level 1 and them are relaxed after the correction only.
 class Multigrid {
  public:
   struct Params {
@@ -98,7 +99,7 @@ class Multigrid {
     gpu::BufferPtr system, field;
     float mass;  // of every pixel, if the system has no plane of masses
   };
-  void smooth(gpu::Commands& commands, size_t level, const TileList* listed = nullptr) const;
+  void smooth(gpu::Commands& commands, size_t level, const TileList* listed) const;
   void correct(gpu::Commands& commands, size_t level, const TileList* listed = nullptr) const;
   void restrict_to(gpu::Commands& commands, size_t level, const TileList* listed = nullptr) const;
   void extrapolate(gpu::Commands& commands, float slowest, uint32_t k, const Progress& progress,
@@ -107,10 +108,11 @@ class Multigrid {
 
   std::vector<Level> levels_;  // the last one stands for all that run in one dispatch
   uint32_t depth_ = 1;
-  // On levels 0, 1, further down; and between levels 0-1, 1-2, further down.
-  TileProgram<shaders::intrinsic_multigrid_smooth> smooth_[3], correct_[3];
+  // On levels 0, 1, further down; between levels 0-1, 1-2, further down; and between 0-1, 1-2, 2-3,
+  // further down.
+  TileProgram<shaders::intrinsic_multigrid_smooth> smooth_[2], correct_[3];
   TileProgram<shaders::intrinsic_multigrid_coarsen> coarsen_[3];
-  TileProgram<shaders::intrinsic_multigrid_restrict> restrict_[3];
+  TileProgram<shaders::intrinsic_multigrid_restrict> restrict_[4];
   TileProgram<shaders::intrinsic_multigrid_extrapolate> extrapolate_, measure_;
   TileProgram<shaders::image_tiles_copy_tiles> copy_tiles_;
   gpu::Program<shaders::intrinsic_multigrid_coarse> coarse_setup_, coarse_cycle_;

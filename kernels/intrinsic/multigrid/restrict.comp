@@ -4,8 +4,9 @@
 #include "gpu/common.glsl"
 #include "intrinsic/energy/energy.glsl"
 
-// Restriction: the right-hand side of every aggregate is the sum of its 2 x 2 residuals, its correction starts at zero. On
-// levels 0 and 1 (kMeans) also computes the aggregates' mean of the current s. One coarse pack an invocation.
+// Restriction: the right-hand side of every aggregate is the sum of its 2 x 2 residuals, its correction starts at zero. With kFromZero
+// `now` is zero, and the residual is the right-hand side. On levels 0 and 1 (kMeans) also computes the aggregates' mean of the current
+// s. One coarse pack an invocation.
 layout(constant_id = 1) const int kStride = 4;  // of the fine system
 layout(constant_id = 2) const int kMeans = 0;   // 0: none; 1: of `now`; 2: of finer means and `now`, its correction
 PLANE_IN(0, system);
@@ -15,7 +16,8 @@ PLANE_IN(3, source_term);  // of packs of cells: their pixels' mass
 PLANE_OUT(4, target);
 PLANE_OUT(5, coarse);
 PLANE_OUT(6, means);
-#define TILE_CONSTANT 3
+layout(constant_id = 3) const bool kFromZero = false;
+#define TILE_CONSTANT 4
 #define TILE_BINDING 7
 #include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
@@ -51,26 +53,31 @@ void main() {
   for (int part = 0; part < 2; ++part) {
     int x = 2 * position.x + part;
     if (x >= packs) break;
-    int at = top * packs + x, above = top > 0 ? at - packs : at, low = top + 1 < int(push.size.y) ? at + packs : at;
-    int left = x > 0 ? -1 : 0, right = x + 1 < packs ? 1 : 0;
-    vec4 u = FETCH(now, at), under = FETCH(now, low);
-    // Flow over the edge above a row, and over the edge below it.
-    vec4 fall = (top > 0 ? 1.0 : 0.0) * FETCH(system, kStride * above + SYSTEM_DOWN) * (FETCH(now, above) - u);
-    vec4 anchor = kStride > 3 ? vec4(0.0) : anchors(x, top);
+    int at = top * packs + x, low = top + 1 < int(push.size.y) ? at + packs : at;
     vec4 total = vec4(0.0), s = vec4(0.0);
-    for (int row = 0; row < count; ++row) {
-      vec4 w = FETCH(system, kStride * at + SYSTEM_RIGHT);
-      vec4 flow = w * (SHIFT_LEFT(u, FETCH(now, at + right)) - u);
-      float from_left = -float(left) * FETCH(system, kStride * (at + left) + SYSTEM_RIGHT).w *
-                        (u.x - FETCH(now, at + left).w);
-      vec4 next_fall = FETCH(system, kStride * at + SYSTEM_DOWN) * (u - under);
-      total += FETCH(system, kStride * at + SYSTEM_RHS) + flow - SHIFT_RIGHT(flow, vec4(from_left)) + fall - next_fall -
-               (kStride > 3 ? FETCH(system, kStride * at + SYSTEM_MASS) : push.mass + rows_of(top + row) * anchor) * u;
-      s += kMeans > 1 ? u + FETCH(finer_means, at) : u;
-      fall = next_fall;
-      at = low;
-      u = under;
-      under = FETCH(now, top + 2 < int(push.size.y) ? low + packs : low);
+    if (kFromZero) {
+      total = FETCH(system, kStride * at + SYSTEM_RHS);
+      if (count > 1) total += FETCH(system, kStride * low + SYSTEM_RHS);
+    } else {
+      int above = top > 0 ? at - packs : at, left = x > 0 ? -1 : 0, right = x + 1 < packs ? 1 : 0;
+      vec4 u = FETCH(now, at), under = FETCH(now, low);
+      // Flow over the edge above a row, and over the edge below it.
+      vec4 fall = (top > 0 ? 1.0 : 0.0) * FETCH(system, kStride * above + SYSTEM_DOWN) * (FETCH(now, above) - u);
+      vec4 anchor = kStride > 3 ? vec4(0.0) : anchors(x, top);
+      for (int row = 0; row < count; ++row) {
+        vec4 w = FETCH(system, kStride * at + SYSTEM_RIGHT);
+        vec4 flow = w * (SHIFT_LEFT(u, FETCH(now, at + right)) - u);
+        float from_left = -float(left) * FETCH(system, kStride * (at + left) + SYSTEM_RIGHT).w *
+                          (u.x - FETCH(now, at + left).w);
+        vec4 next_fall = FETCH(system, kStride * at + SYSTEM_DOWN) * (u - under);
+        total += FETCH(system, kStride * at + SYSTEM_RHS) + flow - SHIFT_RIGHT(flow, vec4(from_left)) + fall - next_fall -
+                 (kStride > 3 ? FETCH(system, kStride * at + SYSTEM_MASS) : push.mass + rows_of(top + row) * anchor) * u;
+        s += kMeans > 1 ? u + FETCH(finer_means, at) : u;
+        fall = next_fall;
+        at = low;
+        u = under;
+        under = FETCH(now, top + 2 < int(push.size.y) ? low + packs : low);
+      }
     }
     sum += part == 0 ? vec4(total.xz + total.yw, 0.0, 0.0) : vec4(0.0, 0.0, total.xz + total.yw);
     mean += part == 0 ? vec4(s.xz + s.yw, 0.0, 0.0) : vec4(0.0, 0.0, s.xz + s.yw);

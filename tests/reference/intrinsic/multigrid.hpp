@@ -59,7 +59,8 @@ struct CellTerms {
 };
 
 /// One cycle, as Multigrid::record_cycle without extrapolation; `screening` is the cells', `source`
-/// is read and renewed. Levels of at most `together` packs have blocks of single rows.
+/// is read and renewed. Levels of at most `together` packs have blocks of single rows, and are
+/// smoothed before corrections from below, as levels 0 and 1 are.
 void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& terms,
            const std::vector<double>& screening, std::vector<double>& source,
            std::size_t together = 300);
