@@ -254,6 +254,7 @@ void FilterElement::send(GstBuffer* out, Slot& slot, FrameContext& frame) {
   } else if (output_->waits()) {
     wait(slot, "to download the picture");
     output_->write(drawn_, out);
+    slot.commands->count_download(drawn_->bytes());
   }
 }
 

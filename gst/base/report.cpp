@@ -19,6 +19,12 @@ GstStructure* frame_stats(const gpu::Commands& commands, uint64_t frames, double
       device.name().c_str(), "wall-ms", G_TYPE_DOUBLE, wall_ms, "device-bytes", G_TYPE_UINT64,
       device.memory_bytes(), "device-bytes-peak", G_TYPE_UINT64, device.memory_peak_bytes(),
       "kernels", G_TYPE_UINT64, device.kernels_used(), nullptr);
+  const gpu::WorkCounts& work = commands.counts();
+  gst_structure_set(stats, "dispatches", G_TYPE_UINT, work.dispatches, "transfers", G_TYPE_UINT,
+                    work.transfers, "barriers", G_TYPE_UINT, work.barriers, "bytes-transferred",
+                    G_TYPE_UINT64, work.transferred_bytes, "bytes-uploaded", G_TYPE_UINT64,
+                    work.uploaded_bytes, "bytes-downloaded", G_TYPE_UINT64, work.downloaded_bytes,
+                    nullptr);
   std::map<std::string, double> stages;  // some come more than once, as cycles do
   for (const auto& stage : commands.stages()) stages[stage.name] += stage.milliseconds;
   for (const auto& [name, milliseconds] : stages)

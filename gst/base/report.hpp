@@ -13,7 +13,7 @@ double device_ms(const gpu::Commands& commands);
 
 /// The fields that every element's `stats` has, about a frame whose commands are done: frames (how
 /// many so far), device (name), wall-ms, device-ms and one `<stage>-ms` for each stage,
-/// device-bytes now and device-bytes-peak. Free with gst_structure_free().
+/// device-bytes now and device-bytes-peak, and `Commands::counts`. Free with gst_structure_free().
 GstStructure* frame_stats(const gpu::Commands& commands, uint64_t frames, double wall_ms);
 
 /// How long a frame stays in an element that draws pictures, at most: one frame duration; 0 if

@@ -237,6 +237,7 @@ void SplitBranch::record(gpu::Commands& commands, const Layers& layers, Tools& t
       break;
   }
   output_->record(commands, picture, layers, readback_, nullptr);
+  commands.count_download(readback_->bytes());
 }
 
 GstFlowReturn SplitBranch::take(GstBuffer* source, GstBuffer** buffer) {

@@ -94,7 +94,7 @@ void Commands::begin() {
   touched_.clear();
   pending_.clear();  // an exception may have left some
   stage_names_.clear();
-  dispatches_ = 0;
+  counts_ = {};
   in_when_ = false;
   for (VkDescriptorPool pool : descriptor_pools_)
     check(vkResetDescriptorPool(device_->handle(), pool, 0), "resetting descriptors");
@@ -120,6 +120,12 @@ void Commands::full_barrier() {
     after |= VK_PIPELINE_STAGE_CONDITIONAL_RENDERING_BIT_EXT;
   }
   vkCmdPipelineBarrier(buffer_, kKernelStages, after, 0, 1, &barrier, 0, nullptr, 0, nullptr);
+  ++counts_.barriers;
+}
+
+void Commands::count_transfer(uint64_t bytes) {
+  ++counts_.transfers;
+  counts_.transferred_bytes += bytes;
 }
 
 void Commands::touch(VkBuffer buffer, bool reads, bool writes) {
@@ -237,7 +243,7 @@ void Commands::prepare(const KernelPtr& kernel, std::span<const Binding> buffers
   if (!push.empty())
     vkCmdPushConstants(buffer_, kernel->layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
                        static_cast<uint32_t>(push.size()), push.data());
-  ++dispatches_;
+  ++counts_.dispatches;
 }
 
 void Commands::run(const KernelPtr& kernel, std::span<const Binding> buffers,
@@ -296,6 +302,7 @@ void Commands::copy(const BufferPtr& source, const BufferPtr& target, uint64_t b
   kept_.push_back(target);
   const VkBufferCopy region{source_offset, target_offset, bytes};
   vkCmdCopyBuffer(buffer_, source->handle(), target->handle(), 1, &region);
+  count_transfer(bytes);
 }
 
 void Commands::write_bytes(BufferPtr& table, Element element, std::span<const std::byte> data) {
@@ -307,8 +314,12 @@ void Commands::write_bytes(BufferPtr& table, Element element, std::span<const st
   barrier_if_needed();
   kept_.push_back(table);
   constexpr size_t kAtOnce = 65536;  // Vulkan's limit
-  for (size_t at = 0; at < data.size(); at += kAtOnce)
-    vkCmdUpdateBuffer(buffer_, table->handle(), at, std::min(kAtOnce, data.size() - at), &data[at]);
+  for (size_t at = 0; at < data.size(); at += kAtOnce) {
+    const size_t bytes = std::min(kAtOnce, data.size() - at);
+    vkCmdUpdateBuffer(buffer_, table->handle(), at, bytes, &data[at]);
+    count_transfer(bytes);
+  }
+  count_upload(data.size());
 }
 
 void Commands::fill(const BufferPtr& buffer, uint32_t word) {
@@ -322,6 +333,7 @@ void Commands::fill(const BufferPtr& buffer, uint32_t word) {
   barrier_if_needed();
   kept_.push_back(buffer);
   vkCmdFillBuffer(buffer_, buffer->handle(), 0, VK_WHOLE_SIZE, word);
+  count_transfer(buffer->bytes());
 }
 
 void Commands::image_layout(VkImage image, VkImageLayout from, VkImageLayout to) {
@@ -335,6 +347,7 @@ void Commands::image_layout(VkImage image, VkImageLayout from, VkImageLayout to)
   barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
   vkCmdPipelineBarrier(buffer_, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
                        VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0, nullptr, 0, nullptr, 1, &barrier);
+  ++counts_.barriers;
 }
 
 void Commands::copy_from_image(const ImageRegion& region, const BufferPtr& target) {
@@ -348,6 +361,7 @@ void Commands::copy_from_image(const ImageRegion& region, const BufferPtr& targe
   copy.imageExtent = {region.width, region.height, 1};
   vkCmdCopyImageToBuffer(buffer_, region.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                          target->handle(), 1, &copy);
+  count_transfer(uint64_t{4} * region.width * region.height);
   image_layout(region.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, region.layout_after);
 }
 
@@ -362,6 +376,7 @@ void Commands::copy_to_image(const BufferPtr& source, const ImageRegion& region)
   copy.imageExtent = {region.width, region.height, 1};
   vkCmdCopyBufferToImage(buffer_, source->handle(), region.image,
                          VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
+  count_transfer(uint64_t{4} * region.width * region.height);
   image_layout(region.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, region.layout_after);
 }
 
@@ -381,6 +396,7 @@ void Commands::submit() {
   barrier.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
   vkCmdPipelineBarrier(buffer_, kKernelStages, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &barrier, 0,
                        nullptr, 0, nullptr);
+  ++counts_.barriers;
   check(vkEndCommandBuffer(buffer_), "recording a frame");
   check(vkResetFences(device_->handle(), 1, &fence_), "resetting a fence");
   device_->submit(buffer_, fence_);

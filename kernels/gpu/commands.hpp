@@ -23,6 +23,16 @@ struct StageTime {
   double milliseconds;
 };
 
+/// What one submit has recorded.
+struct WorkCounts {
+  uint32_t dispatches = 0;         ///< of kernels, also if the device skips them
+  uint32_t transfers = 0;          ///< copies, fills, and tables written
+  uint32_t barriers = 0;           ///< pipeline barriers, also those between stages
+  uint64_t transferred_bytes = 0;  ///< written by transfers
+  uint64_t uploaded_bytes = 0;     ///< of frames and tables, by the host
+  uint64_t downloaded_bytes = 0;   ///< of frames, read by the host
+};
+
 /// Records one submit's worth of work. Barriers are automatic: what each kernel reads and writes is
 /// known from its SPIR-V. Buffers and kernels that are recorded stay alive until the work is done.
 /// Not thread-safe; many Commands may be used on one Device from many threads. Work of several
@@ -148,7 +158,12 @@ class Commands {
   const std::vector<StageTime>& stages() const { return stages_; }
   /// Keeps an object alive until this submit is done.
   void keep(std::shared_ptr<void> object) { kept_.push_back(std::move(object)); }
-  uint32_t dispatches() const { return dispatches_; }
+  uint32_t dispatches() const { return counts_.dispatches; }
+  /// Of the recording since `begin`.
+  const WorkCounts& counts() const { return counts_; }
+  /// Counts bytes that the host writes to mapped memory for this submit, or reads after it.
+  void count_upload(uint64_t bytes) { counts_.uploaded_bytes += bytes; }
+  void count_download(uint64_t bytes) { counts_.downloaded_bytes += bytes; }
 
  private:
   struct Touched {
@@ -162,6 +177,7 @@ class Commands {
   void touch(VkBuffer buffer, bool reads, bool writes);
   void barrier_if_needed();
   void full_barrier();
+  void count_transfer(uint64_t bytes);
   /// The rows that buffers by_rows are bound from and to, of all that they have.
   struct Part {
     uint32_t first, count, rows;
@@ -192,7 +208,7 @@ class Commands {
   std::vector<const char*> stage_names_;
   std::vector<StageTime> stages_;
   std::vector<std::shared_ptr<void>> kept_;
-  uint32_t dispatches_ = 0;
+  WorkCounts counts_;
   bool in_when_ = false;
   bool in_flight_ = false;
   bool timed_out_ = false;

@@ -216,11 +216,12 @@ void FrameInput::record(gpu::Commands& commands, GstBuffer* buffer, const gpu::B
   unpack_->record(commands, raw, plane, listed);
 }
 
-void FrameInput::load(gpu::Commands&, GstBuffer* buffer, const gpu::BufferPtr& raw) const {
+void FrameInput::load(gpu::Commands& commands, GstBuffer* buffer, const gpu::BufferPtr& raw) const {
   const MappedFrame frame(info_, format_, buffer, GST_MAP_READ);
   for (uint32_t plane = 0; plane < format_.format.planes; ++plane)
     copy_plane(format_.format, format_.extent, plane, frame.data(plane), frame.stride(plane),
                raw->map_as<uint8_t>() + format_.offset[plane], format_.stride[plane]);
+  commands.count_upload(raw->bytes());
 }
 
 FrameOutput::FrameOutput(const GstVideoInfo& info, GstVideoColorPrimaries planes, bool linear)

@@ -258,6 +258,7 @@ void TestSource::draw(const Exposure& exposure, GstBuffer* buffer) {
   commands_->submit();
   commands_->wait();
   output_->write(readback_, buffer);
+  commands_->count_download(readback_->bytes());
   if (started_.label) label(exposure, lit, buffer);
   if (started_.frame_ids) {
     GST_BUFFER_OFFSET(buffer) = frame_id(exposure.number, started_.first_frame_id,

@@ -41,6 +41,25 @@ TEST(Stream, DroppedFramesDoNotDiscardHistory) {
   EXPECT_FALSE(history_of(harness)) << "so is the past";
 }
 
+TEST(Stream, StatsCountTheWorkOfAFrame) {
+  constexpr guint64 kFrame = 64 * 48 * 4;
+  const std::string caps = VideoHarness::caps("RGBA", 64, 48);
+  VideoHarness pictures("intrinsicdecomp", caps, caps);
+  pictures.process(random_frame(caps, 1));
+  GstElement* element = pictures.find("intrinsicdecomp");
+  EXPECT_GT(stat<guint>(element, "dispatches"), 20u);
+  EXPECT_GT(stat<guint>(element, "barriers"), 10u);
+  EXPECT_GE(stat<guint64>(element, "bytes-transferred"), stat<guint>(element, "transfers"));
+  EXPECT_GE(stat<guint64>(element, "bytes-uploaded"), kFrame) << "tables as well";
+  EXPECT_EQ(stat<guint64>(element, "bytes-downloaded"), kFrame);
+
+  VideoHarness chain("intrinsicdecomp ! intrinsiccompose", caps, caps);
+  chain.process(random_frame(caps, 1));
+  element = chain.find("intrinsiccompose");
+  EXPECT_EQ(stat<guint64>(element, "bytes-uploaded"), 0u);
+  EXPECT_EQ(stat<guint64>(element, "bytes-downloaded"), kFrame);
+}
+
 TEST(Stream, StatsReportCompletedFramesIfLayersAreOutputs) {
   const std::string caps = VideoHarness::caps("RGBA", 64, 48);
   VideoHarness harness("intrinsicdecomp", caps, kLayers);

@@ -77,6 +77,41 @@ TEST_F(DeviceTest, RowsBeyondTheLargestBindingAreWritten) {
   for (uint64_t i = 0; i < extent.pixels(); ++i) ASSERT_EQ(pixels[4 * i + 3], 1) << i;
 }
 
+TEST_F(DeviceTest, WorkIsCounted) {
+  const Halve halve(device);
+  const Plane fine = plane({4, 4}), middle = plane({2, 2}), coarse = plane({1, 1}),
+              other = plane({2, 2});
+  gpu::BufferPtr table;
+  gpu::Commands commands(device);
+  for (int again = 0; again < 2; ++again) {
+    commands.begin();  // a barrier after earlier submits
+    halve.record(commands, fine, middle);
+    halve.record(commands, fine, other);             // needs none
+    halve.record(commands, middle, coarse);          // reads what the first wrote
+    commands.copy(middle.buffer, other.buffer, 32);  // overwrites what the second wrote
+    commands.fill(coarse.buffer);
+    commands.write_table(table, gpu::Element::word, std::vector<uint32_t>(20000));  // two updates
+    commands.count_upload(100);
+    commands.count_download(7);
+    commands.submit();  // a barrier for the host
+    commands.wait();
+    const gpu::WorkCounts& counts = commands.counts();
+    EXPECT_EQ(counts.dispatches, 3u);
+    EXPECT_EQ(counts.transfers, 4u);
+    EXPECT_EQ(counts.barriers, 4u) << "begin, third kernel, fill, submit";
+    EXPECT_EQ(counts.transferred_bytes, 32u + 16 + 80000);
+    EXPECT_EQ(counts.uploaded_bytes, 80000u + 100);
+    EXPECT_EQ(counts.downloaded_bytes, 7u);
+  }
+  commands.begin();
+  commands.stage("empty");
+  if (device->limits().timestamp_ns > 0) {
+    EXPECT_EQ(commands.counts().barriers, 2u) << "begin, stage";
+  }
+  EXPECT_EQ(commands.counts().dispatches, 0u);
+  commands.submit();
+}
+
 TEST_F(DeviceTest, ChainedKernelsSeeEachOthersWrites) {
   const Halve halve(device);
   Pixels pixels(256 * 256 * 4, 3.0f);
