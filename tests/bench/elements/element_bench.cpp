@@ -4,7 +4,9 @@
 //
 // usage: element-bench [--clip FILE] [--sizes 640x480,…] [--frames N] [--rounds N] [--still]
 //                      [--ball] [--json FILE] [ELEMENT …]
-// --still repeats one frame of the clip; --ball moves a small ball over it.
+// --still repeats one frame of the clip; --ball moves a small ball over it. Without ELEMENT: every
+// element, at sizes of its own unless --sizes names others. SIZE in a line stands for caps of it.
+// What a device cannot do is reported.
 #include <gst/check/gstharness.h>
 
 #include <algorithm>
@@ -18,6 +20,7 @@
 #include "tests/bench/support/clip_frames.hpp"
 #include "tests/bench/support/clip_scenes.hpp"
 #include "tests/bench/support/command_line.hpp"
+#include "tests/bench/support/json.hpp"
 #include "tests/bench/support/timing.hpp"
 
 namespace {
@@ -28,14 +31,6 @@ using inverse::bench::median;
 using inverse::bench::milliseconds;
 using inverse::bench::processor_ms;
 
-/// Resident bytes.
-double resident() {
-  std::ifstream statm("/proc/self/statm");
-  double pages = 0;
-  statm >> pages >> pages;
-  return pages * 4096;
-}
-
 struct Size {
   int width, height;
 };
@@ -45,66 +40,270 @@ std::string caps_of(Size size, const char* format) {
          ", height=" + std::to_string(size.height) + ", framerate=25/1";
 }
 
-struct Figures {
-  std::vector<double> wall, processor, device, first;
-  std::map<std::string, std::vector<double>> stages;
-  double device_bytes = 0, host_bytes = 0;
-  int layers = 0;  ///< of indirect light; 0: none
+/// Caps of a source.
+std::string made_caps(Size size) {
+  return "video/x-raw, width=" + std::to_string(size.width) +
+         ", height=" + std::to_string(size.height);
+}
+
+std::string line_at(std::string line, Size size) {
+  if (const size_t at = line.find("SIZE"); at != std::string::npos)
+    line.replace(at, 4, made_caps(size));
+  return line;
+}
+
+/// What is measured: elements of a launch line, and the sizes at which they are measured.
+struct Subject {
+  std::string line;
+  std::vector<Size> sizes;
 };
 
-void measure(const std::string& line, Size size, const std::vector<GstBuffer*>& frames,
-             Figures& figures) {
-  const std::string caps = caps_of(size, "NV12");
-  const double before = resident();
-  const auto start = Clock::now();
-  GstHarness* harness = gst_harness_new_parse(line.c_str());
-  gst_harness_set_caps_str(harness, caps.c_str(), caps.c_str());
-  const std::string factory = line.substr(0, line.find(' '));
-  GstElement* element = gst_harness_find_element(harness, factory.c_str());
-  for (size_t i = 0; i < frames.size(); ++i) {
-    GstBuffer* buffer = gst_buffer_copy_deep(frames[i]);
-    GST_BUFFER_PTS(buffer) = i * (GST_SECOND / 25);
-    GST_BUFFER_FLAG_UNSET(buffer, GST_BUFFER_FLAG_DISCONT);
-    const double processor = processor_ms();
-    const auto push = Clock::now();
-    gst_harness_push(harness, buffer);
-    gst_buffer_unref(gst_harness_pull(harness));
-    if (i == 0) figures.first.push_back(milliseconds(Clock::now() - start));
-    if (i < 3) continue;  // start, and the first frames of a video
-    figures.wall.push_back(milliseconds(Clock::now() - push));
-    figures.processor.push_back(processor_ms() - processor);
+constexpr Size kSmall{640, 480}, kLarge{1920, 1080};
+// Without lightstagearavissrc, which needs a camera. A light stage keeps a picture of every light.
+const std::vector<Subject> kEveryElement{
+    {"intrinsicdecomp", {kSmall, {1280, 720}, kLarge, {3840, 2160}, {7680, 4320}}},
+    {"globalintrinsic", {kSmall, kLarge}},
+    {"intrinsicdecompthesis", {kSmall}},
+    {"globalintrinsicthesis", {kSmall}},
+    {"intrinsicdecomp ! intrinsiccompose", {kSmall, kLarge}},
+    {"intrinsicdecomp ! intrinsicrecolor key=0xffe01e32 target=0xff2878f0 ! intrinsiccompose",
+     {kSmall, kLarge}},
+    {"globalintrinsic ! intrinsicdespill key=0xffe01e32 ! intrinsiccompose", {kSmall}},
+    {"intrinsicdecomp ! intrinsicsplit name=split split.reflectance ! identity", {kSmall, kLarge}},
+    {"limematerial", {kSmall, kLarge}},
+    {"materialclone", {kSmall, kLarge}},
+    {"lightstagetestsrc is-live=false", {{320, 240}}},
+    {"lightstagetestsrc is-live=false ! SIZE ! sync.sink_0 lightstagesync name=sync assemble=pairs "
+     "sync.src_0 ! olatrelight",
+     {{320, 240}}}};
+
+/// Counts of a frame's `stats`.
+const char* const kCounts[] = {"dispatches",        "transfers",      "barriers",
+                               "bytes-transferred", "bytes-uploaded", "bytes-downloaded"};
+
+struct Figures {
+  std::vector<double> wall, processor, device, first;
+  std::map<std::string, std::vector<double>> stages, counts;
+  std::string device_name;
+  double device_bytes = 0;
+  int layers = 0;     ///< of indirect light; 0: none
+  std::string error;  ///< why it cannot be measured
+};
+
+/// Adds the last frame's `stats` of all elements of a line.
+void add_stats(GstHarness* harness, Figures& figures) {
+  double device = 0;
+  std::map<std::string, double> stages, counts;
+  const auto add = [&](GstElement* element) {
+    if (!g_object_class_find_property(G_OBJECT_GET_CLASS(element), "stats")) return;
     GstStructure* stats = nullptr;
     g_object_get(element, "stats", &stats, nullptr);
     for (int field = 0; field < gst_structure_n_fields(stats); ++field) {
       const std::string name = gst_structure_nth_field_name(stats, static_cast<guint>(field));
       gdouble value = 0;
-      if (name.size() > 3 && name.ends_with("-ms") && name != "wall-ms" &&
-          gst_structure_get_double(stats, name.c_str(), &value))
-        (name == "device-ms" ? figures.device : figures.stages[name.substr(0, name.size() - 3)])
-            .push_back(value);
+      if (!name.ends_with("-ms") || name == "wall-ms" ||
+          !gst_structure_get_double(stats, name.c_str(), &value))
+        continue;
+      (name == "device-ms" ? device : stages[name.substr(0, name.size() - 3)]) += value;
     }
-    guint64 bytes = 0;
+    for (const char* name : kCounts) {
+      guint count = 0;
+      guint64 bytes = 0;
+      if (gst_structure_get_uint(stats, name, &count)) counts[name] += count;
+      if (gst_structure_get_uint64(stats, name, &bytes)) counts[name] += static_cast<double>(bytes);
+    }
+    guint64 bytes = 0;  // of all elements on the device
     if (gst_structure_get_uint64(stats, "device-bytes-peak", &bytes))
-      figures.device_bytes = static_cast<double>(bytes);
+      figures.device_bytes = std::max(figures.device_bytes, static_cast<double>(bytes));
+    if (const char* name = gst_structure_get_string(stats, "device")) figures.device_name = name;
     guint colors = 0;
     if (!gst_structure_get_int(stats, "indirect-layers", &figures.layers) &&
         gst_structure_get_uint(stats, "colors", &colors))
       figures.layers = static_cast<int>(colors);
     gst_structure_free(stats);
+  };
+  GstIterator* elements = gst_bin_iterate_recurse(GST_BIN(harness->element));
+  GValue item = G_VALUE_INIT;
+  while (gst_iterator_next(elements, &item) == GST_ITERATOR_OK) {
+    add(GST_ELEMENT(g_value_get_object(&item)));
+    g_value_reset(&item);
   }
-  figures.host_bytes = std::max(figures.host_bytes, resident() - before);
-  gst_object_unref(element);
+  g_value_unset(&item);
+  gst_iterator_free(elements);
+  figures.device.push_back(device);
+  for (const auto& [name, value] : stages) figures.stages[name].push_back(value);
+  for (const auto& [name, value] : counts) figures.counts[name].push_back(value);
+}
+
+/// The first error that an element posted; empty if none did.
+std::string error_on(GstBus* bus) {
+  GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR);
+  if (!message) return {};
+  GError* error = nullptr;
+  gst_message_parse_error(message, &error, nullptr);
+  std::string text = error->message;
+  g_error_free(error);
+  gst_message_unref(message);
+  return text;
+}
+
+/// Why the elements of a line cannot start; empty if they can. GstHarness would end the process.
+std::string reason_not_to_start(const std::string& line) {
+  GError* error = nullptr;
+  GstElement* bin = gst_parse_bin_from_description(line.c_str(), FALSE, &error);
+  std::string reason = error ? error->message : "";
+  g_clear_error(&error);
+  if (!bin) return reason;
+  GstBus* bus = gst_bus_new();
+  gst_element_set_bus(bin, bus);
+  if (gst_element_set_state(bin, GST_STATE_PAUSED) == GST_STATE_CHANGE_FAILURE) {
+    reason = error_on(bus);
+    if (reason.empty()) reason = "it does not start";
+  }
+  gst_element_set_state(bin, GST_STATE_NULL);
+  gst_element_set_bus(bin, nullptr);
+  gst_object_unref(bus);
+  gst_object_unref(bin);
+  return reason;
+}
+
+/// The next frame of a source; null, and what it posted, if there was an error.
+GstBuffer* pull_from_source(GstHarness* harness, GstBus* bus, std::string& error) {
+  for (;;) {
+    if (GstBuffer* buffer = gst_harness_try_pull(harness)) return buffer;
+    error = error_on(bus);
+    if (!error.empty()) return nullptr;
+    g_usleep(200);
+  }
+}
+
+/// Sends frames to and fro over the clip, so that none follows a cut. Sources make their own.
+void measure(const Subject& subject, Size size, const std::vector<GstBuffer*>& clip, size_t count,
+             Figures& figures) {
+  const std::string line = line_at(subject.line, size);
+  figures.error = reason_not_to_start(line);
+  if (!figures.error.empty()) return;
+  const std::string caps = caps_of(size, "NV12");
+  const auto start = Clock::now();
+  GstHarness* harness = gst_harness_new_parse(line.c_str());
+  GstBus* bus = gst_bus_new();
+  gst_element_set_bus(harness->element, bus);
+  if (harness->srcpad) {
+    gst_harness_set_caps_str(harness, caps.c_str(), caps.c_str());
+  } else {
+    gst_harness_set_sink_caps_str(harness, made_caps(size).c_str());
+    gst_harness_play(harness);
+  }
+  for (size_t i = 0; i < count; ++i) {
+    GstBuffer* in = nullptr;
+    if (harness->srcpad) {
+      const size_t period = std::max<size_t>(2 * clip.size() - 2, 1), at = i % period;
+      in = gst_buffer_copy_deep(clip[std::min(at, period - at)]);
+      GST_BUFFER_PTS(in) = i * (GST_SECOND / 25);
+      GST_BUFFER_FLAG_UNSET(in, GST_BUFFER_FLAG_DISCONT);
+    }
+    const double processor = processor_ms();
+    const auto push = Clock::now();
+    GstBuffer* out = nullptr;
+    if (!in) {
+      out = pull_from_source(harness, bus, figures.error);
+    } else if (const GstFlowReturn flow = gst_harness_push(harness, in); flow == GST_FLOW_OK) {
+      out = gst_harness_pull(harness);
+    } else {
+      figures.error = error_on(bus);
+      if (figures.error.empty()) figures.error = gst_flow_get_name(flow);
+    }
+    if (!out) break;
+    gst_buffer_unref(out);
+    if (i == 0) figures.first.push_back(milliseconds(Clock::now() - start));
+    if (i < 3) continue;  // start, and the first frames of a video
+    figures.wall.push_back(milliseconds(Clock::now() - push));
+    figures.processor.push_back(processor_ms() - processor);
+    add_stats(harness, figures);
+  }
+  gst_element_set_bus(harness->element, nullptr);
+  gst_object_unref(bus);
   gst_harness_teardown(harness);
 }
+
+/// Medians of values by name.
+std::map<std::string, double> medians(const std::map<std::string, std::vector<double>>& values) {
+  std::map<std::string, double> result;
+  for (const auto& [name, all] : values) result[name] = median(all);
+  return result;
+}
+
+/// The frames of the clip that are shown at a size, none if it cannot be read. Large ones are few,
+/// and come again.
+std::vector<GstBuffer*> load(const std::string& clip, Size size, int frames, bool still,
+                             bool ball) {
+  constexpr size_t kMaxBytes = size_t{512} << 20;
+  const size_t bytes = static_cast<size_t>(size.width) * static_cast<size_t>(size.height) * 3 / 2;
+  const size_t max = std::max<size_t>(kMaxBytes / std::max<size_t>(bytes, 1), 4);
+  auto video = inverse::bench::load_clip(clip, caps_of(size, "NV12"),
+                                         std::min(static_cast<size_t>(frames), max));
+  if ((still || ball) && !video.empty())
+    for (GstBuffer*& frame : video) gst_buffer_replace(&frame, video.front());
+  if (ball)
+    for (size_t k = 0; k < video.size(); ++k) {
+      GstBuffer* copy = gst_buffer_copy_deep(video[k]);
+      inverse::bench::draw_ball(copy, size.width, size.height, static_cast<int>(k));
+      gst_buffer_unref(video[k]);
+      video[k] = copy;
+    }
+  return video;
+}
+
+void print_row(const Subject& subject, Size size, const Figures& f) {
+  std::printf("| %s | %dx%d | ", subject.line.c_str(), size.width, size.height);
+  if (!f.error.empty()) {
+    std::printf("not measured: %s |\n", f.error.c_str());
+    return;
+  }
+  auto counts = medians(f.counts);
+  const double pixels = static_cast<double>(size.width) * size.height;
+  // The mean has what only some frames do.
+  std::printf("%.2f | %.1f | %.1f | %.2f | %.0f | %.0f | %.0f | %.0f | %.0f | %.2f | ",
+              median(f.wall), median(f.processor), mean(f.processor), median(f.device),
+              median(f.wall) * 1e6 / pixels, f.first.front(), f.device_bytes / pixels,
+              counts["dispatches"] + counts["transfers"], counts["barriers"],
+              (counts["bytes-uploaded"] + counts["bytes-downloaded"]) / 1e6);
+  for (const auto& [name, value] : medians(f.stages)) std::printf("%s %.2f ", name.c_str(), value);
+  std::printf("|\n");
+}
+
+std::string json_row(const Subject& subject, Size size, const Figures& f) {
+  namespace json = inverse::bench::json;
+  json::Object row;
+  row.add("element", json::text(subject.line)).add("width", json::number(size.width));
+  row.add("height", json::number(size.height)).add("device", json::text(f.device_name));
+  if (!f.error.empty()) return row.add("error", json::text(f.error)).str();
+  const double pixels = static_cast<double>(size.width) * size.height;
+  row.add("wall_ms", json::number(median(f.wall)))
+      .add("processor_ms", json::number(median(f.processor)))
+      .add("device_ms", json::number(median(f.device)))
+      .add("first_frame_ms", json::number(f.first.front()))
+      .add("device_bytes_per_pixel", json::number(f.device_bytes / pixels))
+      .add("layers", json::number(f.layers));
+  for (const auto& [name, value] : medians(f.counts)) {
+    std::string key = name;
+    std::replace(key.begin(), key.end(), '-', '_');
+    row.add(key, json::number(value));
+  }
+  json::Object stages;
+  for (const auto& [name, value] : medians(f.stages)) stages.add(name, json::number(value));
+  return row.add("stages_ms", stages.str()).str();
+}
+
+bool same(Size a, Size b) { return a.width == b.width && a.height == b.height; }
 
 }  // namespace
 
 int main(int count, char** arguments) {
   gst_init(&count, &arguments);
-  std::string clip = "media/clip.webm";
-  std::vector<Size> sizes{{320, 240}, {640, 480}, {1280, 720}, {1920, 1080}};
+  std::string clip = "media/clip.webm", json;
+  std::vector<Size> sizes;
   std::vector<std::string> lines;
-  std::string json;
   int frames = 40, rounds = 3;
   bool still = false, ball = false;
   namespace bench = inverse::bench;
@@ -113,7 +312,9 @@ int main(int count, char** arguments) {
     std::stringstream list(text);
     for (std::string item; std::getline(list, item, ',');) {
       Size size{};
-      if (std::sscanf(item.c_str(), "%dx%d", &size.width, &size.height) != 2) return false;
+      if (std::sscanf(item.c_str(), "%dx%d", &size.width, &size.height) != 2 || size.width < 1 ||
+          size.height < 1)
+        return false;
       sizes.push_back(size);
     }
     return true;
@@ -128,62 +329,55 @@ int main(int count, char** arguments) {
                    count, arguments, "element_bench.cpp", &lines))
     return 2;
   frames = std::max(frames, 4);
-  if (lines.empty())
-    lines = {"intrinsicdecomp", "intrinsicdecomp adaptive=false", "intrinsicdecompthesis"};
-  std::printf(
-      "| element | size | wall ms a frame | processor ms | its mean | device ms | ns a pixel "
-      "| first frame ms | device bytes a pixel | stages, device ms |\n"
-      "|---|---|---|---|---|---|---|---|---|---|\n");
-  std::string rows;
-  for (const Size& size : sizes) {
+  std::vector<Subject> subjects;
+  subjects.reserve(lines.size());
+  for (const std::string& line : lines)
+    subjects.push_back({line, {{320, 240}, kSmall, {1280, 720}, kLarge}});
+  if (subjects.empty()) subjects = kEveryElement;
+  for (Subject& subject : subjects)
+    if (!sizes.empty()) subject.sizes = sizes;
+  std::vector<Size> all;
+  for (const Subject& subject : subjects)
+    for (const Size& size : subject.sizes)
+      if (std::none_of(all.begin(), all.end(), [&](Size s) { return same(s, size); }))
+        all.push_back(size);
+
+  std::string rows, device;
+  for (const Size& size : all) {
     std::fprintf(stderr, "@progress %.3f %dx%d\n",
-                 static_cast<double>(&size - sizes.data()) / static_cast<double>(sizes.size()),
+                 static_cast<double>(&size - all.data()) / static_cast<double>(all.size()),
                  size.width, size.height);
-    auto video =
-        inverse::bench::load_clip(clip, caps_of(size, "NV12"), static_cast<size_t>(frames));
-    if ((still || ball) && !video.empty())
-      for (GstBuffer*& frame : video) gst_buffer_replace(&frame, video.front());
-    if (ball)
-      for (size_t k = 0; k < video.size(); ++k) {
-        GstBuffer* copy = gst_buffer_copy_deep(video[k]);
-        inverse::bench::draw_ball(copy, size.width, size.height, static_cast<int>(k));
-        gst_buffer_unref(video[k]);
-        video[k] = copy;
-      }
+    const auto video = load(clip, size, frames, still, ball);
     if (video.size() < 4) {
-      std::fprintf(stderr, "cannot read %s\n", clip.c_str());
-      return 1;
+      std::fprintf(stderr, "%dx%d: not measured: no frames from %s\n", size.width, size.height,
+                   clip.c_str());
+      continue;
     }
-    std::vector<Figures> figures(lines.size());
+    std::vector<Figures> figures(subjects.size());
     for (int round = 0; round < rounds; ++round)
-      for (size_t i = 0; i < lines.size(); ++i) {
+      for (size_t i = 0; i < subjects.size(); ++i) {
+        const Subject& subject = subjects[i];
+        if (!figures[i].error.empty() || std::none_of(subject.sizes.begin(), subject.sizes.end(),
+                                                      [&](Size s) { return same(s, size); }))
+          continue;
         // The thesis' method takes seconds per frame at large sizes: a few frames suffice.
-        const bool slow = lines[i].find("thesis") != std::string::npos;
-        const size_t few = slow ? std::min<size_t>(video.size(), 6) : video.size();
-        measure(lines[i], size, {video.begin(), video.begin() + static_cast<ptrdiff_t>(few)},
+        const bool slow = subject.line.find("thesis") != std::string::npos;
+        measure(subject, size, video, static_cast<size_t>(slow ? std::min(frames, 6) : frames),
                 figures[i]);
       }
-    const double pixels = static_cast<double>(size.width) * size.height;
-    for (size_t i = 0; i < lines.size(); ++i) {
-      const Figures& f = figures[i];
-      std::printf("| %s | %dx%d | %.1f | %.1f | %.1f | %.1f | %.0f | %.0f | %.0f | ",
-                  lines[i].c_str(), size.width, size.height, median(f.wall), median(f.processor),
-                  mean(f.processor),  // has what only some frames do
-                  median(f.device), median(f.wall) * 1e6 / pixels, f.first.front(),
-                  f.device_bytes / pixels);
-      for (const auto& [name, values] : f.stages)
-        std::printf("%s %.1f ", name.c_str(), median(values));
-      std::printf("|\n");
+    for (size_t i = 0; i < subjects.size(); ++i) {
+      if (figures[i].first.empty() && figures[i].error.empty()) continue;  // not at this size
+      if (device.empty() && !figures[i].device_name.empty())
+        std::printf(
+            "device: %s\n\n| element | size | wall ms a frame | processor ms | its mean | device "
+            "ms | ns a pixel | first frame ms | device bytes a pixel | commands | barriers | MB "
+            "over the bus | stages, device ms "
+            "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---"
+            "|\n",
+            (device = figures[i].device_name).c_str());
+      print_row(subjects[i], size, figures[i]);
       std::fflush(stdout);
-      char row[512];
-      std::snprintf(row, sizeof row,
-                    "%s{\"element\": \"%s\", \"width\": %d, \"height\": %d, \"wall_ms\": %.3f, "
-                    "\"processor_ms\": %.3f, \"device_ms\": %.3f, \"first_frame_ms\": %.1f, "
-                    "\"device_bytes_per_pixel\": %.1f, \"layers\": %d}",
-                    rows.empty() ? "" : ",\n", lines[i].c_str(), size.width, size.height,
-                    median(f.wall), median(f.processor), median(f.device), f.first.front(),
-                    f.device_bytes / pixels, f.layers);
-      rows += row;
+      rows += (rows.empty() ? "" : ",\n") + json_row(subjects[i], size, figures[i]);
     }
     for (GstBuffer* buffer : video) gst_buffer_unref(buffer);
   }
@@ -191,5 +385,5 @@ int main(int count, char** arguments) {
     std::fprintf(stderr, "cannot write %s\n", json.c_str());
     return 1;
   }
-  return 0;
+  return device.empty() ? 1 : 0;
 }
