@@ -15,7 +15,7 @@ namespace inverse {
 
 using Pixels = std::vector<float>;  ///< vec4 pixels, row by row
 
-/// INVERSE_PORTABLE and INVERSE_WORKGROUP choose the variant.
+/// INVERSE_TEXEL_VIEWS, INVERSE_SUBGROUPS and INVERSE_WORKGROUP choose the variant.
 class Lab {
  public:
   explicit Lab(std::shared_ptr<gpu::Device> device = gpu::Device::open())

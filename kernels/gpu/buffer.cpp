@@ -64,15 +64,15 @@ std::shared_ptr<Buffer> Buffer::create(std::shared_ptr<Device> device, Element e
 
 std::shared_ptr<Buffer> Buffer::create_by_rows(std::shared_ptr<Device> device, Element element,
                                                uint64_t count, Memory memory) {
-  if (device->variant().portable) return create(std::move(device), element, count, memory);
+  if (!device->variant().texel_views) return create(std::move(device), element, count, memory);
   return std::shared_ptr<Buffer>(new Buffer(std::move(device), element, count ? count : 1, memory));
 }
 
 Buffer::Buffer(std::shared_ptr<Device> device, Element element, uint64_t count, Memory memory)
     : device_(std::move(device)), element_(element), count_(count) {
   const Limits& limits = device_->limits();
-  const bool view = !device_->variant().portable;
-  if (view && count_ > limits.texel_elements)
+  const bool view = device_->variant().texel_views;
+  if (count_ > limits.texel_elements)
     throw Error(ErrorKind::limit, "a buffer of " + std::to_string(count_) +
                                       " elements exceeds maxTexelBufferElements of \"" +
                                       device_->name() + "\", " +

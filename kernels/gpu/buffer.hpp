@@ -22,8 +22,8 @@ enum class Memory : uint8_t {
   readback,  ///< kernels write, the host reads (cached)
 };
 
-/// A buffer on the device with its texel view. Kernels read it through the view (or as a storage
-/// buffer in the portable variant) and write it as a storage buffer. Not zeroed: use
+/// A buffer on the device with its texel view. Kernels read it through the view (without
+/// Variant::texel_views as a storage buffer) and write it as a storage buffer. Not zeroed: use
 /// Commands::fill.
 class Buffer {
  public:
@@ -31,8 +31,8 @@ class Buffer {
   /// buffer, naming the limit, and Error(out_of_memory).
   static std::shared_ptr<Buffer> create(std::shared_ptr<Device> device, Element element,
                                         uint64_t count, Memory memory = Memory::device);
-  /// As `create`, for kernels that write it by rows: only a texel view limits it, in the portable
-  /// variant what a kernel can bind.
+  /// As `create`, for kernels that write it by rows: only its texel view limits it, without
+  /// Variant::texel_views what a kernel can bind.
   static std::shared_ptr<Buffer> create_by_rows(std::shared_ptr<Device> device, Element element,
                                                 uint64_t count, Memory memory = Memory::device);
   Buffer(const Buffer&) = delete;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What every kernel includes first: workgroup size, and how planes and words are read and written.
 //
-// The build compiles each kernel twice. The fast variant reads through texel buffers (twice as fast as storage buffers
-// on lavapipe and cached on GPUs) and reduces with subgroup arithmetic; PORTABLE reads storage buffers and reduces in
-// shared memory, for devices whose texel views are short or whose subgroups cannot add.
-#ifndef PORTABLE
+// The build compiles each kernel for several devices. The fast variant reads through texel buffers (twice as fast as
+// storage buffers on lavapipe and cached on GPUs) and reduces with subgroup arithmetic. NO_SUBGROUPS reduces in shared
+// memory, for devices whose subgroups cannot add; NO_TEXEL_VIEWS reads storage buffers, for those whose views are short.
+#ifndef NO_SUBGROUPS
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #endif
@@ -18,7 +18,7 @@ uint line_index() {
 }
 
 // Inputs: PLANE_IN(binding, name) then FETCH(name, index). vec4, float and uint elements.
-#ifdef PORTABLE
+#ifdef NO_TEXEL_VIEWS
 #define INVERSE_IN(slot, name, type) \
   layout(set = 0, binding = slot, std430) readonly restrict buffer name##_block { type name##_data[]; }
 #define PLANE_IN(slot, name) INVERSE_IN(slot, name, vec4)
@@ -51,13 +51,13 @@ uint line_index() {
 // constants `size`, of the picture that it writes, and `first_row`.
 #define BY_ROWS(index) (uint(index) - push.first_row * uint(push.size.x))
 
-// Partial sums: SUM_PARTIALS(target, value) adds a vec4 over each subgroup (PORTABLE: workgroup) and stores it in that
+// Partial sums: SUM_PARTIALS(target, value) adds a vec4 over each subgroup (NO_SUBGROUPS: workgroup) and stores it in that
 // group's slots of `target`, gl_WorkGroupSize.x / 4 a workgroup (gpu::partial_count); slots that a device does not use
 // stay as they were, so zero the buffer once when it is made. A second kernel adds the slots up. Uniform control flow.
 #define PARTIAL_BASE \
   ((gl_WorkGroupID.x + gl_NumWorkGroups.x * (gl_WorkGroupID.y + gl_NumWorkGroups.y * gl_WorkGroupID.z)) * \
    (gl_WorkGroupSize.x / 4u))
-#ifdef PORTABLE
+#ifdef NO_SUBGROUPS
 shared vec4 inverse_sum[256];
 #define SUM_PARTIALS(name, value)                                                              \
   {                                                                                            \

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 
 #include "environment.hpp"
 #include "kernel.hpp"
@@ -345,8 +346,10 @@ void Device::read_properties() {
   const bool arithmetic = (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
                           (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_ARITHMETIC_BIT) &&
                           subgroup.subgroupSize >= 4;
-  variant_.portable = !arithmetic || limits_.texel_elements < (1u << 24);
-  variant_.portable = environment_number("INVERSE_PORTABLE", variant_.portable) != 0;
+  variant_.texel_views =
+      limits_.texel_elements >= (1u << 24) && environment_number("INVERSE_TEXEL_VIEWS", 1) != 0;
+  if (!variant_.texel_views) limits_.texel_elements = std::numeric_limits<uint64_t>::max() / 16;
+  variant_.subgroups = arithmetic && environment_number("INVERSE_SUBGROUPS", 1) != 0;
   variant_.own_tables = environment_number("INVERSE_OWN_TABLES", is_cpu_) != 0;
   variant_.conditional = handles_.conditional && environment_number("INVERSE_CONDITIONAL", 1) != 0;
   variant_.warm_up = environment_number("INVERSE_WARM_UP", 1) != 0;

@@ -25,10 +25,12 @@ struct KernelSource;
 /// one place). Each field can be overridden by an environment variable, so that tests run every
 /// variant on any device.
 struct Variant {
-  /// Plain storage buffers and shared-memory reductions instead of texel buffers and subgroup
-  /// arithmetic: chosen if texel views are too short or subgroup arithmetic is missing.
-  /// `INVERSE_PORTABLE=0|1`.
-  bool portable = false;
+  /// Kernels read through texel views, unless those of the device are too short; else from storage
+  /// buffers, of which a kernel then binds up to 14. `INVERSE_TEXEL_VIEWS=0` does without.
+  bool texel_views = true;
+  /// Kernels reduce with subgroup arithmetic if the device has it, else in shared memory; without
+  /// texel views always there. `INVERSE_SUBGROUPS=0` does without.
+  bool subgroups = true;
   /// Work that the device itself may skip (Commands::when), if it has
   /// VK_EXT_conditional_rendering and was opened with it. `INVERSE_CONDITIONAL=0` does without.
   bool conditional = false;
@@ -52,7 +54,8 @@ struct Variant {
 
 struct Limits {
   uint64_t storage_buffer_bytes = 0;  ///< largest buffer a kernel can see
-  uint64_t texel_elements = 0;        ///< longest texel view
+  /// Longest texel view; no limit if kernels read storage buffers (Variant::texel_views).
+  uint64_t texel_elements = 0;
   /// Largest part of a buffer that is bound by rows. For tests `INVERSE_WINDOW_BYTES` makes it
   /// smaller than storage_buffer_bytes.
   uint64_t window_bytes = 0;

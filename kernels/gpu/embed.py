@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Compiles one .comp file into both variants of SPIR-V, validates them, and writes them as a C++ source, with a header by
+"""Compiles one .comp file into its variants of SPIR-V, validates them, and writes them as a C++ source, with a header by
 which C++ calls the shader: its buffers, push constants and specialization constants by name, and the constants of its GLSL.
 
 usage: embed.py INPUT.comp NAME OUTPUT.cpp OUTPUT.hpp DEPFILE INCLUDES GLSLANG SPIRV_VAL
@@ -13,11 +13,14 @@ import sys
 import tempfile
 
 # SPIR-V specification 1.x, sections 2.3 and 3.
-OP_NAME, OP_MEMBER_NAME, OP_CONSTANT, OP_VARIABLE, OP_DECORATE, OP_MEMBER_DECORATE = 5, 6, 43, 59, 71, 72
+OP_NAME, OP_MEMBER_NAME, OP_CAPABILITY, OP_CONSTANT, OP_VARIABLE, OP_DECORATE, OP_MEMBER_DECORATE = 5, 6, 17, 43, 59, 71, 72
 TYPE_INT, TYPE_FLOAT, TYPE_VECTOR, TYPE_ARRAY, TYPE_RUNTIME_ARRAY, TYPE_STRUCT, TYPE_POINTER = 21, 22, 23, 28, 29, 30, 32
 SPEC_TRUE, SPEC_FALSE, SPEC_CONSTANT = 48, 49, 50
 SPEC_ID, NON_WRITABLE, NON_READABLE, BINDING, OFFSET = 1, 24, 25, 33, 35
 UNIFORM_CONSTANT, PUSH_CONSTANT, STORAGE_BUFFER = 0, 9, 12
+SUBGROUP_ARITHMETIC = 63  # a capability
+VARIANTS = {"fast": [], "no_subgroups": ["-DNO_SUBGROUPS"], "portable": ["-DNO_SUBGROUPS", "-DNO_TEXEL_VIEWS"]}  # of KernelSource
+MAX_STORAGE_BUFFERS = 8  # a stage, with texel views: V3D has no more
 WORKGROUP = 0  # the constant that Device::kernel gives
 
 
@@ -37,12 +40,15 @@ class Interface:
 
     def __init__(self, words):
         self.names, self.types, self.values, decorations, variables = {}, {}, {}, {}, []
+        self.reduces = False  # with subgroup arithmetic
         at = 5
         while at < len(words):
             length, op = words[at] >> 16, words[at] & 0xffff
             a = words[at + 1:at + length]
             if op == OP_NAME:
                 self.names[a[0]] = text_of(a[1:])
+            elif op == OP_CAPABILITY:
+                self.reduces |= a[0] == SUBGROUP_ARITHMETIC
             elif op == OP_MEMBER_NAME:
                 self.names[a[0], a[1]] = text_of(a[2:])
             elif op in (TYPE_INT, TYPE_FLOAT, TYPE_VECTOR, TYPE_ARRAY, TYPE_RUNTIME_ARRAY, TYPE_STRUCT, TYPE_POINTER):
@@ -172,9 +178,11 @@ def main():
     source, name, output, output_header, depfile, includes, glslang, spirv_val = sys.argv[1:]
     origin = f"// Generated from {pathlib.Path(source).name}."
     text = [origin, '#include "kernels/gpu/kernel_source.hpp"', "namespace {"]
-    dependencies, embedded, interfaces = {}, [], []
+    dependencies, shaders = {}, {}
     with tempfile.TemporaryDirectory() as folder:
-        for variant, defines in (("fast", []), ("portable", ["-DPORTABLE"])):
+        for variant, defines in VARIANTS.items():
+            if variant == "no_subgroups" and not shaders["fast"].reduces:
+                continue  # as the fast one
             spv = pathlib.Path(folder) / f"{variant}.spv"
             deps = pathlib.Path(folder) / f"{variant}.d"
             run([glslang, "-V", "--target-env", "vulkan1.1", f"-I{includes}", *defines, "--depfile", deps, "-o", spv, source])
@@ -182,25 +190,26 @@ def main():
             dependencies.update(dict.fromkeys(deps.read_text().split(":", 1)[1].split()))
             data = spv.read_bytes()
             words = struct.unpack(f"<{len(data) // 4}I", data)
-            shader = Interface(words)
-            interfaces.append(shader)
+            shaders[variant] = Interface(words)
             text.append(f"constexpr uint32_t {variant}[] = {{")
             text += [",".join(map(str, words[i:i + 16])) + "," for i in range(0, len(words), 16)]
             text.append("};")
-            embedded.append(f"{{{variant}, {variant}_slots}}")
-    if interfaces[0].named() != interfaces[1].named():
+    if any(shader.named() != shaders["fast"].named() for shader in shaders.values()):
         sys.exit(f"{source}: the variants differ in what they declare")
-    elements = [element for *_, element in interfaces[1].buffers]  # a texel buffer does not declare its own
-    for variant, shader in zip(("fast", "portable"), interfaces):
+    if sum(not texel for _, texel, *_ in shaders["fast"].buffers) > MAX_STORAGE_BUFFERS:
+        sys.exit(f"{source}: binds more than {MAX_STORAGE_BUFFERS} storage buffers, too many for some devices")
+    elements = [element for *_, element in shaders["portable"].buffers]  # a texel buffer does not declare its own
+    for variant, shader in shaders.items():
         slots = ", ".join("{" + ", ".join(str(fact).lower() for fact in facts) + f", inverse::gpu::Element::{element}}}"
                           for (_, *facts, _), element in zip(shader.buffers, elements))
         text.append(f"constexpr inverse::gpu::Slot {variant}_slots[] = {{{slots}}};")
-    entry = f'{{"{name}", {", ".join(embedded)}}};'
+    embedded = [variant if variant in shaders else "fast" for variant in VARIANTS]
+    entry = f'{{"{name}", {", ".join(f"{{{variant}, {variant}_slots}}" for variant in embedded)}}};'
     text += ["}", "namespace inverse::shaders {", f"extern const gpu::KernelSource {name}_source;",
              f"const gpu::KernelSource {name}_source{entry}", "}"]
     write_if_changed(pathlib.Path(output_header), [
         origin, "#pragma once", "#include <cstddef>", '#include "kernels/gpu/binding.hpp"', "namespace inverse::shaders {",
-        *header(name, interfaces[0], glsl_constants(dependencies)), "}"])
+        *header(name, shaders["fast"], glsl_constants(dependencies)), "}"])
     pathlib.Path(output).write_text("\n".join(text) + "\n")
     pathlib.Path(depfile).write_text(f"{output}: {' '.join(sorted(dependencies))}\n")
 

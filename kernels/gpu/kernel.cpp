@@ -10,7 +10,10 @@ namespace inverse::gpu {
 Kernel::Kernel(const Device& device, const KernelSource& source,
                const std::vector<uint32_t>& constants, uint32_t workgroup)
     : device_(device), name_(source.name), workgroup_(workgroup) {
-  const Spirv embedded = device_.variant().portable ? source.portable : source.fast;
+  const Variant& variant = device_.variant();
+  const Spirv embedded = !variant.texel_views ? source.portable
+                         : variant.subgroups  ? source.fast
+                                              : source.no_subgroups;
   slots_ = embedded.slots;
   const auto storage =
       std::count_if(slots_.begin(), slots_.end(), [](const Slot& slot) { return !slot.texel; });

@@ -22,10 +22,12 @@ struct Spirv {
   std::span<const Slot> slots;
 };
 
-/// A compiled shader as the build embeds it: SPIR-V for both variants (see Variant::portable).
+/// A compiled shader as the build embeds it: SPIR-V with texel views and subgroup arithmetic, with
+/// texel views alone, and with neither (see Variant).
 struct KernelSource {
   const char* name;
   Spirv fast;
+  Spirv no_subgroups;
   Spirv portable;
 };
 

@@ -3,7 +3,7 @@
 shared vec4 workgroup_partials[256];
 
 vec4 workgroup_sum(vec4 v) {
-#ifdef PORTABLE
+#ifdef NO_SUBGROUPS
   workgroup_partials[gl_LocalInvocationIndex] = v;
   for (uint live = gl_WorkGroupSize.x; live > 1u;) {
     uint half_live = (live + 1u) / 2u;

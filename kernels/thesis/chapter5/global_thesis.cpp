@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 #include <utility>
 
 #include "global_thesis_programs.hpp"
@@ -48,9 +47,8 @@ GlobalThesis::GlobalThesis(const std::shared_ptr<gpu::Device>& device, Extent ex
 
 int GlobalThesis::max_layers(const gpu::Device& device, Extent extent) {
   const uint64_t plane = 16 * extent.pixels();
-  const uint64_t texels = device.variant().portable ? std::numeric_limits<uint64_t>::max() / 16
-                                                    : device.limits().texel_elements;
-  const uint64_t bytes = std::min(device.limits().storage_buffer_bytes, 16 * texels);
+  const uint64_t bytes =
+      std::min(device.limits().storage_buffer_bytes, 16 * device.limits().texel_elements);
   const uint64_t planes = std::min<uint64_t>(bytes / plane, 1 + kIndirectPlanes);
   return 4 * (static_cast<int>(planes) - 1);
 }

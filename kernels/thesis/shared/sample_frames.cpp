@@ -2,7 +2,6 @@
 #include "sample_frames.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "kernels/gpu/environment.hpp"
 
@@ -10,9 +9,7 @@ namespace inverse {
 
 int sample_slots_per_buffer(const gpu::Device& device, uint64_t slots, uint64_t pixels) {
   const gpu::Limits& limits = device.limits();
-  const uint64_t largest = std::min<uint64_t>(
-      limits.storage_buffer_bytes / 16,
-      device.variant().portable ? std::numeric_limits<uint64_t>::max() : limits.texel_elements);
+  const uint64_t largest = std::min(limits.storage_buffer_bytes / 16, limits.texel_elements);
   const uint32_t wanted = gpu::environment_number("INVERSE_SAMPLE_SLOTS", 0, 6);
   for (const uint32_t division : {6U, 3U, 2U, 1U}) {
     const bool fits = std::min<uint64_t>(slots, division) * pixels <= largest || division == 1;

@@ -78,10 +78,10 @@ TEST_P(Sizes, LongNeedlesAreDecomposedOrRefusedByName) {
   }
 }
 
-/// Pixels of the largest plane that the device can bind and, but in the portable variant, view.
+/// Pixels of the largest plane that the device can bind and, if kernels read through views, view.
 uint64_t max_pixels(const gpu::Device& device) {
   const uint64_t bytes = device.limits().storage_buffer_bytes / 16;
-  return device.variant().portable ? bytes : std::min(bytes, device.limits().texel_elements);
+  return std::min(bytes, device.limits().texel_elements);
 }
 
 TEST_P(LargestFrame, IsDecomposedAndOnePixelMoreIsRefusedByName) {
