@@ -10,6 +10,7 @@
 #include "element_class.hpp"
 #include "filter_element.hpp"
 #include "gst/base/log/errors.hpp"
+#include "missing_layers.hpp"
 #include "report.hpp"
 
 using inverse::ElementInfo;
@@ -95,7 +96,10 @@ GstCaps* transform_caps(GstBaseTransform* transform, GstPadDirection direction, 
                          : inverse::transform_caps(caps, templates, filter);
 }
 
-GstCaps* fixate_caps(GstBaseTransform*, GstPadDirection, GstCaps* caps, GstCaps* other) {
+GstCaps* fixate_caps(GstBaseTransform* base, GstPadDirection direction, GstCaps* caps,
+                     GstCaps* other) {
+  if (direction == GST_PAD_SINK)
+    other = inverse::prefer_layers(GST_BASE_TRANSFORM_SRC_PAD(base), other);
   return inverse::fixate_caps(caps, other);
 }
 

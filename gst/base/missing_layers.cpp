@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "missing_layers.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -101,6 +102,16 @@ Found search(GstPad* sink, GstCaps* layers) {
   return found;
 }
 
+/// Whether an element downstream is made for layers, with none between that is made for something.
+bool wants_layers(GstPad* src, int distance = 0) {
+  const PadPtr next = linked_pad(src);
+  if (!next || distance == kFarthest) return false;
+  if (!takes_anything(next.get())) return template_layers(next.get()) != nullptr;
+  const std::vector<PadPtr> further = pads_behind(next.get());
+  return std::any_of(further.begin(), further.end(),
+                     [&](const PadPtr& pad) { return wants_layers(pad.get(), distance + 1); });
+}
+
 }  // namespace
 
 std::string contents_of(const std::string& kind) {
@@ -151,6 +162,18 @@ std::string missing_layers(GstPad* sink, const char* accepts, const char* maker)
   return start + ", and " + made_by +
          " before it sends pictures; put nothing between the two that takes pictures or other "
          "layers";
+}
+
+GstCaps* prefer_layers(GstPad* src, GstCaps* caps) {
+  guint layers = 0;
+  while (layers < gst_caps_get_size(caps) &&
+         !gst_caps_features_contains(gst_caps_get_features(caps, layers),
+                                     GST_CAPS_FEATURE_META_INVERSE_LAYERS))
+    ++layers;
+  if (layers == 0 || layers == gst_caps_get_size(caps) || !wants_layers(src)) return caps;
+  GstCaps* sorted = gst_caps_copy_nth(caps, layers);
+  gst_caps_append(sorted, caps);
+  return sorted;
 }
 
 std::string untaken_layers(GstPad* src) {

@@ -135,6 +135,19 @@ TEST_F(Chains, APairOfGradientsIsNoFrame) {
   EXPECT_TRUE(warnings("video/x-raw,format=RGBA ! videoconvert ! olatrelight").empty());
 }
 
+/// A branch of a tee that takes anything gets layers, too, whichever branch is first.
+TEST_F(Chains, EditorsBehindATeeGetLayersInAnyOrderOfBranches) {
+  const std::string editor = "t. ! queue ! intrinsicrecolor ! intrinsiccompose ! fakesink ",
+                    other = "t. ! queue ! identity ! fakesink ";
+  for (const std::string& branches : {editor + other, other + editor}) {
+    const auto result = run_line(
+        "videotestsrc num-buffers=2 ! video/x-raw,width=64,height=48 ! "
+        "intrinsicdecomp ! tee name=t " +
+        branches);
+    EXPECT_TRUE(result.eos) << branches << result.first_error();
+  }
+}
+
 /// Editors that get pictures: where the layers ended.
 TEST_F(Chains, EditorsWithoutLayersNameWhatTookThem) {
   const struct {
