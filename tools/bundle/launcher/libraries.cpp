@@ -96,10 +96,11 @@ Shared compare(const Host& host, const fs::path& folder) {
     const std::string name = file.path().stem();
     std::ifstream list(file.path());
     std::string symbol;
-    if (!std::getline(list, symbol)) continue;  // nothing is needed
+    const bool needed = !!std::getline(list, symbol);
     const fs::path found = host.find(name);
-    if (found.empty()) return {shared.name, {}, {}};
+    if (needed && found.empty()) return {shared.name, {}, {}};
     if (shared.host.empty()) shared.host = found;
+    if (!needed) continue;
     const auto defined = defined_symbols(found);
     do {
       if (!defined.contains(symbol)) {

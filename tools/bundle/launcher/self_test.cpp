@@ -75,6 +75,7 @@ std::string run_once(std::vector<std::string> command, const std::string& filter
   int ends[2];
   if (pipe(ends) != 0) return std::string(": ") + std::strerror(errno);
   const pid_t child = fork();
+  if (child < 0) return std::string(": ") + std::strerror(errno);
   if (child == 0) {
     dup2(ends[1], STDOUT_FILENO);
     dup2(ends[1], STDERR_FILENO);
