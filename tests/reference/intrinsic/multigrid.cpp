@@ -149,11 +149,9 @@ void v_cycle(std::vector<Level>& levels, std::size_t k, std::size_t together) {
       static_cast<std::size_t>((l.width + 3) / 4) * static_cast<std::size_t>(l.height);
   const bool small = packs <= together;
   const int rows = small ? 1 : 4;
-  if (small) {
-    smooth(l, 0, rows);
-    if (k + 1 == levels.size()) return;
-    smooth(l, 1, rows);
-  }
+  if (small) smooth(l, 0, rows);
+  if (k + 1 == levels.size()) return;
+  if (small) smooth(l, 1, rows);
   restrict_to(l, levels[k + 1]);
   v_cycle(levels, k + 1, together);
   correct(l, levels[k + 1], rows);
