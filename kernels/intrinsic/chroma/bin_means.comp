@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "bins.glsl"
 
-// The sums of the bins' tables: with kWeights the weights, else the means of r by them. One bin an invocation.
+// Adds the tables of every bin up: with kWeights to its weight, else to the weighted mean of r. One bin an invocation.
 layout(constant_id = 1) const bool kWeights = false;
 layout(constant_id = 2) const int kTables = 1;  // as in bin_splat.comp
 WORD_IN(0, sums);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The chroma grid of the non-local term: kBins x kBins bins of kBinWidth over (c0, c1), bilinear hats. Sums are in fixed point of
 // 64 bits, so that they do not depend on order, and cells of little weight count in frames of any size: weights in steps of 1 / scale,
-// weighted reflectance in steps of 2 kMaxReflectance / scale. A table of sums is all low words, then all high words.
+// weighted (r / kMaxReflectance + 1) / 2 likewise. A table of sums is all low words, then all high words.
 const int kBins = 48;
 const float kBinWidth = 0.1;
 const float kMaxReflectance = 16.0;  // |m - s| beyond this counts as this

@@ -111,7 +111,8 @@ void Multigrid::correct(gpu::Commands& commands, size_t i, const TileList* liste
 void Multigrid::restrict_to(gpu::Commands& commands, size_t i, const TileList* listed) const {
   const Level &fine = levels_[i], &coarse = levels_[i + 1];
   const bool to_cells = i + 1 == kCells;
-  restrict_[std::min<size_t>(i, 3)].dispatch(
+  // From level 3 on the correction is zero here; level 2 keeps that of the last V-cycle.
+  restrict_[std::min(i, std::size(restrict_) - 1)].dispatch(
       commands, listed,
       {.system = fine.system,
        .now = fine.field,

@@ -19,8 +19,8 @@ namespace inverse {
 /// Multigrid for the linear system of energy.glsl: one unknown a pixel, edges to four neighbors,
 /// and terms of 4 x 4 cells that enter on level 2. Levels shrink 2:1 to a single pixel; aggregates
 /// of 2 x 2 carry corrections; blocks of 4 x 4 pixels are relaxed in checkerboard order, their rows
-/// solved exactly, before and after the correction from below. Levels of few pixels run together in
-/// one dispatch; those between level 1 and them are relaxed after the correction only.
+/// solved exactly. Levels 0 and 1, and those of few pixels, which run together in one dispatch, are
+/// relaxed before and after the correction from below; those between them after it only.
 class Multigrid {
  public:
   struct Params {
