@@ -104,6 +104,7 @@ void Commands::begin() {
   info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   check(vkBeginCommandBuffer(buffer_, &info), "recording a frame");
   full_barrier();  // after whatever earlier submits wrote
+  stages_timed_ = time_stages_;
   if (queries_) {
     vkCmdResetQueryPool(buffer_, queries_, 0, kMaxStages + 1);
     vkCmdWriteTimestamp(buffer_, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, queries_, 0);
@@ -381,7 +382,7 @@ void Commands::copy_to_image(const BufferPtr& source, const ImageRegion& region)
 }
 
 void Commands::stage(const char* name) {
-  if (!queries_ || stage_names_.size() >= kMaxStages) return;
+  if (!queries_ || !stages_timed_ || stage_names_.size() >= kMaxStages) return;
   // The mark waits for the work before it, so that a stage's time is its own.
   full_barrier();
   touched_.clear();
@@ -391,6 +392,8 @@ void Commands::stage(const char* name) {
 }
 
 void Commands::submit() {
+  if (queries_ && !stages_timed_)
+    vkCmdWriteTimestamp(buffer_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_, 1);
   VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
   barrier.srcAccessMask = kKernelWrites;
   barrier.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
@@ -464,18 +467,23 @@ void build_kernels(const std::shared_ptr<Device>& device) {
 
 void Commands::read_stages() {
   stages_.clear();
-  if (stage_names_.empty()) return;
-  std::vector<uint64_t> ticks(stage_names_.size() + 1);
+  device_ms_ = 0;
+  const size_t marks = stages_timed_ ? stage_names_.size() : 1;
+  if (!queries_ || !marks) return;
+  std::vector<uint64_t> ticks(marks + 1);
   const VkResult result =
       vkGetQueryPoolResults(device_->handle(), queries_, 0, static_cast<uint32_t>(ticks.size()),
                             ticks.size() * sizeof(uint64_t), ticks.data(), sizeof(uint64_t),
                             VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
   check(result, "reading timestamps");
-  const Limits& limits = device_->limits();
+  const auto milliseconds = [&](size_t from, size_t to) {
+    const Limits& limits = device_->limits();
+    return static_cast<double>((ticks[to] - ticks[from]) & limits.timestamp_mask) *
+           limits.timestamp_ns * 1e-6;
+  };
+  device_ms_ = milliseconds(0, marks);
   for (size_t i = 0; i < stage_names_.size(); ++i)
-    stages_.push_back(
-        {stage_names_[i], static_cast<double>((ticks[i + 1] - ticks[i]) & limits.timestamp_mask) *
-                              limits.timestamp_ns * 1e-6});
+    stages_.push_back({stage_names_[i], milliseconds(i, i + 1)});
 }
 
 }  // namespace inverse::gpu

@@ -142,6 +142,9 @@ class Commands {
   /// Marks the end of a stage for `stages()`. At most kMaxStages a submit; further ones are not
   /// timed.
   void stage(const char* name);
+  /// Whether stages are timed from the next `begin` on; they are at first. If not, they cost no
+  /// barriers, and the device time of the whole submit is all that is known.
+  void time_stages(bool timed) { time_stages_ = timed; }
   static constexpr uint32_t kMaxStages = 127;
 
   /// Hands the recorded work to the device.
@@ -153,9 +156,12 @@ class Commands {
   /// Whether `wait` would return at once.
   bool done() const;
 
-  /// Device time of the stages of the last submit that was waited for. Empty if the device has
-  /// no timestamps.
+  /// Device time of the stages of the last submit that was waited for. Empty if they were not
+  /// timed, or if the device has no timestamps.
   const std::vector<StageTime>& stages() const { return stages_; }
+  /// Milliseconds of that submit on the device: up to its last stage if stages are timed. 0 if the
+  /// device has no timestamps.
+  double device_ms() const { return device_ms_; }
   /// Keeps an object alive until this submit is done.
   void keep(std::shared_ptr<void> object) { kept_.push_back(std::move(object)); }
   uint32_t dispatches() const { return counts_.dispatches; }
@@ -207,8 +213,11 @@ class Commands {
   std::vector<Touched> pending_;  // by the operation being recorded
   std::vector<const char*> stage_names_;
   std::vector<StageTime> stages_;
+  double device_ms_ = 0;
   std::vector<std::shared_ptr<void>> kept_;
   WorkCounts counts_;
+  bool time_stages_ = true;   // of the next recording
+  bool stages_timed_ = true;  // of this one
   bool in_when_ = false;
   bool in_flight_ = false;
   bool timed_out_ = false;

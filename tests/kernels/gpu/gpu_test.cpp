@@ -212,7 +212,34 @@ TEST_F(DeviceTest, StagesAreTimed) {
   EXPECT_STREQ(commands.stages()[1].name, "fifty fills");
   EXPECT_GT(commands.stages()[0].milliseconds, 0);
   EXPECT_GT(commands.stages()[1].milliseconds, 0);
-  EXPECT_LE(commands.stages()[0].milliseconds + commands.stages()[1].milliseconds, passed.count());
+  const double sum = commands.stages()[0].milliseconds + commands.stages()[1].milliseconds;
+  EXPECT_LE(sum, passed.count());
+  EXPECT_NEAR(commands.device_ms(), sum, 1e-6);
+}
+
+TEST_F(DeviceTest, StagesThatAreNotTimedCostNoBarriers) {
+  if (device->limits().timestamp_ns == 0) GTEST_SKIP() << "this device has no timestamps";
+  const auto buffer = gpu::Buffer::create(device, gpu::Element::word, 1 << 20);
+  gpu::Commands commands(device);
+  commands.time_stages(false);
+  uint32_t barriers = 0;
+  for (const int stages : {0, 5}) {
+    commands.begin();
+    commands.fill(buffer, 7);
+    for (int i = 0; i < stages; ++i) commands.stage("nothing");
+    commands.submit();
+    commands.wait();
+    EXPECT_TRUE(commands.stages().empty());
+    EXPECT_GT(commands.device_ms(), 0);
+    if (stages == 0) barriers = commands.counts().barriers;
+    EXPECT_EQ(commands.counts().barriers, barriers);
+  }
+  commands.time_stages(true);
+  commands.begin();
+  commands.stage("timed");
+  commands.submit();
+  commands.wait();
+  EXPECT_EQ(commands.stages().size(), 1u);
 }
 
 TEST_F(DeviceTest, MalformedEnvironmentVariablesAreRefused) {
