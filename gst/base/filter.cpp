@@ -136,9 +136,10 @@ gboolean transform_size(GstBaseTransform*, GstPadDirection direction, GstCaps*, 
   return TRUE;
 }
 
-gboolean propose_allocation(GstBaseTransform*, GstQuery*, GstQuery* query) {
+gboolean propose_allocation(GstBaseTransform* transform, GstQuery*, GstQuery* query) {
   // Frames may come with any strides and offsets.
   gst_query_add_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr);
+  element_of(transform).propose_memory(query);
   return TRUE;
 }
 
@@ -164,6 +165,7 @@ gboolean decide_allocation(GstBaseTransform* transform, GstQuery* query) {
     gst_object_unref(pool);
     return TRUE;
   }
+  element_of(transform).decide_memory(query);
   guint size = 0, min = 0, max = 0;
   const bool proposed = gst_query_get_n_allocation_pools(query) > 0;
   if (proposed) gst_query_parse_nth_allocation_pool(query, 0, &pool, &size, &min, &max);

@@ -101,6 +101,7 @@ void FilterElement::stop() {
   configured_ = false;
   device_.reset();
   images_device_.reset();
+  memory_device_.reset();
   fresh_ = true;
   last_time_ = GST_CLOCK_TIME_NONE;
   frames_ = 0;
@@ -122,8 +123,6 @@ void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {
   forget_repeats();
   for (Slot& slot : slots_) {
     slot.commands = std::make_unique<gpu::Commands>(device);
-    if (input_) slot.in = input_->make_buffer(device);
-    if (output_) slot.out = output_->make_buffer(device);
     slot.tiles.emplace(device, extent, gpu::Memory::upload);
   }
   planes_.emplace(device, extent);
@@ -139,6 +138,9 @@ void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {
   GST_INFO_OBJECT(element_, "device \"%s\", frames of %ux%u", device->name().c_str(), extent.width,
                   extent.height);
   device_ = device;
+  // The first frame of layers carries the device: allocate again, on it.
+  if (in_layers_ && output_ && output_->waits() && memory_device_ != device)
+    gst_base_transform_reconfigure_src(GST_BASE_TRANSFORM(element_));
   configured_ = true;
   fresh_ = true;
   number_ = 0;
@@ -241,18 +243,25 @@ void FilterElement::convert_input(GstBuffer* in, Slot& slot, FrameContext& frame
 
 void FilterElement::send(GstBuffer* out, Slot& slot, FrameContext& frame) {
   const bool again = frame.same_picture && drawn_ && output_->waits();
+  gpu::BufferPtr direct;  // the memory of `out`, on the device
   if (!out_layers_ && !again) {
+    // What goes out may be changed by others: the next frame's reuse needs a copy.
+    const bool reusable = frame.drawn || frame.same_picture;
+    if (!reusable) direct = output_->mapped(*device_, out);
     const bool parts = frame.drawn && drawn_ && output_->waits();
-    if (!parts) drawn_ = slot.out;
-    output_->record(*slot.commands, frame.picture, frame.layers, drawn_, out,
+    if (!parts && !direct && !slot.out) slot.out = output_->make_buffer(device_);
+    if (!parts) drawn_ = direct ? nullptr : slot.out;
+    output_->record(*slot.commands, frame.picture, frame.layers, direct ? direct : drawn_, out,
                     parts ? frame.drawn : nullptr);
     slot.commands->stage("pack");
+    if (direct) slot.commands->keep({gst_buffer_ref(out), gst_buffer_unref});
   }
   slot.commands->submit();
   if (out_layers_) {
     attach_layers(out, frame.layers);
   } else if (output_->waits()) {
     wait(slot, "to download the picture");
+    if (direct) return;
     output_->write(drawn_, out);
     slot.commands->count_download(drawn_->bytes());
   }
@@ -277,7 +286,7 @@ std::shared_ptr<gpu::Device> FilterElement::device_for(GstBuffer* in) {
                       "; scale or crop pictures only, before or after the elements with layers");
     return any->buffer->device();
   }
-  if (!in_images_) return images_device_ ? images_device_ : context_.current();
+  if (!in_images_) return system_device();
   auto device = input_->device_of(element_, in);
   context_.permit(device);
   return device;

@@ -57,6 +57,10 @@ class FilterElement {
   const Log& log() const { return log_; }
   Filter& filter() { return *filter_; }
   DeviceContext& context() { return context_; }
+  /// Answers an allocation query from upstream with memory that kernels read without a copy, and
+  /// completes one that downstream answered if our own memory may go out.
+  void propose_memory(GstQuery* query);
+  void decide_memory(GstQuery* query);
   /// A configured pool for the images that go out; posts one error and returns null if there can be
   /// none. New reference; `size` becomes the size of its buffers.
   GstBufferPool* image_pool(GstCaps* caps, guint* size);
@@ -77,7 +81,7 @@ class FilterElement {
  private:
   struct Slot {
     std::unique_ptr<gpu::Commands> commands;
-    gpu::BufferPtr in, out;         // the bytes of a frame
+    gpu::BufferPtr in, out;         // the bytes of a frame, if it is copied
     std::optional<TileList> tiles;  // of the input that are converted anew
     uint64_t number = 0;            // FrameContext's
     double wall_ms = 0;
@@ -93,6 +97,12 @@ class FilterElement {
   /// Whether planes and the filter's state for input of this size can be made.
   bool fits(const std::shared_ptr<gpu::Device>& device, Extent in);
   std::shared_ptr<gpu::Device> device_for(GstBuffer* in);
+  /// The device of frames in system memory; null before `open`.
+  std::shared_ptr<gpu::Device> system_device() const {
+    return images_device_ ? images_device_ : context_.current();
+  }
+  /// An allocator for frames of the query's caps; null if kernels cannot use them in place.
+  GstAllocator* allocator_for(GstCaps* caps, const std::shared_ptr<gpu::Device>& device);
   void run_frame(GstBuffer* in, GstBuffer* out, const std::shared_ptr<gpu::Device>& device);
   void read_input(GstBuffer* in, Slot& slot, FrameContext& frame);
   /// Converts a frame from memory, only the tiles that changed if possible.
@@ -122,6 +132,7 @@ class FilterElement {
   std::string device_name_;
   std::shared_ptr<gpu::Device> device_;         // the one configured for
   std::shared_ptr<gpu::Device> images_device_;  // of the images that go out; null: none do
+  std::shared_ptr<gpu::Device> memory_device_;  // of the memory that goes out; null: system memory
 
   GstVideoInfo in_info_, out_info_;
   CapsPair asked_;                            // last

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "gst/base/meta/layers_meta.hpp"
+#include "mapped_memory.hpp"
 #include "video_format.hpp"
 
 namespace inverse {
@@ -102,6 +103,43 @@ bool suits(const GstVideoInfo& info, GstBuffer* buffer) {
                    meta->height >= static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&info)));
 }
 
+/// The layout that GStreamer gives frames of these caps, if kernels can use it; else one in which
+/// rows are padded to words.
+FrameFormat with_layout(FrameFormat format, const GstVideoInfo& info) {
+  bool usable = true;
+  FrameFormat theirs = format;
+  for (uint32_t p = 0; p < format.format.planes; ++p) {
+    usable &= info.stride[p] > 0 && info.offset[p] <= UINT32_MAX;
+    theirs.offset[p] = static_cast<uint32_t>(info.offset[p]);
+    theirs.stride[p] = static_cast<uint32_t>(info.stride[p]);
+  }
+  return usable && is_word_aligned(theirs) ? theirs : aligned_layout(format, 4);
+}
+
+bool has_layout(const FrameFormat& format, const gint* strides, const gsize* offsets) {
+  for (uint32_t p = 0; p < format.format.planes; ++p)
+    if (strides[p] != static_cast<gint>(format.stride[p]) || offsets[p] != format.offset[p])
+      return false;
+  return true;
+}
+
+/// The words of a frame that lies on `device` as kernels read and write it; null for others.
+gpu::BufferPtr mapped_frame(const GstVideoInfo& info, const FrameFormat& format,
+                            const gpu::Device& device, GstBuffer* buffer) {
+  const gpu::BufferPtr words = mapped_words(buffer);
+  if (!words || words->device().get() != &device || !suits(info, buffer) ||
+      gst_buffer_get_size(buffer) < GST_VIDEO_INFO_SIZE(&info))
+    return nullptr;
+  // A single plane is bound by rows, of which there are no more than the frame's.
+  const uint64_t needed = raw_words(format);
+  if (format.format.planes == 1 ? words->count() != needed : words->count() < needed)
+    return nullptr;
+  const GstVideoMeta* meta = gst_buffer_get_video_meta(buffer);
+  const bool same = meta ? has_layout(format, meta->stride, meta->offset)
+                         : has_layout(format, info.stride, info.offset);
+  return same ? words : nullptr;
+}
+
 /// Whether all rows of a plane lie in the memory that was mapped for it. GStreamer checks only
 /// its first byte if strides and offsets come from a GstVideoMeta.
 bool holds_rows(const GstVideoFrame& frame, const FrameFormat& format, uint32_t plane) {
@@ -181,7 +219,13 @@ FrameFormat frame_format(const GstVideoInfo& info) {
                       std::to_string(format.extent.width) +
                       " pixels; crop to an even width, or insert videoconvert ! "
                       "video/x-raw,format=P010_10LE");
-  return aligned_layout(format, 4);
+  return with_layout(format, info);
+}
+
+GstAllocator* frame_allocator(const GstVideoInfo& info,
+                              const std::shared_ptr<gpu::Device>& device) {
+  return has_layout(frame_format(info), info.stride, info.offset) ? mapped_allocator(device)
+                                                                  : nullptr;
 }
 
 bool is_gap(GstBuffer* buffer) {
@@ -210,8 +254,15 @@ std::span<const uint8_t> FrameInput::changed_tiles(GstBuffer* buffer) {
   return changed_.next(std::span(planes).first(count));
 }
 
-void FrameInput::record(gpu::Commands& commands, GstBuffer* buffer, const gpu::BufferPtr& raw,
+void FrameInput::record(gpu::Commands& commands, GstBuffer* buffer, gpu::BufferPtr& raw,
                         const Plane& plane, const TileList* listed) const {
+  if (const auto words = mapped_frame(info_, format_, *commands.device(), buffer)) {
+    // Nobody else writes there meanwhile: the buffer is neither writable nor back in its pool.
+    commands.keep({gst_buffer_ref(buffer), gst_buffer_unref});
+    unpack_->record(commands, words, plane, listed);
+    return;
+  }
+  if (!raw) raw = make_buffer(commands.device());
   load(commands, buffer, raw);
   unpack_->record(commands, raw, plane, listed);
 }
@@ -241,6 +292,11 @@ gpu::BufferPtr FrameOutput::make_buffer(const std::shared_ptr<gpu::Device>& devi
 
 void FrameOutput::configure(const std::shared_ptr<gpu::Device>& device) {
   pack_.emplace(device, format_);
+}
+
+gpu::BufferPtr FrameOutput::mapped(const gpu::Device& device, GstBuffer* buffer) const {
+  if (!gst_buffer_is_writable(buffer) || !gst_buffer_is_all_memory_writable(buffer)) return nullptr;
+  return mapped_frame(info_, format_, device, buffer);
 }
 
 void FrameOutput::record(gpu::Commands& commands, const Picture& picture, const Layers& layers,

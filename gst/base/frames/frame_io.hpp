@@ -17,6 +17,11 @@ namespace inverse {
 /// names the format or colorimetry, if it cannot be handled.
 FrameFormat frame_format(const GstVideoInfo& info);
 
+/// An allocator for frames of these caps that kernels read and write where they lie
+/// (mapped_allocator); null if GStreamer lays them out in another way. New reference.
+/// Throws as frame_format.
+GstAllocator* frame_allocator(const GstVideoInfo& info, const std::shared_ptr<gpu::Device>& device);
+
 /// Whether a buffer stands for a missing frame: flagged GAP and empty, without layers.
 bool is_gap(GstBuffer* buffer);
 
@@ -40,18 +45,19 @@ class FrameInput {
   virtual std::span<const uint8_t> changed_tiles(GstBuffer* buffer);
   /// The next frame has none before it to be compared with.
   void forget() { changed_.reset(); }
-  /// Brings `buffer` into `raw`, which must be idle, and records the conversion into `plane`; if
-  /// tiles are `listed`, of these alone. Throws Error(unsupported) if the buffer does not match its
-  /// caps.
-  void record(gpu::Commands& commands, GstBuffer* buffer, const gpu::BufferPtr& raw,
-              const Plane& plane, const TileList* listed = nullptr) const;
+  /// Records the conversion of `buffer` into `plane`; if tiles are `listed`, of these alone. Holds
+  /// a frame that lies on the device (frame_allocator) until the work is done; brings others into
+  /// `raw`, which must be idle, and is made if null. Throws Error(unsupported) if the buffer does
+  /// not match its caps.
+  void record(gpu::Commands& commands, GstBuffer* buffer, gpu::BufferPtr& raw, const Plane& plane,
+              const TileList* listed = nullptr) const;
 
  protected:
   /// Copies the bytes at once, or records copying them.
   virtual void load(gpu::Commands& commands, GstBuffer* buffer, const gpu::BufferPtr& raw) const;
 
   GstVideoInfo info_;
-  FrameFormat format_;  // on the device: rows padded to words
+  FrameFormat format_;  // on the device
 
  private:
   std::optional<Unpack> unpack_;
@@ -74,6 +80,9 @@ class FrameOutput {
   /// A buffer for the bytes of one frame on the device, for `record` and `write`.
   virtual gpu::BufferPtr make_buffer(const std::shared_ptr<gpu::Device>& device) const;
   void configure(const std::shared_ptr<gpu::Device>& device);
+  /// The memory of `buffer`, for `record`, if it is on the device (frame_allocator) and writable;
+  /// null otherwise. `write` must not follow.
+  gpu::BufferPtr mapped(const gpu::Device& device, GstBuffer* buffer) const;
   /// Records drawing `picture` into `raw` and on to `buffer`, as far as the device does that. Alpha
   /// comes from the input layer's w if there is one. If tiles are `listed`, `raw` has the
   /// others already.
