@@ -309,6 +309,8 @@ void FilterElement::run_frame(GstBuffer* in, GstBuffer* out,
   Slot& slot = slots_[next_slot_];
   ++next_slot_;
   finish(slot);
+  slot.commands->time_stages(stats_read_ ||
+                             gst_debug_category_get_threshold(log_.category) >= GST_LEVEL_DEBUG);
   slot.commands->begin();
   if (breaks_off(in)) flush("discontinuity");
   const bool fresh = fresh_.exchange(false);
@@ -378,7 +380,7 @@ void FilterElement::finish(Slot& slot) {
     throw;
   }
   // If the device is not waited for, the wall clock does not measure the cost of a frame.
-  filter_->completed(slot.number, std::max(slot.wall_ms, device_ms(*slot.commands)));
+  filter_->completed(slot.number, std::max(slot.wall_ms, slot.commands->device_ms()));
   GstStructure* stats = frame_stats(*slot.commands, ++frames_, slot.wall_ms);
   filter_->describe(stats, slot.number);
   GST_DEBUG_OBJECT(element_, "frame %" G_GUINT64_FORMAT " is done: %" GST_PTR_FORMAT, slot.number,
@@ -421,7 +423,8 @@ std::string FilterElement::device_name() const {
   return device_name_;
 }
 
-GstStructure* FilterElement::stats() const {
+GstStructure* FilterElement::stats() {
+  stats_read_ = true;
   std::lock_guard lock(mutex_);
   return stats_ ? gst_structure_copy(stats_) : gst_structure_new_empty("inverse-stats");
 }

@@ -75,8 +75,9 @@ class FilterElement {
 
   void set_device_name(const char* name);
   std::string device_name() const;
-  /// A copy of the stats of the last completed frame.
-  GstStructure* stats() const;
+  /// A copy of the stats of the last completed frame. Stages of frames are timed from the first
+  /// call on, or while the category logs at DEBUG.
+  GstStructure* stats();
 
  private:
   struct Slot {
@@ -143,7 +144,7 @@ class FilterElement {
   GstVideoFormat reported_format_ = GST_VIDEO_FORMAT_UNKNOWN;  // last, by check_format
   bool in_layers_ = false, in_images_ = false, out_layers_ = false;
   bool configured_ = false;
-  std::atomic<bool> fresh_{true}, flushing_{false};
+  std::atomic<bool> fresh_{true}, flushing_{false}, stats_read_{false};
   bool transforms_ = false;  // a frame, now
   std::unique_ptr<FrameInput> input_;
   std::unique_ptr<FrameOutput> output_;

@@ -6,12 +6,6 @@
 
 namespace inverse {
 
-double device_ms(const gpu::Commands& commands) {
-  double sum = 0;
-  for (const auto& stage : commands.stages()) sum += stage.milliseconds;
-  return sum;
-}
-
 GstStructure* frame_stats(const gpu::Commands& commands, uint64_t frames, double wall_ms) {
   const gpu::Device& device = *commands.device();
   GstStructure* stats = gst_structure_new(
@@ -29,7 +23,7 @@ GstStructure* frame_stats(const gpu::Commands& commands, uint64_t frames, double
   for (const auto& stage : commands.stages()) stages[stage.name] += stage.milliseconds;
   for (const auto& [name, milliseconds] : stages)
     gst_structure_set(stats, (name + "-ms").c_str(), G_TYPE_DOUBLE, milliseconds, nullptr);
-  gst_structure_set(stats, "device-ms", G_TYPE_DOUBLE, device_ms(commands), nullptr);
+  gst_structure_set(stats, "device-ms", G_TYPE_DOUBLE, commands.device_ms(), nullptr);
   return stats;
 }
 

@@ -8,11 +8,9 @@
 
 namespace inverse {
 
-/// What the device took for commands that are done: the sum of their stages, milliseconds.
-double device_ms(const gpu::Commands& commands);
-
 /// The fields that every element's `stats` has, about a frame whose commands are done: frames (how
-/// many so far), device (name), wall-ms, device-ms and one `<stage>-ms` for each stage,
+/// many so far), device (name), wall-ms, device-ms and one `<stage>-ms` for each stage
+/// that was timed,
 /// device-bytes now and device-bytes-peak, and `Commands::counts`. Free with gst_structure_free().
 GstStructure* frame_stats(const gpu::Commands& commands, uint64_t frames, double wall_ms);
 
