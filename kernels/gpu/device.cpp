@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 #include "environment.hpp"
 #include "kernel.hpp"
@@ -183,13 +185,14 @@ size_t choose(const std::vector<VkPhysicalDevice>& devices, const std::string& s
               "no Vulkan device matches \"" + select + "\"; there are: " + names);
 }
 
-uint32_t compute_family(VkPhysicalDevice device) {
+/// The family of queues to use, and how many the device has of it.
+std::pair<uint32_t, uint32_t> compute_family(VkPhysicalDevice device) {
   uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
   for (uint32_t i = 0; i < count; ++i)
-    if (families[i].queueFlags & VK_QUEUE_COMPUTE_BIT) return i;
+    if (families[i].queueFlags & VK_QUEUE_COMPUTE_BIT) return {i, families[i].queueCount};
   throw Error(ErrorKind::no_device,
               "the Vulkan device \"" + name_of(device) + "\" has no compute queue");
 }
@@ -204,11 +207,78 @@ bool has_conditional(VkPhysicalDevice device) {
   return conditional.conditionalRendering;
 }
 
+/// A device of our own, with the queues of one family.
 struct OwnedDevice {
-  std::shared_ptr<Instance> instance;
-  VkDevice handle = VK_NULL_HANDLE;
+  struct Queue {
+    VkQueue handle = VK_NULL_HANDLE;
+    std::mutex mutex;  // around every use
+  };
+
+  OwnedDevice(std::shared_ptr<Instance> instance, VkPhysicalDevice physical)
+      : instance(std::move(instance)), physical(physical) {
+    uint32_t count = 0;
+    std::tie(family, count) = compute_family(physical);
+    users =
+        std::max(environment_number("INVERSE_QUEUES", std::min(count, Device::kMaxQueues), 64), 1U);
+    queues = std::vector<Queue>(std::min(users, count));
+    const std::vector<float> priorities(queues.size(), 1.0f);
+    VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
+    queue.queueFamilyIndex = family;
+    queue.queueCount = static_cast<uint32_t>(queues.size());
+    queue.pQueuePriorities = priorities.data();
+    VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
+    info.queueCreateInfoCount = 1;
+    info.pQueueCreateInfos = &queue;
+    VkPhysicalDeviceConditionalRenderingFeaturesEXT feature{
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CONDITIONAL_RENDERING_FEATURES_EXT};
+    feature.conditionalRendering = VK_TRUE;
+    conditional = has_conditional(physical);
+    std::vector<const char*> extensions;
+    if (conditional) {
+      extensions.push_back(VK_EXT_CONDITIONAL_RENDERING_EXTENSION_NAME);
+      info.pNext = &feature;
+    }
+    // Vulkan asks for it wherever it is (VK_KHR_portability_subset is a provisional header's).
+    constexpr const char* kPortability = "VK_KHR_portability_subset";
+    if (has_extension(physical, kPortability)) extensions.push_back(kPortability);
+    info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
+    info.ppEnabledExtensionNames = extensions.data();
+    check(vkCreateDevice(physical, &info, nullptr, &handle), "opening the Vulkan device");
+    for (uint32_t i = 0; i < queues.size(); ++i)
+      vkGetDeviceQueue(handle, family, i, &queues[i].handle);
+  }
+  OwnedDevice(const OwnedDevice&) = delete;
+  OwnedDevice& operator=(const OwnedDevice&) = delete;
   ~OwnedDevice() {
     if (handle) vkDestroyDevice(handle, nullptr);
+  }
+
+  std::shared_ptr<Instance> instance;
+  VkPhysicalDevice physical;
+  VkDevice handle = VK_NULL_HANDLE;
+  bool conditional = false;
+  uint32_t family = 0;
+  std::vector<Queue> queues;
+  uint32_t users = 1;  // that are kept apart
+  std::shared_ptr<std::atomic<bool>> lost = std::make_shared<std::atomic<bool>>(false);
+};
+
+/// The objects of a device, one for each user of it, up to its number of users.
+struct Opened {
+  std::weak_ptr<OwnedDevice> owned;
+  std::vector<std::weak_ptr<Device>> objects;
+  std::map<const void*, size_t> users;  // which has which
+  size_t last = 0;
+
+  /// Which one this user gets: its own, else one that nobody has, else the next in turn.
+  size_t object_of(const void* user) {
+    std::erase_if(users, [&](const auto& entry) { return objects[entry.second].expired(); });
+    if (const auto known = users.find(user); known != users.end()) return known->second;
+    const auto free = std::find_if(objects.begin(), objects.end(),
+                                   [](const auto& object) { return object.expired(); });
+    last = free == objects.end() ? (last + 1) % objects.size()
+                                 : static_cast<size_t>(free - objects.begin());
+    return users[user] = last;
   }
 };
 
@@ -244,9 +314,9 @@ void check(VkResult result, const char* what) {
   }
 }
 
-std::shared_ptr<Device> Device::open(const std::string& select) {
+std::shared_ptr<Device> Device::open(const std::string& select, const void* user) {
   static std::mutex mutex;
-  static std::map<size_t, std::weak_ptr<Device>> opened;
+  static std::map<size_t, Opened> all;
   std::lock_guard lock(mutex);
 
   std::string wanted = select;
@@ -255,44 +325,31 @@ std::shared_ptr<Device> Device::open(const std::string& select) {
   auto instance = Instance::get();
   const auto devices = instance->devices();
   const size_t index = choose(devices, wanted);
-  if (auto device = opened[index].lock(); device && !device->lost()) return device;
-
-  const float priority = 1.0f;
-  VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
-  queue.queueFamilyIndex = compute_family(devices[index]);
-  queue.queueCount = 1;
-  queue.pQueuePriorities = &priority;
-  VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
-  info.queueCreateInfoCount = 1;
-  info.pQueueCreateInfos = &queue;
-  VkPhysicalDeviceConditionalRenderingFeaturesEXT feature{
-      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CONDITIONAL_RENDERING_FEATURES_EXT};
-  feature.conditionalRendering = VK_TRUE;
-  const bool conditional = has_conditional(devices[index]);
-  std::vector<const char*> extensions;
-  if (conditional) {
-    extensions.push_back(VK_EXT_CONDITIONAL_RENDERING_EXTENSION_NAME);
-    info.pNext = &feature;
+  Opened& opened = all[index];
+  auto owned = opened.owned.lock();
+  if (!owned || *owned->lost) {
+    owned = std::make_shared<OwnedDevice>(std::move(instance), devices[index]);
+    opened = {};
+    opened.owned = owned;
+    opened.objects.resize(owned->users);
   }
-  // Vulkan asks for it wherever it is (VK_KHR_portability_subset is a provisional header's).
-  constexpr const char* kPortability = "VK_KHR_portability_subset";
-  if (has_extension(devices[index], kPortability)) extensions.push_back(kPortability);
-  info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
-  info.ppEnabledExtensionNames = extensions.data();
-  const auto owner = std::make_shared<OwnedDevice>();
-  owner->instance = instance;
-  check(vkCreateDevice(devices[index], &info, nullptr, &owner->handle),
-        "opening the Vulkan device");
+  const size_t object = opened.object_of(user);
+  if (auto device = opened.objects[object].lock()) return device;
+
+  OwnedDevice::Queue& queue = owned->queues[object % owned->queues.size()];
   Borrowed handles{};
-  handles.instance = instance->handle;
-  handles.physical = devices[index];
-  handles.queue_family = queue.queueFamilyIndex;
-  handles.device = owner->handle;
-  handles.owner = owner;
-  handles.conditional = conditional;
-  vkGetDeviceQueue(handles.device, handles.queue_family, 0, &handles.queue);
+  handles.instance = owned->instance->handle;
+  handles.physical = owned->physical;
+  handles.queue_family = owned->family;
+  handles.device = owned->handle;
+  handles.queue = queue.handle;
+  handles.lock = [&queue] { queue.mutex.lock(); };
+  handles.unlock = [&queue] { queue.mutex.unlock(); };
+  handles.conditional = owned->conditional;
+  handles.lost = owned->lost;
+  handles.owner = std::move(owned);
   std::shared_ptr<Device> device(new Device(std::move(handles), true));
-  opened[index] = device;
+  opened.objects[object] = device;
   return device;
 }
 
@@ -302,11 +359,16 @@ std::shared_ptr<Device> Device::adopt(Borrowed borrowed) {
 
 Device::Device(Borrowed handles, bool owned)
     : handles_(std::move(handles)), owned_(owned), memory_(handles_.device) {
+  if (!handles_.lost) handles_.lost = std::make_shared<std::atomic<bool>>(false);
   read_properties();
 }
 
 Device::~Device() {
-  if (owned_) vkDeviceWaitIdle(handles_.device);
+  if (owned_) {
+    handles_.lock();
+    vkQueueWaitIdle(handles_.queue);
+    handles_.unlock();
+  }
   kernels_.clear();
 }
 
@@ -426,15 +488,9 @@ void Device::submit(VkCommandBuffer commands, VkFence fence) {
   static std::atomic<uint32_t> submits{0};
   if (lose_at_ && ++submits == lose_at_) note_lost();
   if (lost()) check(VK_ERROR_DEVICE_LOST, "submitting a frame");
-  VkResult result = VK_SUCCESS;
-  if (owned_) {
-    std::lock_guard lock(queue_mutex_);
-    result = vkQueueSubmit(handles_.queue, 1, &info, fence);
-  } else {
-    handles_.lock();
-    result = vkQueueSubmit(handles_.queue, 1, &info, fence);
-    handles_.unlock();
-  }
+  handles_.lock();
+  const VkResult result = vkQueueSubmit(handles_.queue, 1, &info, fence);
+  handles_.unlock();
   if (result == VK_ERROR_DEVICE_LOST) note_lost();
   check(result, "submitting a frame");
 }

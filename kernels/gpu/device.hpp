@@ -70,14 +70,18 @@ struct Limits {
 };
 
 /// A Vulkan device with one compute queue: our own, or one that somebody else made and lends us.
-/// Thread-safe. Devices of our own are shared within the process: opening the same one twice gives
-/// the same object, so that two elements share kernels and planes without a copy.
+/// Thread-safe. Devices of our own are shared by their user: opening the same one twice gives the
+/// same object, so that two elements share kernels and planes without a copy.
 class Device : public std::enable_shared_from_this<Device> {
  public:
   /// Opens a device. `select` is an index, a part of a device's name, or empty: the
   /// environment variable `INVERSE_DEVICE`, else the first discrete, integrated, virtual, software
-  /// device in that order. Throws Error(no_device).
-  static std::shared_ptr<Device> open(const std::string& select = {});
+  /// device in that order. Users that differ, such as pipelines, get queues of their own, as long
+  /// as the device has some left: up to kMaxQueues, or `INVERSE_QUEUES=N`. The objects for several
+  /// queues of a device share neither kernels nor the order of their work. Throws
+  /// Error(no_device).
+  static std::shared_ptr<Device> open(const std::string& select = {}, const void* user = nullptr);
+  static constexpr uint32_t kMaxQueues = 4;
 
   struct Borrowed {
     VkInstance instance;
@@ -89,6 +93,8 @@ class Device : public std::enable_shared_from_this<Device> {
     std::function<void()> unlock;  ///< releases it
     std::shared_ptr<void> owner;   ///< kept as long as this object lives
     bool conditional = false;      ///< opened with VK_EXT_conditional_rendering and its feature
+    /// Set once the device is lost; null: no other object uses it.
+    std::shared_ptr<std::atomic<bool>> lost = {};
   };
   /// Adopts a device that is already open; it must outlive this object (`owner`).
   static std::shared_ptr<Device> adopt(Borrowed borrowed);
@@ -101,9 +107,9 @@ class Device : public std::enable_shared_from_this<Device> {
   /// Whether it is software, which takes a hundred times as long as others.
   bool is_cpu() const { return is_cpu_; }
   /// Whether the device was lost: it stays so, and `open` makes a new one.
-  bool lost() const { return lost_.load(); }
+  bool lost() const { return handles_.lost->load(); }
   /// Notes that a call found the device lost.
-  void note_lost() { lost_ = true; }
+  void note_lost() { *handles_.lost = true; }
   const Limits& limits() const { return limits_; }
   const Variant& variant() const { return variant_; }
   /// How long to wait for a frame before the device counts as lost, in nanoseconds: the environment
@@ -165,7 +171,6 @@ class Device : public std::enable_shared_from_this<Device> {
   PFN_vkCmdEndConditionalRenderingEXT end_conditional_ = nullptr;
   VkPhysicalDeviceMemoryProperties memory_properties_{};
   MemoryBlocks memory_;
-  std::mutex queue_mutex_;
   std::mutex kernels_mutex_;
   std::optional<PipelineCache> pipeline_cache_;
   struct Entry {
@@ -173,7 +178,7 @@ class Device : public std::enable_shared_from_this<Device> {
     std::unique_ptr<Kernel> kernel;
   };
   std::map<std::string, Entry> kernels_;
-  std::atomic<bool> lost_{false}, unresponsive_{false};
+  std::atomic<bool> unresponsive_{false};
   std::atomic<uint64_t> timeout_ns_{0};
   uint32_t lose_at_ = 0;  // which submit fails, for tests; 0: none
   std::atomic<uint64_t> kernels_used_{0};

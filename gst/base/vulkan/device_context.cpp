@@ -115,7 +115,7 @@ void DeviceContext::acquire(const std::string& select) {
     }
   }
   const bool ours = !device;
-  if (ours) device = gpu::Device::open(select);
+  if (ours) device = gpu::Device::open(select, family);
   GST_CAT_INFO_OBJECT(log_of(element_).category, element_, "device \"%s\": %s",
                       device->name().c_str(),
                       !ours                        ? "shared with the application or a neighbor"

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <thread>
 
 #include "kernels/gpu/reduce.hpp"
 #include "kernels/image/pyramid.hpp"
@@ -28,6 +29,50 @@ bool validation_layer_installed() {
 }
 
 TEST_F(DeviceTest, SameDeviceIsShared) { EXPECT_EQ(device, gpu::Device::open(device->name())); }
+
+/// Leaves the fixture's device aside: another process opens it anew.
+TEST(QueuesDeathTest, UsersThatDifferHaveQueuesOfTheirOwn) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto queues = [] {
+    setenv("INVERSE_QUEUES", "2", 1);
+    const auto fail = [](bool wrong, const char* what) {
+      if (!wrong) return;
+      fprintf(stderr, "wrong: %s\n", what);
+      _exit(1);
+    };
+    const int users[3] = {};
+    auto first = gpu::Device::open({}, &users[0]), second = gpu::Device::open({}, &users[1]);
+    fail(first == second, "two users share an object");
+    fail(first->handle() != second->handle(), "they have two devices");
+    fail(first != gpu::Device::open({}, &users[0]), "a user has two objects");
+    const auto third = gpu::Device::open({}, &users[2]);
+    fail(third != first && third != second, "there are more than INVERSE_QUEUES");
+    // Many submits at once, each of which sees its own order.
+    std::vector<std::thread> threads;
+    for (const auto& device : {first, second, third})
+      threads.emplace_back([&fail, device] {
+        const auto words =
+            gpu::Buffer::create(device, gpu::Element::word, 4096, gpu::Memory::readback);
+        gpu::Commands commands(device);
+        for (uint32_t i = 0; i < 200; ++i) {
+          commands.begin();
+          commands.fill(words, i);
+          commands.submit();
+          commands.wait();
+          fail(words->map_as<uint32_t>()[4095] != i, "a fill");
+        }
+      });
+    for (std::thread& thread : threads) thread.join();
+    second.reset();
+    const auto after = gpu::Device::open({}, &users[1]);
+    fail(!after, "none is left");
+    first->note_lost();
+    fail(!after->lost() || !third->lost(), "one is lost, not the others");
+    fail(gpu::Device::open({}, &users[0])->lost(), "a lost device is opened again");
+    _exit(0);
+  };
+  EXPECT_EXIT(queues(), ::testing::ExitedWithCode(0), "");
+}
 
 TEST_F(DeviceTest, UnknownDeviceNamesTheChoices) {
   expect_error(ErrorKind::no_device, device->name(), [] { gpu::Device::open("no such device"); });
