@@ -237,7 +237,8 @@ TEST(MappedFrames, FeedTwoDecomposersBehindATee) {
 
 TEST(MappedFrames, FollowChangesOfCaps) {
   Pipeline pipeline(
-      "videotestsrc pattern=smpte75 ! capsfilter name=c ! intrinsicdecomp show=input ! appsink "
+      "videotestsrc pattern=smpte75 ! capsfilter name=c caps-change-mode=delayed ! intrinsicdecomp "
+      "show=input ! appsink "
       "name=out");
   const auto set = [&](const std::string& caps) {
     GstCaps* parsed = gst_caps_from_string(caps.c_str());
@@ -254,7 +255,7 @@ TEST(MappedFrames, FollowChangesOfCaps) {
     for (int i = 0; i < 100; ++i) {
       if (sample) gst_sample_unref(sample);
       sample = pipeline.sample("out");
-      ASSERT_NE(sample, nullptr);
+      ASSERT_NE(sample, nullptr) << pipeline.error(0);
       if (gst_buffer_get_size(gst_sample_get_buffer(sample)) == info_of(caps).size) break;
     }
     EXPECT_LE(largest_difference(visible(caps, bytes_of(gst_sample_get_buffer(sample))),
