@@ -117,32 +117,26 @@ void keep_slots(float all) {
   }
 }
 
-// Modes in falling order of mass, and their slots.
-void choose(float all) {
+// Modes in falling order of mass: every invocation places the peaks that it lists.
+void rank_modes() {
   int count = min(LOAD(work, kList), kMaxListed);
-  mode_count = 0;
-  for (int m = 0; m < push.max_colors; ++m) {
-    int best = -1;
-    float max_mass = 0.0;
-    int first = kBinCount;
-    for (int l = 0; l < count; ++l) {
-      int peak = LOAD(work, kListed + l);
-      if (peak < 0) continue;
-      float mass = float(LOAD(work, kMass + peak)) / kMassUnit;
-      if (mass > max_mass || (mass == max_mass && peak < first)) {
-        best = l;
-        max_mass = mass;
-        first = peak;
-      }
+  for (int l = int(gl_LocalInvocationID.x); l < count; l += int(gl_WorkGroupSize.x)) {
+    int peak = LOAD(work, kListed + l), mass = LOAD(work, kMass + peak), rank = 0;
+    for (int o = 0; o < count && rank < push.max_colors; ++o) {
+      int other = LOAD(work, kListed + o), others = LOAD(work, kMass + other);
+      rank += int(others > mass || (others == mass && other < peak));
     }
-    if (best < 0) break;
-    int peak = LOAD(work, kListed + best);
-    LOAD(work, kListed + best) = -1;
+    if (rank >= push.max_colors) continue;
+    float share = float(mass) / kMassUnit;
     vec2 moment = vec2(LOAD(work, kMoment + 2 * peak), LOAD(work, kMoment + 2 * peak + 1)) / kMomentUnit;
-    modes[m] = vec4(bin_center(peak) + moment / max_mass, max_mass, -1.0);
-    mode_peaks[m] = peak;
-    ++mode_count;
+    modes[rank] = vec4(bin_center(peak) + moment / share, share, -1.0);
+    mode_peaks[rank] = peak;
   }
+  if (gl_LocalInvocationID.x == 0u) mode_count = min(count, push.max_colors);
+}
+
+// The slots of the modes.
+void choose(float all) {
   if (mode_count == 0) {
     modes[0] = vec4(0.0, 0.0, 0.0, -1.0);
     mode_peaks[0] = bin_of(vec2(0.0));
@@ -214,6 +208,8 @@ void main() {
     }
   }
   SYNC;
+  rank_modes();
+  barrier();
   if (gl_LocalInvocationID.x == 0u) choose(all);
   barrier();
   EVERY_BIN(b) {
