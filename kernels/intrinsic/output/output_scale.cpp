@@ -4,14 +4,11 @@
 #include <algorithm>
 
 namespace inverse {
-namespace {
-constexpr uint32_t kLanes = 8;  // of target_scale.comp, which works on one
-}  // namespace
 
 OutputScale::OutputScale(const std::shared_ptr<gpu::Device>& device, Extent cells)
     : normalization_(device, cells),
       count_(device),
-      target_kernel_(device, {}, kLanes),
+      target_kernel_(device, {}, device->variant().lone_workgroup),
       counts_(gpu::Buffer::create(device, gpu::Element::word,
                                   2 * shaders::intrinsic_output_target_scale::kBrightnessBins)),
       target_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {}
