@@ -68,44 +68,26 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   cell_source_term_ = buffer(pack4_count(levels_[kCells].extent) * kSourceStride);
 }
 
-void Multigrid::smooth(gpu::Commands& commands, size_t i, const TileList* listed) const {
+void Multigrid::relax(gpu::Commands& commands, size_t i, bool corrects,
+                      const TileList* listed) const {
   const Level& level = levels_[i];
-  const gpu::Items items =
-      line_of(static_cast<uint64_t>((pack4_count(level.extent.width) + 1) / 2) *
-              ((level.extent.height + 3) / 4));
-  for (const uint32_t color : {0U, 1U})
-    smooth_[i].dispatch(commands, listed,
-                        {.system = level.system,
-                         .now = level.field,
-                         .coarse = level.field,
-                         .source_term = cell_source_term_,
-                         .improved = gpu::aliased(level.field)},
-                        {.size = level.extent,
-                         .finest = levels_[0].extent,
-                         .color = color,
-                         .mass = level.mass,
-                         .around = 0},
-                        items);
-}
-
-void Multigrid::correct(gpu::Commands& commands, size_t i, const TileList* listed) const {
-  const Level& level = levels_[i];
-  const gpu::Items items =
-      line_of(static_cast<uint64_t>((pack4_count(level.extent.width) + 1) / 2) *
-              ((level.extent.height + 3) / 4));
-  for (const uint32_t color : {1U, 0U})
-    correct_[std::min(i, kCells)].dispatch(commands, listed,
-                                           {.system = level.system,
-                                            .now = level.field,
-                                            .coarse = levels_[i + 1].field,
-                                            .source_term = cell_source_term_,
-                                            .improved = gpu::aliased(level.field)},
-                                           {.size = level.extent,
-                                            .finest = levels_[0].extent,
-                                            .color = color,
-                                            .mass = level.mass,
-                                            .around = static_cast<float>(color)},
-                                           items);
+  const auto& program = corrects ? correct_[std::min(i, kCells)] : smooth_[i];
+  for (const uint32_t pass : {0U, 1U}) {
+    const uint32_t color = corrects ? 1 - pass : pass;
+    program.dispatch(commands, listed,
+                     {.system = level.system,
+                      .now = level.field,
+                      .coarse = corrects ? levels_[i + 1].field : level.field,
+                      .source_term = cell_source_term_,
+                      .improved = gpu::aliased(level.field)},
+                     {.size = level.extent,
+                      .finest = levels_[0].extent,
+                      .color = color,
+                      .mass = level.mass,
+                      .around = static_cast<float>(color)},
+                     line_of(static_cast<uint64_t>((pack4_count(level.extent.width) + 1) / 2) *
+                             ((level.extent.height + 3) / 4)));
+  }
 }
 
 void Multigrid::restrict_to(gpu::Commands& commands, size_t i, const TileList* listed) const {
@@ -156,7 +138,7 @@ void Multigrid::cell_cycle(gpu::Commands& commands, const Params& params) const 
   const Level& last = levels_.back();
   commands.dispatch(coarse_cycle_, {.system = last.system, .field = last.field},
                     {.size = last.extent, .scale = params.scale}, {});
-  for (size_t i = levels_.size() - 1; i-- > kCells;) correct(commands, i);
+  for (size_t i = levels_.size() - 1; i-- > kCells;) relax(commands, i, true);
 }
 
 void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k,
@@ -202,7 +184,7 @@ void Multigrid::record_cycle(gpu::Commands& commands, const Params& params, uint
     commands.copy(field(), starts_[k % 2], field()->bytes());
   const auto cycle = [&] {
     for (size_t i = 0; i < kCells; ++i) {
-      smooth(commands, i, listed);
+      relax(commands, i, false, listed);
       restrict_to(commands, i, tiles.around);
     }
     commands.stage("descend");
@@ -212,7 +194,7 @@ void Multigrid::record_cycle(gpu::Commands& commands, const Params& params, uint
     }
     after();
     commands.stage("cells");
-    for (size_t i = kCells; i-- > 0;) correct(commands, i, listed);
+    for (size_t i = kCells; i-- > 0;) relax(commands, i, true, listed);
     if (from_start) extrapolate(commands, params.slowest, k, progress, listed);
     commands.stage("ascend");
   };

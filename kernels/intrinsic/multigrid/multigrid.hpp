@@ -99,8 +99,9 @@ class Multigrid {
     gpu::BufferPtr system, field;
     float mass;  // of every pixel, if the system has no plane of masses
   };
-  void smooth(gpu::Commands& commands, size_t level, const TileList* listed) const;
-  void correct(gpu::Commands& commands, size_t level, const TileList* listed = nullptr) const;
+  /// Relaxes a level, both colors; `corrects` adds the correction from below first.
+  void relax(gpu::Commands& commands, size_t level, bool corrects,
+             const TileList* listed = nullptr) const;
   void restrict_to(gpu::Commands& commands, size_t level, const TileList* listed = nullptr) const;
   void extrapolate(gpu::Commands& commands, float slowest, uint32_t k, const Progress& progress,
                    const TileList* listed);
