@@ -98,8 +98,11 @@ GstCaps* transform_caps(GstBaseTransform* transform, GstPadDirection direction, 
 
 GstCaps* fixate_caps(GstBaseTransform* base, GstPadDirection direction, GstCaps* caps,
                      GstCaps* other) {
-  if (direction == GST_PAD_SINK)
-    other = inverse::prefer_layers(GST_BASE_TRANSFORM_SRC_PAD(base), other);
+  if (direction == GST_PAD_SINK && inverse::wants_layers(GST_BASE_TRANSFORM_SRC_PAD(base))) {
+    GstCaps* ordered = inverse::prefer_layers(other);
+    gst_caps_unref(other);
+    other = ordered;
+  }
   return inverse::fixate_caps(caps, other);
 }
 

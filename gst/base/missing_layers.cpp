@@ -102,8 +102,7 @@ Found search(GstPad* sink, GstCaps* layers) {
   return found;
 }
 
-/// Whether an element downstream is made for layers, with none between that is made for something.
-bool wants_layers(GstPad* src, int distance = 0) {
+bool wants_layers(GstPad* src, int distance) {
   const PadPtr next = linked_pad(src);
   if (!next || distance == kFarthest) return false;
   if (!takes_anything(next.get())) return template_layers(next.get()) != nullptr;
@@ -164,17 +163,7 @@ std::string missing_layers(GstPad* sink, const char* accepts, const char* maker)
          "layers";
 }
 
-GstCaps* prefer_layers(GstPad* src, GstCaps* caps) {
-  guint layers = 0;
-  while (layers < gst_caps_get_size(caps) &&
-         !gst_caps_features_contains(gst_caps_get_features(caps, layers),
-                                     GST_CAPS_FEATURE_META_INVERSE_LAYERS))
-    ++layers;
-  if (layers == 0 || layers == gst_caps_get_size(caps) || !wants_layers(src)) return caps;
-  GstCaps* sorted = gst_caps_copy_nth(caps, layers);
-  gst_caps_append(sorted, caps);
-  return sorted;
-}
+bool wants_layers(GstPad* src) { return wants_layers(src, 0); }
 
 std::string untaken_layers(GstPad* src) {
   const CapsPtr layers = layers_of_kinds(kAllLayers);

@@ -20,10 +20,11 @@ std::string contents_of(const Layers& layers);
 /// takes no layers. `accepts` are the kinds that it takes, `maker` the element to recommend.
 std::string missing_layers(GstPad* sink, const char* accepts, const char* maker);
 
-/// `caps` that src may choose from, with layers first if an element downstream is made for them:
-/// behind a tee the order of branches decides otherwise, and editors offer to take pictures, too,
-/// so that they can say what is missing. Takes `caps` and gives the result to the caller.
-GstCaps* prefer_layers(GstPad* src, GstCaps* caps);
+/// Whether an element downstream of this pad is made for layers, with none between that is made for
+/// something. The caps that downstream takes do not tell: behind a tee the order of its branches
+/// decides which come first, and editors offer to take pictures, too, so that they can say what is
+/// missing.
+bool wants_layers(GstPad* src);
 
 /// Which editor downstream of this pad, or before it, sends layers to what takes pictures only, and
 /// what to do; empty if none does.
