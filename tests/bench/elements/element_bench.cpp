@@ -33,17 +33,17 @@ using inverse::bench::processor_ms;
 
 struct Size {
   int width, height;
+  bool operator==(const Size&) const = default;
 };
-
-std::string caps_of(Size size, const char* format) {
-  return std::string("video/x-raw, format=") + format + ", width=" + std::to_string(size.width) +
-         ", height=" + std::to_string(size.height) + ", framerate=25/1";
-}
 
 /// Caps of a source.
 std::string made_caps(Size size) {
   return "video/x-raw, width=" + std::to_string(size.width) +
          ", height=" + std::to_string(size.height);
+}
+
+std::string caps_of(Size size, const char* format) {
+  return made_caps(size) + ", format=" + format + ", framerate=25/1";
 }
 
 std::string line_at(std::string line, Size size) {
@@ -295,8 +295,6 @@ std::string json_row(const Subject& subject, Size size, const Figures& f) {
   return row.add("stages_ms", stages.str()).str();
 }
 
-bool same(Size a, Size b) { return a.width == b.width && a.height == b.height; }
-
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -339,8 +337,7 @@ int main(int count, char** arguments) {
   std::vector<Size> all;
   for (const Subject& subject : subjects)
     for (const Size& size : subject.sizes)
-      if (std::none_of(all.begin(), all.end(), [&](Size s) { return same(s, size); }))
-        all.push_back(size);
+      if (std::find(all.begin(), all.end(), size) == all.end()) all.push_back(size);
 
   std::string rows, device;
   for (const Size& size : all) {
@@ -357,8 +354,9 @@ int main(int count, char** arguments) {
     for (int round = 0; round < rounds; ++round)
       for (size_t i = 0; i < subjects.size(); ++i) {
         const Subject& subject = subjects[i];
-        if (!figures[i].error.empty() || std::none_of(subject.sizes.begin(), subject.sizes.end(),
-                                                      [&](Size s) { return same(s, size); }))
+        const auto& wanted = subject.sizes;
+        if (!figures[i].error.empty() ||
+            std::find(wanted.begin(), wanted.end(), size) == wanted.end())
           continue;
         // The thesis' method takes seconds per frame at large sizes: a few frames suffice.
         const bool slow = subject.line.find("thesis") != std::string::npos;
