@@ -9,9 +9,9 @@
 namespace inverse {
 
 /// The fields that every element's `stats` has, about a frame whose commands are done: frames (how
-/// many so far), device (name), wall-ms, device-ms and one `<stage>-ms` for each stage
-/// that was timed,
-/// device-bytes now and device-bytes-peak, and `Commands::counts`. Free with gst_structure_free().
+/// many so far), device (name), wall-ms, device-ms and one `<stage>-ms` for each stage that was
+/// timed, device-bytes now and device-bytes-peak, and `Commands::counts`. Free with
+/// gst_structure_free().
 GstStructure* frame_stats(const gpu::Commands& commands, uint64_t frames, double wall_ms);
 
 /// How long a frame stays in an element that draws pictures, at most: one frame duration; 0 if

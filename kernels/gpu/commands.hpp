@@ -119,8 +119,8 @@ class Commands {
   /// Copies `bytes` from one buffer to another.
   void copy(const BufferPtr& source, const BufferPtr& target, uint64_t bytes,
             uint64_t source_offset = 0, uint64_t target_offset = 0);
-  /// Copies data from the host into `table`, which is made anew, of device memory, if
-  /// it is too short or null. The host may change the data at once.
+  /// Copies data from the host into `table`, which is made anew, of device memory, if it is too
+  /// short or null. The host may change the data at once.
   template <typename T>
   void write_table(BufferPtr& table, Element element, const std::vector<T>& data) {
     static_assert(sizeof(T) % 4 == 0, "Vulkan copies whole words");

@@ -55,6 +55,7 @@ void ChromaBins::record_weights(gpu::Commands& commands, const Guide& guide,
                      .correction = terms,
                      .sums = table_sums_},
                     {.size = cells_, .scale = scale_}, splat_items());
+  // Reads no weights.
   commands.dispatch(sum_weights_, {.sums = table_sums_, .weights = means_, .values = weights_},
                     {kBins});
 }

@@ -9,6 +9,7 @@
 // s. One coarse pack an invocation.
 layout(constant_id = 1) const int kStride = 4;  // of the fine system
 layout(constant_id = 2) const int kMeans = 0;   // 0: none; 1: of `now`; 2: of finer means and `now`, its correction
+layout(constant_id = 3) const bool kFromZero = false;
 PLANE_IN(0, system);
 PLANE_IN(1, now);
 PLANE_IN(2, finer_means);
@@ -16,7 +17,6 @@ PLANE_IN(3, source_term);  // of packs of cells: their pixels' mass
 PLANE_OUT(4, target);
 PLANE_OUT(5, coarse);
 PLANE_OUT(6, means);
-layout(constant_id = 3) const bool kFromZero = false;
 #define TILE_CONSTANT 4
 #define TILE_BINDING 7
 #include "image/tiles/tile_position.glsl"
