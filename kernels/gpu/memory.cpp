@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "memory.hpp"
 
+#include <algorithm>
 #include <iterator>
 #include <optional>
 
@@ -39,7 +40,16 @@ void put_back(std::map<VkDeviceSize, VkDeviceSize>& free, VkDeviceSize offset, V
   }
 }
 
+/// Whether no buffer is in a block that they share.
+bool is_free(const MemoryBlocks::Block& block) {
+  return !block.free.empty() && block.free.begin()->second == block.size;
+}
+
 }  // namespace
+
+MemoryBlocks::~MemoryBlocks() {
+  for (const Block& block : blocks_) vkFreeMemory(device_, block.memory, nullptr);
+}
 
 MemoryBlocks::Block& MemoryBlocks::add_block(VkDeviceSize size, uint32_t type, bool host_visible) {
   Block block{.size = size, .type = type};
@@ -76,7 +86,11 @@ void MemoryBlocks::free(const Piece& piece) {
   Block& block = *piece.block;
   if (piece.size < kOwn) {
     put_back(block.free, piece.offset, piece.size);
-    if (block.free.begin()->second != block.size) return;
+    if (!is_free(block)) return;
+    const bool spare = std::any_of(blocks_.begin(), blocks_.end(), [&](const Block& other) {
+      return &other != &block && other.type == block.type && is_free(other);
+    });
+    if (!spare) return;
   }
   vkFreeMemory(device_, block.memory, nullptr);
   blocks_.remove_if([&](const Block& other) { return &other == &block; });

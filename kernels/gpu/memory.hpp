@@ -11,7 +11,8 @@ namespace inverse::gpu {
 
 /// Memory of a device for buffers. Drivers allow few allocations (maxMemoryAllocationCount, 4096 is
 /// usual), so that small buffers share blocks. Those of kOwn bytes and more have an allocation of
-/// their own, which returns to the driver with them. Thread-safe.
+/// their own, which returns to the driver with them. A block that is free is kept, one of each
+/// type, because drivers take milliseconds for one. Thread-safe.
 class MemoryBlocks {
  public:
   struct Block;
@@ -26,6 +27,7 @@ class MemoryBlocks {
   explicit MemoryBlocks(VkDevice device) : device_(device) {}
   MemoryBlocks(const MemoryBlocks&) = delete;
   MemoryBlocks& operator=(const MemoryBlocks&) = delete;
+  ~MemoryBlocks();
 
   /// Memory of a type, mapped if it is `host_visible`. Throws Error(out_of_memory).
   Piece allocate(const VkMemoryRequirements& needs, uint32_t type, bool host_visible);

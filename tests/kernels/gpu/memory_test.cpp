@@ -20,7 +20,7 @@ TEST_F(MemoryTest, SmallBuffersShareAllocations) {
   for (uint32_t i = 0; i < 4096; ++i) buffers.push_back(buffer(1 + i % 256));
   EXPECT_LE(device->memory().allocations(), before + 2);
   buffers.clear();
-  EXPECT_LE(device->memory().allocations(), before);
+  EXPECT_LE(device->memory().allocations(), before + 1) << "one block is kept";
 }
 
 TEST_F(MemoryTest, LargeBuffersReturnToTheDriver) {
