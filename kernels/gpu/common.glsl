@@ -52,11 +52,11 @@ uint line_index() {
 #define BY_ROWS(index) (uint(index) - push.first_row * uint(push.size.x))
 
 // Partial sums: SUM_PARTIALS(target, value) adds a vec4 over each subgroup (NO_SUBGROUPS: workgroup) and stores it in that
-// group's slots of `target`, gl_WorkGroupSize.x / 4 a workgroup (gpu::partial_count); slots that a device does not use
-// stay as they were, so zero the buffer once when it is made. A second kernel adds the slots up. Uniform control flow.
+// group's slots of `target`, kMaxSubgroups a workgroup (gpu::partial_count); slots that a device does not use stay as they
+// were, so zero the buffer once when it is made. A second kernel adds the slots up. Uniform control flow.
+layout(constant_id = 99) const uint kMaxSubgroups = 32;  // of a workgroup
 #define PARTIAL_BASE \
-  ((gl_WorkGroupID.x + gl_NumWorkGroups.x * (gl_WorkGroupID.y + gl_NumWorkGroups.y * gl_WorkGroupID.z)) * \
-   (gl_WorkGroupSize.x / 4u))
+  ((gl_WorkGroupID.x + gl_NumWorkGroups.x * (gl_WorkGroupID.y + gl_NumWorkGroups.y * gl_WorkGroupID.z)) * kMaxSubgroups)
 #ifdef NO_SUBGROUPS
 shared vec4 inverse_sum[256];
 #define SUM_PARTIALS(name, value)                                                              \

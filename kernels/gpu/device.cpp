@@ -377,8 +377,14 @@ void Device::read_properties() {
       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
   VkPhysicalDeviceProperties2 properties2{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
   properties2.pNext = &subgroup;
+  // Kernels of one device may have subgroups of several sizes.
+  VkPhysicalDeviceSubgroupSizeControlPropertiesEXT sizes{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_PROPERTIES_EXT};
+  const bool sized = has_extension(handles_.physical, VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME);
+  if (sized) subgroup.pNext = &sizes;
   vkGetPhysicalDeviceProperties2(handles_.physical, &properties2);
   const VkPhysicalDeviceProperties& properties = properties2.properties;
+  if (sized) limits_.min_subgroup = std::max(sizes.minSubgroupSize, limits_.min_subgroup);
   name_ = properties.deviceName;
   is_cpu_ = properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
   limits_.storage_buffer_bytes = properties.limits.maxStorageBufferRange;
@@ -404,10 +410,10 @@ void Device::read_properties() {
   vkGetPhysicalDeviceMemoryProperties(handles_.physical, &memory_properties_);
 
   // A plane of 2^24 pixels (4096 x 4096) must fit one texel view, else read storage buffers.
-  // Partial sums have one slot for every four invocations (SUM_PARTIALS).
+  // Subgroups that add must have at least `limits_.min_subgroup` invocations (SUM_PARTIALS).
   const bool arithmetic = (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
                           (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_ARITHMETIC_BIT) &&
-                          subgroup.subgroupSize >= 4;
+                          subgroup.subgroupSize >= limits_.min_subgroup;
   variant_.texel_views =
       limits_.texel_elements >= (1u << 24) && environment_number("INVERSE_TEXEL_VIEWS", 1) != 0;
   if (!variant_.texel_views) limits_.texel_elements = std::numeric_limits<uint64_t>::max() / 16;

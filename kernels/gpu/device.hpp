@@ -64,6 +64,7 @@ struct Limits {
   /// `INVERSE_LINE_GROUPS` makes it smaller than workgroups[0].
   uint32_t line_groups = 0;
   uint32_t workgroup_invocations = 0;
+  uint32_t min_subgroup = 4;     ///< invocations that a subgroup has at least
   uint32_t storage_buffers = 0;  ///< most that a kernel can bind
   double timestamp_ns = 0;       ///< nanoseconds a tick; 0 if the queue has no timestamps
   uint64_t timestamp_mask = 0;   ///< of the bits of a timestamp that count

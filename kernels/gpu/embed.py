@@ -21,7 +21,7 @@ UNIFORM_CONSTANT, PUSH_CONSTANT, STORAGE_BUFFER = 0, 9, 12
 SUBGROUP_ARITHMETIC = 63  # a capability
 VARIANTS = {"fast": [], "no_subgroups": ["-DNO_SUBGROUPS"], "portable": ["-DNO_SUBGROUPS", "-DNO_TEXEL_VIEWS"]}  # of KernelSource
 MAX_STORAGE_BUFFERS = 8  # a stage, with texel views: V3D has no more
-WORKGROUP = 0  # the constant that Device::kernel gives
+WORKGROUP, SUBGROUPS = 0, 99  # constants that Kernel gives
 
 
 def run(arguments):
@@ -36,7 +36,7 @@ def text_of(words):
 
 class Interface:
     """What a shader declares: `buffers` as (name, texel, reads, writes, element) by binding, `push` as (name, type, offset) in
-    order, `constants` as (name, type, default) by id, but for the workgroup's."""
+    order, `constants` as (name, type, default) by id, but for Kernel's."""
 
     def __init__(self, words):
         self.names, self.types, self.values, decorations, variables = {}, {}, {}, {}, []
@@ -79,6 +79,7 @@ class Interface:
         self.buffers = [buffers[i] for i in range(len(buffers))]
         constants = {decorations[i][SPEC_ID][0]: i for i in self.values if SPEC_ID in decorations.get(i, {})}
         constants.pop(WORKGROUP, None)
+        constants.pop(SUBGROUPS, None)
         self.constants = [self.constant(i) for _, i in sorted(constants.items())]
         self.constant_ids = sorted(constants)
 

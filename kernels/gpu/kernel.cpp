@@ -48,6 +48,9 @@ Kernel::Kernel(const Device& device, const KernelSource& source,
     values.insert(values.end(), constants.begin(), constants.end());
     std::vector<VkSpecializationMapEntry> entries;
     for (uint32_t i = 0; i < values.size(); ++i) entries.push_back({i, i * 4, 4});
+    constexpr uint32_t kMaxSubgroups = 99;  // of common.glsl
+    entries.push_back({kMaxSubgroups, entries.back().offset + 4, 4});
+    values.push_back(max_subgroups());
     const VkSpecializationInfo specialization{static_cast<uint32_t>(entries.size()), entries.data(),
                                               values.size() * 4, values.data()};
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
@@ -69,6 +72,12 @@ Kernel::Kernel(const Device& device, const KernelSource& source,
 }
 
 Kernel::~Kernel() { release(); }
+
+uint32_t Kernel::max_subgroups() const {
+  if (!device_.variant().subgroups || !device_.variant().texel_views) return 1;
+  const uint32_t least = device_.limits().min_subgroup;
+  return (workgroup_ + least - 1) / least;
+}
 
 Items Kernel::groups(Items items) const {
   const auto& limits = device_.limits().workgroups;

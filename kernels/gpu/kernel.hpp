@@ -61,6 +61,8 @@ class Kernel {
 
   const char* name() const { return name_; }
   uint32_t workgroup() const { return workgroup_; }
+  /// Most groups of a workgroup that add a partial sum each: subgroups, or the whole one.
+  uint32_t max_subgroups() const;
   std::span<const Slot> slots() const { return slots_; }
   /// Workgroups for `items`, none of which is 0: a line goes on along y if the device does not
   /// allow so many along x. Throws Error(limit) if it still does not.

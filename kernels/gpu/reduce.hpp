@@ -13,7 +13,7 @@ constexpr uint32_t kOneGroup = 128;
 /// kernel. A buffer that holds them is zeroed once, when it is made.
 inline uint32_t partial_count(const Kernel& kernel, Items items) {
   const Items groups = kernel.groups(items);
-  return groups.x * groups.y * groups.z * (kernel.workgroup() / 4);
+  return groups.x * groups.y * groups.z * kernel.max_subgroups();
 }
 
 }  // namespace inverse::gpu

@@ -68,8 +68,9 @@ TEST_F(GlobalThesisTest, StepsAreShortenedAsInTheReference) {
       EXPECT_EQ(reference_shortened[1], 0);
       EXPECT_EQ(final_energy[0], final_energy[1]);
     } else {
-      // Rounding decides which steps are shortened: 2 to 6 on the variants, energies within 2 %.
-      EXPECT_NEAR(final_energy[1], reference_energy[1], 0.03 * reference_energy[1]);
+      // Rounding decides which steps are shortened, 2 to 6 on the variants, and so which minimum
+      // is found: one as deep as the reference's.
+      EXPECT_LE(final_energy[1], 1.03 * reference_energy[1]);
       EXPECT_GE(shortened[1], 2);
       EXPECT_EQ(reference_shortened[1], 6);
       EXPECT_LT(final_energy[1], 0.97 * final_energy[0]);
