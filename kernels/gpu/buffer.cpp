@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "buffer.hpp"
 
+#include <atomic>
 #include <bit>
 #include <string>
 
@@ -49,6 +50,11 @@ uint64_t padded(const Device& device, uint64_t bytes) {
   return device.variant().padded_buffers && !alike && fits ? bytes + kPadding : bytes;
 }
 
+uint64_t next_id() {
+  static std::atomic<uint64_t> last{0};
+  return ++last;
+}
+
 }  // namespace
 
 std::shared_ptr<Buffer> Buffer::create(std::shared_ptr<Device> device, Element element,
@@ -69,7 +75,7 @@ std::shared_ptr<Buffer> Buffer::create_by_rows(std::shared_ptr<Device> device, E
 }
 
 Buffer::Buffer(std::shared_ptr<Device> device, Element element, uint64_t count, Memory memory)
-    : device_(std::move(device)), element_(element), count_(count) {
+    : device_(std::move(device)), id_(next_id()), element_(element), count_(count) {
   const Limits& limits = device_->limits();
   const bool view = device_->variant().texel_views;
   if (count_ > limits.texel_elements)

@@ -51,6 +51,8 @@ class Buffer {
   }
   const std::shared_ptr<Device>& device() const { return device_; }
 
+  /// A number that no other buffer of the process has.
+  uint64_t id() const { return id_; }
   VkBuffer handle() const { return buffer_; }
   VkBufferView view() const { return view_; }
 
@@ -59,6 +61,7 @@ class Buffer {
   void release();
 
   std::shared_ptr<Device> device_;
+  uint64_t id_;
   Element element_;
   uint64_t count_;
   VkBuffer buffer_ = VK_NULL_HANDLE;

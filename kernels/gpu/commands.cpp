@@ -13,14 +13,13 @@ namespace inverse::gpu {
 namespace {
 
 constexpr uint32_t kSetsPerPool = 128;
-constexpr uint32_t kSlotsPerSet = 14;
-constexpr VkAccessFlags kKernelAccess = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
-                                        VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT |
-                                        VK_ACCESS_INDIRECT_COMMAND_READ_BIT;
-constexpr VkAccessFlags kKernelWrites = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
-constexpr VkPipelineStageFlags kKernelStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT |
-                                               VK_PIPELINE_STAGE_TRANSFER_BIT |
-                                               VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT;
+constexpr VkAccessFlags kAccess = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
+                                  VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT |
+                                  VK_ACCESS_INDIRECT_COMMAND_READ_BIT;
+constexpr VkAccessFlags kWrites = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
+constexpr VkPipelineStageFlags kStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT |
+                                         VK_PIPELINE_STAGE_TRANSFER_BIT |
+                                         VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT;
 
 /// What a device that never answered may still be using. It is never freed: a driver that has hung
 /// writes into freed memory when it wakes, and waiting for one that does not would hang the
@@ -91,19 +90,18 @@ void Commands::release() {
 void Commands::begin() {
   if (in_flight_) wait();
   kept_.clear();
-  touched_.clear();
+  uses_.clear();
   pending_.clear();  // an exception may have left some
+  command_ = 0;
   stage_names_.clear();
   counts_ = {};
   in_when_ = false;
-  for (VkDescriptorPool pool : descriptor_pools_)
-    check(vkResetDescriptorPool(device_->handle(), pool, 0), "resetting descriptors");
-  descriptor_pool_ = 0;
+  for (auto& [layout, of_layout] : sets_) of_layout.used = 0;
   check(vkResetCommandPool(device_->handle(), pool_, 0), "resetting a command pool");
   VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   check(vkBeginCommandBuffer(buffer_, &info), "recording a frame");
-  full_barrier();  // after whatever earlier submits wrote
+  barrier(Reader::any);  // after whatever earlier submits wrote
   stages_timed_ = time_stages_;
   if (queries_) {
     vkCmdResetQueryPool(buffer_, queries_, 0, kMaxStages + 1);
@@ -111,17 +109,28 @@ void Commands::begin() {
   }
 }
 
-void Commands::full_barrier() {
+void Commands::barrier(Reader reader) {
   VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
-  barrier.srcAccessMask = kKernelWrites;
-  barrier.dstAccessMask = kKernelAccess;
-  VkPipelineStageFlags after = kKernelStages;
-  if (device_->variant().conditional) {
-    barrier.dstAccessMask |= VK_ACCESS_CONDITIONAL_RENDERING_READ_BIT_EXT;
-    after |= VK_PIPELINE_STAGE_CONDITIONAL_RENDERING_BIT_EXT;
+  VkPipelineStageFlags before = unseen_stages_, after = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
+  if (before & VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT)
+    barrier.srcAccessMask |= VK_ACCESS_SHADER_WRITE_BIT;
+  barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT;
+  if (before & VK_PIPELINE_STAGE_TRANSFER_BIT)
+    barrier.srcAccessMask |= VK_ACCESS_TRANSFER_WRITE_BIT;
+  if (reader == Reader::any) {
+    before = after = kStages;
+    barrier.srcAccessMask = kWrites;
+    barrier.dstAccessMask = kAccess;
+    if (device_->variant().conditional) {
+      barrier.dstAccessMask |= VK_ACCESS_CONDITIONAL_RENDERING_READ_BIT_EXT;
+      after |= VK_PIPELINE_STAGE_CONDITIONAL_RENDERING_BIT_EXT;
+    }
+    seen_by_any_ = command_;
   }
-  vkCmdPipelineBarrier(buffer_, kKernelStages, after, 0, 1, &barrier, 0, nullptr, 0, nullptr);
+  vkCmdPipelineBarrier(buffer_, before, after, 0, 1, &barrier, 0, nullptr, 0, nullptr);
   ++counts_.barriers;
+  seen_by_kernels_ = command_;
+  unseen_stages_ = 0;
 }
 
 void Commands::count_transfer(uint64_t bytes) {
@@ -130,50 +139,60 @@ void Commands::count_transfer(uint64_t bytes) {
 }
 
 void Commands::touch(VkBuffer buffer, bool reads, bool writes) {
-  if (reads || writes) pending_.push_back({buffer, writes});
+  if (reads || writes) pending_.push_back({buffer, reads, writes});
 }
 
-void Commands::barrier_if_needed() {
-  const bool needed = std::any_of(pending_.begin(), pending_.end(), [&](const Touched& now) {
-    return std::any_of(touched_.begin(), touched_.end(), [&](const Touched& before) {
-      return before.buffer == now.buffer && (before.written || now.written);
-    });
+void Commands::barrier_if_needed(Reader reader, VkPipelineStageFlags stages) {
+  const uint32_t seen = reader == Reader::kernel ? seen_by_kernels_ : seen_by_any_;
+  const bool needed = std::any_of(pending_.begin(), pending_.end(), [&](const Access& now) {
+    const Uses& before = uses_[now.buffer];
+    return before.written > seen || (now.writes && before.read > seen);
   });
-  if (needed) {
-    full_barrier();
-    touched_.clear();
+  if (needed) barrier(reader);
+  ++command_;
+  for (const Access& now : pending_) {
+    Uses& uses = uses_[now.buffer];
+    if (now.reads) uses.read = command_;
+    if (now.writes) uses.written = command_;
   }
-  touched_.insert(touched_.end(), pending_.begin(), pending_.end());
+  unseen_stages_ |= stages;
   pending_.clear();
 }
 
-VkDescriptorSet Commands::descriptor_set(VkDescriptorSetLayout layout) {
-  for (;;) {
-    if (descriptor_pool_ == descriptor_pools_.size()) {
-      const VkDescriptorPoolSize sizes[] = {
-          {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kSetsPerPool * kSlotsPerSet},
-          {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, kSetsPerPool * kSlotsPerSet},
-      };
-      VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-      info.maxSets = kSetsPerPool;
-      info.poolSizeCount = 2;
-      info.pPoolSizes = sizes;
-      VkDescriptorPool pool = VK_NULL_HANDLE;
-      check(vkCreateDescriptorPool(device_->handle(), &info, nullptr, &pool),
-            "creating a descriptor pool");
-      descriptor_pools_.push_back(pool);
-    }
-    VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
-    info.descriptorPool = descriptor_pools_[descriptor_pool_];
-    info.descriptorSetCount = 1;
-    info.pSetLayouts = &layout;
-    VkDescriptorSet set = VK_NULL_HANDLE;
+Commands::Descriptors& Commands::descriptors_for(VkDescriptorSetLayout layout) {
+  SetsOfLayout& of_layout = sets_[layout];
+  if (of_layout.used == of_layout.sets.size()) {
+    of_layout.sets.emplace_back();
+    of_layout.sets.back().set = allocate_set(layout);
+  }
+  return of_layout.sets[of_layout.used++];
+}
+
+VkDescriptorSet Commands::allocate_set(VkDescriptorSetLayout layout) {
+  VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+  info.descriptorSetCount = 1;
+  info.pSetLayouts = &layout;
+  VkDescriptorSet set = VK_NULL_HANDLE;
+  if (!descriptor_pools_.empty()) {
+    info.descriptorPool = descriptor_pools_.back();
     const VkResult result = vkAllocateDescriptorSets(device_->handle(), &info, &set);
     if (result == VK_SUCCESS) return set;
     if (result != VK_ERROR_OUT_OF_POOL_MEMORY && result != VK_ERROR_FRAGMENTED_POOL)
       check(result, "allocating descriptors");
-    ++descriptor_pool_;
   }
+  const VkDescriptorPoolSize sizes[] = {
+      {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kSetsPerPool * Descriptors::kMax},
+      {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, kSetsPerPool * Descriptors::kMax},
+  };
+  VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+  pool.maxSets = kSetsPerPool;
+  pool.poolSizeCount = 2;
+  pool.pPoolSizes = sizes;
+  check(vkCreateDescriptorPool(device_->handle(), &pool, nullptr, &info.descriptorPool),
+        "creating a descriptor pool");
+  descriptor_pools_.push_back(info.descriptorPool);
+  check(vkAllocateDescriptorSets(device_->handle(), &info, &set), "allocating descriptors");
+  return set;
 }
 
 uint32_t Commands::rows_at_once(std::span<const Binding> buffers, uint32_t rows) const {
@@ -187,17 +206,18 @@ uint32_t Commands::rows_at_once(std::span<const Binding> buffers, uint32_t rows)
 }
 
 void Commands::prepare(const KernelPtr& kernel, std::span<const Binding> buffers,
-                       std::span<const std::byte> push, const Part& part) {
+                       std::span<const std::byte> push, Reader reader, const Part& part) {
   const auto slots = kernel->slots();
-  if (buffers.size() != slots.size() || buffers.size() > kSlotsPerSet)
+  if (buffers.size() != slots.size() || buffers.size() > Descriptors::kMax)
     throw Error(ErrorKind::internal, std::string("kernel ") + kernel->name() + " has " +
                                          std::to_string(slots.size()) + " bindings and was given " +
                                          std::to_string(buffers.size()));
   if (kernel->first_use()) device_->count_kernel_used();
-  const VkDescriptorSet set = descriptor_set(kernel->set_layout());
-  VkDescriptorBufferInfo infos[kSlotsPerSet];
-  VkBufferView views[kSlotsPerSet];
-  VkWriteDescriptorSet writes[kSlotsPerSet];
+  Descriptors& descriptors = descriptors_for(kernel->set_layout());
+  std::array<Descriptors::Bound, Descriptors::kMax> bound{};
+  VkDescriptorBufferInfo infos[Descriptors::kMax];
+  VkBufferView views[Descriptors::kMax];
+  VkWriteDescriptorSet writes[Descriptors::kMax];
   for (uint32_t i = 0; i < slots.size(); ++i) {
     const BufferPtr& buffer = buffers[i].buffer;
     if (!buffer)
@@ -223,9 +243,10 @@ void Commands::prepare(const KernelPtr& kernel, std::span<const Binding> buffers
                                         std::to_string(device_->limits().storage_buffer_bytes) +
                                         " bytes; use a smaller frame or another device");
     }
+    bound[i] = {buffer->id(), infos[i].offset, infos[i].range};
     views[i] = buffer->view();
     writes[i] = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-    writes[i].dstSet = set;
+    writes[i].dstSet = descriptors.set;
     writes[i].dstBinding = i;
     writes[i].descriptorCount = 1;
     writes[i].descriptorType = descriptor_type(slots[i]);
@@ -234,13 +255,17 @@ void Commands::prepare(const KernelPtr& kernel, std::span<const Binding> buffers
     touch(buffer->handle(), slots[i].reads, slots[i].writes);
     kept_.push_back(buffer);
   }
-  vkUpdateDescriptorSets(device_->handle(), static_cast<uint32_t>(slots.size()), writes, 0,
-                         nullptr);
+  if (descriptors.bound != bound) {
+    vkUpdateDescriptorSets(device_->handle(), static_cast<uint32_t>(slots.size()), writes, 0,
+                           nullptr);
+    descriptors.bound = bound;
+  }
   kept_.push_back(kernel);
-  barrier_if_needed();
+  barrier_if_needed(reader, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT |
+                                (reader == Reader::any ? VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT : 0));
   vkCmdBindPipeline(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->pipeline());
-  vkCmdBindDescriptorSets(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->layout(), 0, 1, &set, 0,
-                          nullptr);
+  vkCmdBindDescriptorSets(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->layout(), 0, 1,
+                          &descriptors.set, 0, nullptr);
   if (!push.empty())
     vkCmdPushConstants(buffer_, kernel->layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
                        static_cast<uint32_t>(push.size()), push.data());
@@ -251,8 +276,9 @@ void Commands::run(const KernelPtr& kernel, std::span<const Binding> buffers,
                    std::span<const std::byte> push, Items items, const Part& part) {
   if (!items.x || !items.y || !items.z) return;
   const Items groups = kernel->groups(items);
-  prepare(kernel, buffers, push, part);
+  prepare(kernel, buffers, push, Reader::kernel, part);
   vkCmdDispatch(buffer_, groups.x, groups.y, groups.z);
+  mark_command(kernel->name());
 }
 
 void Commands::build(const KernelPtr& kernel) {
@@ -260,7 +286,7 @@ void Commands::build(const KernelPtr& kernel) {
   std::vector<Binding> buffers;
   for (const Slot& slot : kernel->slots())
     buffers.emplace_back(Buffer::create(device_, slot.element, 1));
-  prepare(kernel, buffers, kZeros);
+  prepare(kernel, buffers, kZeros, Reader::kernel);
   vkCmdDispatch(buffer_, 0, 0, 0);
 }
 
@@ -269,8 +295,9 @@ void Commands::run_indirect(const KernelPtr& kernel, std::span<const Binding> bu
                             uint64_t offset) {
   touch(arguments->handle(), true, false);
   kept_.push_back(arguments);
-  prepare(kernel, buffers, push);
+  prepare(kernel, buffers, push, Reader::any);
   vkCmdDispatchIndirect(buffer_, arguments->handle(), offset);
+  mark_command(kernel->name());
 }
 
 void Commands::begin_when(const BufferPtr& condition, uint64_t offset) {
@@ -278,7 +305,7 @@ void Commands::begin_when(const BufferPtr& condition, uint64_t offset) {
   in_when_ = true;
   if (!device_->variant().conditional) return;
   touch(condition->handle(), true, false);
-  barrier_if_needed();
+  barrier_if_needed(Reader::any, VK_PIPELINE_STAGE_CONDITIONAL_RENDERING_BIT_EXT);
   kept_.push_back(condition);
   device_->begin_conditional(buffer_, condition->handle(), offset);
 }
@@ -298,12 +325,28 @@ void Commands::copy(const BufferPtr& source, const BufferPtr& target, uint64_t b
   refuse_when("a copy");
   touch(source->handle(), true, false);
   touch(target->handle(), false, true);
-  barrier_if_needed();
+  barrier_if_needed(Reader::any, VK_PIPELINE_STAGE_TRANSFER_BIT);
   kept_.push_back(source);
   kept_.push_back(target);
   const VkBufferCopy region{source_offset, target_offset, bytes};
   vkCmdCopyBuffer(buffer_, source->handle(), target->handle(), 1, &region);
   count_transfer(bytes);
+  mark_command("copy");
+}
+
+void Commands::copy(const std::vector<CopyPart>& parts, const BufferPtr& target) {
+  refuse_when("a copy");
+  for (const CopyPart& part : parts) touch(part.source->handle(), true, false);
+  touch(target->handle(), false, true);
+  barrier_if_needed(Reader::any, VK_PIPELINE_STAGE_TRANSFER_BIT);
+  kept_.push_back(target);
+  for (const CopyPart& part : parts) {
+    kept_.push_back(part.source);
+    const VkBufferCopy region{0, part.target_offset, part.bytes};
+    vkCmdCopyBuffer(buffer_, part.source->handle(), target->handle(), 1, &region);
+    count_transfer(part.bytes);
+  }
+  mark_command("copy");
 }
 
 void Commands::write_bytes(BufferPtr& table, Element element, std::span<const std::byte> data) {
@@ -312,7 +355,7 @@ void Commands::write_bytes(BufferPtr& table, Element element, std::span<const st
   if (!table || table->count() < count) table = Buffer::create(device_, element, count);
   if (data.empty()) return;
   touch(table->handle(), false, true);
-  barrier_if_needed();
+  barrier_if_needed(Reader::any, VK_PIPELINE_STAGE_TRANSFER_BIT);
   kept_.push_back(table);
   constexpr size_t kAtOnce = 65536;  // Vulkan's limit
   for (size_t at = 0; at < data.size(); at += kAtOnce) {
@@ -321,20 +364,23 @@ void Commands::write_bytes(BufferPtr& table, Element element, std::span<const st
     count_transfer(bytes);
   }
   count_upload(data.size());
+  mark_command("table");
 }
 
 void Commands::fill(const BufferPtr& buffer, uint32_t word) {
-  if (in_when_) {
+  constexpr uint64_t kSmall = 65536;  // up to which a kernel is faster than a transfer's barriers
+  if (in_when_ || buffer->bytes() <= kSmall) {
     const auto count = static_cast<uint32_t>(buffer->bytes() / sizeof(uint32_t));
     dispatch(Program<shaders::gpu_fill>(device_), {.words = buffer}, {.count = count, .word = word},
              {count});
     return;
   }
   touch(buffer->handle(), false, true);
-  barrier_if_needed();
+  barrier_if_needed(Reader::any, VK_PIPELINE_STAGE_TRANSFER_BIT);
   kept_.push_back(buffer);
   vkCmdFillBuffer(buffer_, buffer->handle(), 0, VK_WHOLE_SIZE, word);
   count_transfer(buffer->bytes());
+  mark_command("fill");
 }
 
 void Commands::image_layout(VkImage image, VkImageLayout from, VkImageLayout to) {
@@ -354,7 +400,7 @@ void Commands::image_layout(VkImage image, VkImageLayout from, VkImageLayout to)
 void Commands::copy_from_image(const ImageRegion& region, const BufferPtr& target) {
   refuse_when("a copy");
   touch(target->handle(), false, true);
-  barrier_if_needed();
+  barrier_if_needed(Reader::any, VK_PIPELINE_STAGE_TRANSFER_BIT);
   kept_.push_back(target);
   image_layout(region.image, region.layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
   VkBufferImageCopy copy{};
@@ -369,7 +415,7 @@ void Commands::copy_from_image(const ImageRegion& region, const BufferPtr& targe
 void Commands::copy_to_image(const BufferPtr& source, const ImageRegion& region) {
   refuse_when("a copy");
   touch(source->handle(), true, false);
-  barrier_if_needed();
+  barrier_if_needed(Reader::any, VK_PIPELINE_STAGE_TRANSFER_BIT);
   kept_.push_back(source);
   image_layout(region.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
   VkBufferImageCopy copy{};
@@ -382,10 +428,13 @@ void Commands::copy_to_image(const BufferPtr& source, const ImageRegion& region)
 }
 
 void Commands::stage(const char* name) {
+  if (!device_->variant().time_kernels) mark(name);
+}
+
+void Commands::mark(const char* name) {
   if (!queries_ || !stages_timed_ || stage_names_.size() >= kMaxStages) return;
   // The mark waits for the work before it, so that a stage's time is its own.
-  full_barrier();
-  touched_.clear();
+  barrier(Reader::any);
   stage_names_.push_back(name);
   vkCmdWriteTimestamp(buffer_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_,
                       static_cast<uint32_t>(stage_names_.size()));
@@ -395,10 +444,10 @@ void Commands::submit() {
   if (queries_ && !stages_timed_)
     vkCmdWriteTimestamp(buffer_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_, 1);
   VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
-  barrier.srcAccessMask = kKernelWrites;
+  barrier.srcAccessMask = kWrites;
   barrier.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
-  vkCmdPipelineBarrier(buffer_, kKernelStages, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &barrier, 0,
-                       nullptr, 0, nullptr);
+  vkCmdPipelineBarrier(buffer_, kStages, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &barrier, 0, nullptr, 0,
+                       nullptr);
   ++counts_.barriers;
   check(vkEndCommandBuffer(buffer_), "recording a frame");
   check(vkResetFences(device_->handle(), 1, &fence_), "resetting a fence");

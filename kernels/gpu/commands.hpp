@@ -3,12 +3,14 @@
 #include <vulkan/vulkan.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
 #include <string>
 #include <type_traits>
+#include <unordered_map>
 #include <vector>
 
 #include "buffer.hpp"
@@ -119,6 +121,12 @@ class Commands {
   /// Copies `bytes` from one buffer to another.
   void copy(const BufferPtr& source, const BufferPtr& target, uint64_t bytes,
             uint64_t source_offset = 0, uint64_t target_offset = 0);
+  struct CopyPart {
+    BufferPtr source;
+    uint64_t bytes, target_offset;
+  };
+  /// Copies the first bytes of several buffers to places of one that do not overlap.
+  void copy(const std::vector<CopyPart>& parts, const BufferPtr& target);
   /// Copies data from the host into `table`, which is made anew, of device memory, if it is too
   /// short or null. The host may change the data at once.
   template <typename T>
@@ -140,12 +148,12 @@ class Commands {
   void copy_to_image(const BufferPtr& source, const ImageRegion& region);
 
   /// Marks the end of a stage for `stages()`. At most kMaxStages a submit; further ones are not
-  /// timed.
+  /// timed. Ignored if kernels are timed one by one (Variant::time_kernels).
   void stage(const char* name);
   /// Whether stages are timed from the next `begin` on; they are at first. If not, they cost no
   /// barriers, and the device time of the whole submit is all that is known.
   void time_stages(bool timed) { time_stages_ = timed; }
-  static constexpr uint32_t kMaxStages = 127;
+  static constexpr uint32_t kMaxStages = 255;
 
   /// Hands the recorded work to the device.
   void submit();
@@ -172,17 +180,29 @@ class Commands {
   void count_download(uint64_t bytes) { counts_.downloaded_bytes += bytes; }
 
  private:
-  struct Touched {
+  struct Access {
     VkBuffer buffer;
-    bool written;
+    bool reads, writes;
   };
+  /// The last commands that read and wrote a buffer, numbered from 1.
+  struct Uses {
+    uint32_t read = 0, written = 0;
+  };
+  /// Who has to see what earlier commands wrote: kernels alone, which the device need not wait for
+  /// with more than its compute units, or also copies, and what its front end reads.
+  enum class Reader { kernel, any };
   void write_bytes(BufferPtr& table, Element element, std::span<const std::byte> data);
   void begin_when(const BufferPtr& condition, uint64_t offset);
   void end_when();
+  void mark(const char* name);
+  /// After a kernel or a transfer.
+  void mark_command(const char* name) {
+    if (device_->variant().time_kernels) mark(name);
+  }
   void refuse_when(const char* what) const;
   void touch(VkBuffer buffer, bool reads, bool writes);
-  void barrier_if_needed();
-  void full_barrier();
+  void barrier_if_needed(Reader reader, VkPipelineStageFlags stages);
+  void barrier(Reader reader);
   void count_transfer(uint64_t bytes);
   /// The rows that buffers by_rows are bound from and to, of all that they have.
   struct Part {
@@ -196,8 +216,10 @@ class Commands {
   void run_indirect(const KernelPtr& kernel, std::span<const Binding> buffers,
                     std::span<const std::byte> push, const BufferPtr& arguments, uint64_t offset);
   void prepare(const KernelPtr& kernel, std::span<const Binding> buffers,
-               std::span<const std::byte> push, const Part& part = kWhole);
-  VkDescriptorSet descriptor_set(VkDescriptorSetLayout layout);
+               std::span<const std::byte> push, Reader reader, const Part& part = kWhole);
+  struct Descriptors;
+  Descriptors& descriptors_for(VkDescriptorSetLayout layout);
+  VkDescriptorSet allocate_set(VkDescriptorSetLayout layout);
   void image_layout(VkImage image, VkImageLayout from, VkImageLayout to);
   void read_stages();
   void release();
@@ -208,9 +230,27 @@ class Commands {
   VkFence fence_ = VK_NULL_HANDLE;
   VkQueryPool queries_ = VK_NULL_HANDLE;
   std::vector<VkDescriptorPool> descriptor_pools_;
-  size_t descriptor_pool_ = 0;
-  std::vector<Touched> touched_;  // since the last barrier
-  std::vector<Touched> pending_;  // by the operation being recorded
+  /// A descriptor set and what is written there: frames are alike, so that most are used again.
+  struct Descriptors {
+    /// A buffer's id, and from where to where it is bound.
+    struct Bound {
+      uint64_t id = 0, offset = 0, range = 0;
+      bool operator==(const Bound&) const = default;
+    };
+    static constexpr uint32_t kMax = 14;
+    VkDescriptorSet set = VK_NULL_HANDLE;
+    std::array<Bound, kMax> bound{};
+  };
+  struct SetsOfLayout {
+    std::vector<Descriptors> sets;
+    size_t used = 0;  // by this recording
+  };
+  std::unordered_map<VkDescriptorSetLayout, SetsOfLayout> sets_;
+  std::unordered_map<VkBuffer, Uses> uses_;
+  std::vector<Access> pending_;                     // by the command being recorded
+  uint32_t command_ = 0;                            // its number
+  uint32_t seen_by_kernels_ = 0, seen_by_any_ = 0;  // the last command whose writes they see
+  VkPipelineStageFlags unseen_stages_ = 0;          // of commands after seen_by_kernels_
   std::vector<const char*> stage_names_;
   std::vector<StageTime> stages_;
   double device_ms_ = 0;

@@ -421,6 +421,7 @@ void Device::read_properties() {
   variant_.own_tables = environment_number("INVERSE_OWN_TABLES", is_cpu_) != 0;
   variant_.conditional = handles_.conditional && environment_number("INVERSE_CONDITIONAL", 1) != 0;
   variant_.warm_up = environment_number("INVERSE_WARM_UP", 1) != 0;
+  variant_.time_kernels = environment_number("INVERSE_TIME_KERNELS", 0) != 0;
   variant_.padded_buffers = is_cpu_ && environment_number("INVERSE_VALIDATION", 0) == 0;
   if (variant_.conditional) {
     begin_conditional_ = reinterpret_cast<PFN_vkCmdBeginConditionalRenderingEXT>(

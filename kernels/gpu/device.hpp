@@ -50,6 +50,8 @@ struct Variant {
   /// Buffers of some sizes are a little longer than asked for (buffer.cpp): on software devices,
   /// but not under `INVERSE_VALIDATION=1`, which is to see what lies beyond their end.
   bool padded_buffers = false;
+  /// Each kernel and transfer is timed as a stage of its own. `INVERSE_TIME_KERNELS=1`.
+  bool time_kernels = false;
 };
 
 struct Limits {

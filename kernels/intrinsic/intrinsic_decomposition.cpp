@@ -302,11 +302,12 @@ void IntrinsicDecomposition::record_report(gpu::Commands& commands, const Params
   if (!report.found)
     report.found = gpu::Buffer::create(device_, gpu::Element::word,
                                        sizeof(Numbers) / sizeof(uint32_t), gpu::Memory::readback);
+  std::vector<gpu::Commands::CopyPart> parts;
   const auto copy = [&](const gpu::BufferPtr& from, auto Numbers::*to) {
     static constexpr Numbers numbers{};
     const auto offset = reinterpret_cast<const std::byte*>(&(numbers.*to)) -
                         reinterpret_cast<const std::byte*>(&numbers);
-    commands.copy(from, report.found, sizeof(numbers.*to), 0, static_cast<uint64_t>(offset));
+    parts.push_back({from, sizeof(numbers.*to), static_cast<uint64_t>(offset)});
   };
   copy(multigrid_.progress(), &Numbers::progress);
   if (plan_.history) copy(anchor_.cut_decision(), &Numbers::cut_decision);
@@ -321,6 +322,7 @@ void IntrinsicDecomposition::record_report(gpu::Commands& commands, const Params
     copy(guide_.statistics(), &Numbers::statistics);
     copy(prior_.kept_statistics(), &Numbers::kept_statistics);
   }
+  commands.copy(parts, report.found);
 }
 
 IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame) const {
