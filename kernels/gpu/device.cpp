@@ -49,16 +49,17 @@ bool has_extension(VkPhysicalDevice device, const char* name) {
   return lists(all, name);
 }
 
-/// The process' instance: one is enough, and making one costs tens of milliseconds.
+/// The process' instance: one is enough, and making one costs tens of milliseconds. It is kept
+/// until the process ends, because a driver that is loaded again and again fails at last (NVIDIA
+/// 580, after some thirty times).
 class Instance {
  public:
   static std::shared_ptr<Instance> get() {
     static std::mutex mutex;
-    static std::weak_ptr<Instance> current;
+    static auto* const kept = new std::shared_ptr<Instance>;  // not destroyed while drivers are
     std::lock_guard lock(mutex);
-    auto instance = current.lock();
-    if (!instance) current = instance = std::make_shared<Instance>();
-    return instance;
+    if (!*kept || (validates() && !(*kept)->messenger_)) *kept = std::make_shared<Instance>();
+    return *kept;
   }
 
   Instance() {
@@ -66,7 +67,6 @@ class Instance {
     application.pApplicationName = "gst-inverse";
     application.apiVersion = VK_API_VERSION_1_1;
     const char* layer = "VK_LAYER_KHRONOS_validation";
-    const char* validate = std::getenv("INVERSE_VALIDATION");
     VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
     info.pApplicationInfo = &application;
     VkDebugUtilsMessengerCreateInfoEXT messenger{
@@ -74,12 +74,19 @@ class Instance {
     messenger.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
     messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
     messenger.pfnUserCallback = abort_on_misuse;
-    const bool validating = validate && *validate == '1';
+    const bool validating = validates();
+    // Missing barriers are misuse, too.
+    const auto synchronization = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+    VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT};
+    features.enabledValidationFeatureCount = 1;
+    features.pEnabledValidationFeatures = &synchronization;
     std::vector<const char*> extensions;
     if (validating) {
       info.enabledLayerCount = 1;
       info.ppEnabledLayerNames = &layer;
       extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+      extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
+      messenger.pNext = &features;
       info.pNext = &messenger;
     }
     // Devices that do not have all of Vulkan (MoltenVK) are hidden without it.
@@ -99,11 +106,12 @@ class Instance {
       throw Error(
           ErrorKind::no_device,
           "no Vulkan driver could be loaded; install one (Debian: mesa-vulkan-drivers) or check "
-          "VK_ICD_FILENAMES");
+          "VK_ICD_FILENAMES; VK_LOADER_DEBUG=all prints what was tried");
     if (validating) {
       // The one above hears what is wrong with the instance itself, this one all the rest.
       const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
           vkGetInstanceProcAddr(handle, "vkCreateDebugUtilsMessengerEXT"));
+      messenger.pNext = nullptr;
       create(handle, &messenger, nullptr, &messenger_);
     }
   }
@@ -128,6 +136,8 @@ class Instance {
   VkInstance handle = VK_NULL_HANDLE;
 
  private:
+  static bool validates() { return environment_number("INVERSE_VALIDATION", 0) != 0; }
+
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
 };
 

@@ -14,6 +14,13 @@
 
 namespace inverse::testing {
 
+/// The device between the tests, so that its kernels are built once for all of them. The program
+/// closes it before it ends: drivers destroy objects of their own then.
+inline std::shared_ptr<gpu::Device>& shared_device() {
+  static std::shared_ptr<gpu::Device> device;
+  return device;
+}
+
 /// A device and the means to move pixels to and fro. The environment variables of
 /// gpu::Variant choose the variant.
 class GpuTest : public ::testing::Test {
@@ -85,12 +92,6 @@ class GpuTest : public ::testing::Test {
   }
 
   std::shared_ptr<gpu::Device> device;
-
-  /// The device between the tests, so that its kernels are built once for all of them.
-  static std::shared_ptr<gpu::Device>& shared_device() {
-    static std::shared_ptr<gpu::Device> device;
-    return device;
-  }
 };
 
 /// A fixture whose tests begin with a device on which nothing has run.
@@ -98,7 +99,7 @@ template <typename Fixture>
 class OnANewDevice : public Fixture {
  protected:
   void SetUp() override {
-    this->shared_device().reset();
+    shared_device().reset();
     Fixture::SetUp();
     ASSERT_EQ(this->device->kernels_used(), 0U)
         << "the device is still in use: a test leaks it, or run these alone (*WarmUp.*)";
