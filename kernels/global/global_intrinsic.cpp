@@ -93,12 +93,13 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   kernels_.direct = {device_, {}, 4, 16};
   kernels_.weigh = {device_, {}, lanes};
   kernels_.modes = {device_, {}, lanes};
+  const uint32_t point_lanes = device_->variant().area_workgroup();
   for (const bool k : {false, true}) {
-    kernels_.grid[k] = {device_, {.raw = k}};
+    kernels_.grid[k] = {device_, {.raw = k}, point_lanes};
     kernels_.emit[k] = {device_, {.known = k}};
     kernels_.blur[k] = {device_, {.down = k}};
   }
-  kernels_.color_grid = {device_, {.plain = true}};
+  kernels_.color_grid = {device_, {.plain = true}, point_lanes};
   for (const uint32_t pass : {0U, 1U, 2U}) kernels_.fit[pass] = {device_, {.pass = pass}};
   for (uint32_t k = 0; k < kIndirectPlanes; ++k)
     kernels_.shares[k] = {device_, {.planes = static_cast<int32_t>(k + 1)}};

@@ -122,7 +122,8 @@ void GlobalIntrinsic::find_colors(gpu::Commands& commands, const Params& params)
 PlanePtr GlobalIntrinsic::measure_grid(gpu::Commands& commands, const PlanePtr& frame,
                                        const Params& params, bool was_gray) {
   const auto make_grid = [&](size_t raw) {
-    commands.dispatch(plan_.gray ? kernels_.color_grid : kernels_.grid[raw],
+    const auto& grid = plan_.gray ? kernels_.color_grid : kernels_.grid[raw];
+    commands.dispatch(grid,
                       {.frame = frame->buffer,
                        .memory = memory_,
                        .scene = scene_,
@@ -134,7 +135,7 @@ PlanePtr GlobalIntrinsic::measure_grid(gpu::Commands& commands, const PlanePtr& 
                        .coarse = coarse_,
                        .factor = factor_,
                        .white_level = params.scale.white_level},
-                      line_of(grid_.pixels()));
+                      line_of(grid_.pixels() * grid.kernel()->workgroup()));
   };
   const auto count = static_cast<int32_t>(grid_.pixels());
   const bool balances = params.white_balance > 0;

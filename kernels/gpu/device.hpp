@@ -44,6 +44,8 @@ struct Variant {
   /// if a barrier costs by the invocation (lavapipe), many if a GPU needs its lanes filled.
   /// A multiple of 8. `INVERSE_LONE_WORKGROUP=N`.
   uint32_t lone_workgroup = 32;
+  /// Invocations of a kernel that gives a workgroup to each of some hundred small areas.
+  uint32_t area_workgroup() const { return std::max(lone_workgroup / 4, 8U); }
   /// Kernels are built before frames come (build_kernels). `INVERSE_WARM_UP=0` builds each with the
   /// first frame that needs it, which starts sooner.
   bool warm_up = true;

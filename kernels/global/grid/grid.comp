@@ -2,10 +2,11 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
+#include "gpu/workgroup_sum.glsl"
 #include "global/model/model.glsl"
 
 // The points of the grid: mean color and its weight, its log chroma, and an estimate of the mean shading of its pixels, with and
-// without the history. One point an invocation.
+// without the history. One point a workgroup.
 layout(constant_id = 1) const bool kRaw = false;   // as the lamps color it
 layout(constant_id = 2) const bool kPlain = false;  // colors alone, of lamps that are white
 PLANE_IN(0, frame);
@@ -22,14 +23,14 @@ layout(push_constant) uniform Push {
 const float kDark = 0.01, kBright = 0.98;  // range of reliable colors
 
 void main() {
-  int i = int(line_index());
+  int i = int(line_index() / gl_WorkGroupSize.x);
   if (i >= push.grid.x * push.grid.y) return;
   ivec2 first = push.factor * ivec2(i % push.grid.x, i / push.grid.x), last = min(first + push.factor, push.size);
   vec3 white = kRaw || kPlain ? vec3(1.0) : color_of(FETCH(scene, SCENE_WHITE).xy);
   vec4 sum = vec4(0.0), now = FETCH(light_state, LIGHT_NOW);
   float guessed = 0.0;
-  for (int y = first.y; y < last.y; ++y)
-    for (int x = first.x; x < last.x; ++x) {
+  for (int y = first.y + int(gl_LocalInvocationID.x / 8u); y < last.y; y += int(gl_WorkGroupSize.x / 8u))
+    for (int x = first.x + int(gl_LocalInvocationID.x % 8u); x < last.x; x += 8) {
       int n = y * push.size.x + x;
       vec3 rgb = in_white_light(sanitize(FETCH(frame, n).rgb) / white, now);
       sum.rgb += rgb;
@@ -38,7 +39,9 @@ void main() {
       guessed += shading_guessed(rgb, push.white_level);
     }
   float share = 1.0 / float((last.x - first.x) * (last.y - first.y));
-  sum *= share;
+  sum = share * workgroup_sum(sum);
+  if (!kPlain) guessed = workgroup_sum(vec4(guessed)).x;
+  if (gl_LocalInvocationID.x > 0u) return;
   float mean = mean3(sum.rgb);
   bool fair = mean > kDark && max(max(sum.r, sum.g), sum.b) < kBright;
   STORE(colors, i, vec4(sum.rgb, fair ? mean : 0.0));

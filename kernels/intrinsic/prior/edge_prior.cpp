@@ -6,7 +6,7 @@
 namespace inverse {
 EdgePrior::EdgePrior(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : fold_biases_(device),
-      change_(device),
+      change_(device, {}, device->variant().area_workgroup()),
       edges_{{device, {.down = false}, 4, 4}, {device, {.down = true}, 4, 4}},
       values_(device, {}, 1, 4),
       save_reference_(device, {}, 8, 8),
@@ -87,7 +87,7 @@ void EdgePrior::record_changes(gpu::Commands& commands, const Guide& guide, cons
                      .kept_statistics = kept_statistics_,
                      .flags = changes_.flags()},
                     {.size = guide.extent1(), .tolerance = tolerance, .all = all},
-                    line_of(tiles()));
+                    line_of(uint64_t{tiles()} * change_.kernel()->workgroup()));
   changes_.record(commands);
   commands.dispatch(fold_biases_, {.statistics = guide.statistics(), .biases = biases_}, {});
   record_edges(commands, guide, target, params, &changes_);

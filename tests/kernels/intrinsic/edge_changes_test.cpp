@@ -48,7 +48,8 @@ using EdgeChangesTest = GpuTest;
 
 TEST_F(EdgeChangesTest, AgreesWithItsDefinition) {
   constexpr Extent kSize{45, 29};
-  const gpu::Program<shaders::intrinsic_prior_change> change(device);
+  const gpu::Program<shaders::intrinsic_prior_change> change(device, {},
+                                                             device->variant().area_workgroup());
   std::mt19937 random(3);
   const auto uniform = [&](float low, float high) {
     return std::uniform_real_distribution<float>(low, high)(random);
@@ -71,7 +72,7 @@ TEST_F(EdgeChangesTest, AgreesWithItsDefinition) {
                          .kept_statistics = upload(saved.statistics),
                          .flags = flags},
                         {.size = kSize, .tolerance = kTolerance, .all = all},
-                        line_of(static_cast<uint32_t>(expected.size())));
+                        line_of(expected.size() * change.kernel()->workgroup()));
     });
     const Pixels got = download(flags);
     for (size_t i = 0; i < expected.size(); ++i)
