@@ -7,22 +7,26 @@
 #include "bins.glsl"
 
 // Adds every cell to the four bins around its chroma: with kWeights its weight g, else g (r / kMaxReflectance + 1) / 2 of the current
-// solution, r = m' - s' - (correction of s'), so that all sums grow. One pack of cells an invocation. All invocations share the bins
-// by atomics; if kTables > 1, kTables invocations with bins of their own go over all packs, because atomic additions dominate the time
-// on a CPU. Sums in fixed point are equal either way.
+// solution, r = m' - s' - (correction of s'), so that all sums grow. Invocations go over all packs of cells.
+// A workgroup shares bins by atomics and adds them to those of all at the end: most cells fall into few bins, for which all
+// invocations of a GPU would queue. If kTables > 1, kTables invocations have bins of their own, because atomic additions dominate the
+// time on a CPU. Sums in fixed point are equal either way.
 layout(constant_id = 1) const bool kWeights = false;
 layout(constant_id = 2) const uint kTables = 1;
 PLANE_IN(0, cells);
 PLANE_IN(1, terms);
 PLANE_IN(2, mean);        // s'
 PLANE_IN(3, correction);
-WORD_INOUT(4, sums);      // kTables tables, interleaved; start at 0
+WORD_INOUT(4, sums);      // kTables tables, interleaved; start at 0 (bin_means.comp)
 layout(push_constant) uniform Push {
   uvec2 size;  // of level 2
   float scale;
 } push;
 
-// Adds to a word and returns what it was.
+const uint kAll = uint(kBins * kBins);
+shared uint low_words[kTables > 1u ? 1u : kAll];  // of the workgroup's sums; carries go to `sums` at once
+
+// Adds to a word of `sums` and returns what it was.
 uint add_word(uint at, uint more) {
   if (kTables == 1u) return atomicAdd(LOAD(sums, at), more);
   uint before = LOAD(sums, at);
@@ -31,14 +35,20 @@ uint add_word(uint at, uint more) {
 }
 
 void add(uint bin, uint share) {
-  uint low = bin * kTables + (kTables > 1u ? line_index() : 0u), before = add_word(low, share);
+  uint low = bin * kTables + (kTables > 1u ? line_index() : 0u);
+  uint before = kTables > 1u ? add_word(low, share) : atomicAdd(low_words[bin], share);
   // Carries are rare. On a CPU a loop that no invocation enters costs nothing, unlike a branch.
-  for (bool carry = before + share < before; carry; carry = false) add_word(low + uint(kBins * kBins) * kTables, 1u);
+  for (bool carry = before + share < before; carry; carry = false) add_word(low + kAll * kTables, 1u);
 }
 
 void main() {
   uint packs = PACK4(push.size.x), all = packs * push.size.y;
-  for (uint i = line_index(); i < all; i += kTables > 1u ? kTables : all) {
+  if (kTables == 1u) {
+    for (uint bin = gl_LocalInvocationIndex; bin < kAll; bin += gl_WorkGroupSize.x) low_words[bin] = 0u;
+    barrier();
+  }
+  uint step = kTables > 1u ? kTables : gl_NumWorkGroups.x * gl_NumWorkGroups.y * gl_WorkGroupSize.x;
+  for (uint i = line_index(); i < all; i += step) {
     uvec2 position = grid_place(i, packs);
     int at = int(i);
     vec4 part = push.scale * FETCH(terms, TERMS_STRIDE * at + TERMS_CHROMA);
@@ -58,5 +68,13 @@ void main() {
       add(to + uint(kBins) + 1u, shares.w);
       part = part.yzwx;
     }
+  }
+  if (kTables > 1u) return;
+  barrier();
+  for (uint bin = gl_LocalInvocationIndex; bin < kAll; bin += gl_WorkGroupSize.x) {
+    uint share = low_words[bin];
+    if (share == 0u) continue;
+    uint before = add_word(bin, share);
+    if (before + share < before) add_word(bin + kAll, 1u);
   }
 }

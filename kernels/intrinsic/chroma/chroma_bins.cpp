@@ -10,17 +10,23 @@ namespace {
 
 constexpr uint32_t kBins =
     shaders::intrinsic_chroma_bin_means::kBins * shaders::intrinsic_chroma_bin_means::kBins;
-constexpr uint32_t kWords = 2;       // of a sum
-constexpr uint32_t kTables = 16;     // copies of the bins without atomics
-constexpr uint32_t kTableLanes = 8;  // invocations that one processor advances together
+constexpr uint32_t kWords = 2;         // of a sum
+constexpr uint32_t kTables = 16;       // copies of the bins without atomics
+constexpr uint32_t kTableLanes = 8;    // invocations that one processor advances together
+constexpr uint32_t kMaxLanes = 32768;  // with atomics: each workgroup adds all its bins
+
+/// Invocations of a workgroup: many if they share its bins.
+uint32_t lanes_of(const gpu::Device& device) {
+  return device.variant().own_tables ? kTableLanes : device.variant().lone_workgroup;
+}
 
 }  // namespace
 
 ChromaBins::ChromaBins(const std::shared_ptr<gpu::Device>& device, Extent cells)
     : cells_(cells),
       tables_(device->variant().own_tables ? kTables : 1),
-      weigh_(device, {.weights = true, .tables = tables_}, tables_ > 1 ? kTableLanes : 0),
-      splat_(device, {.tables = tables_}, tables_ > 1 ? kTableLanes : 0),
+      weigh_(device, {.weights = true, .tables = tables_}, lanes_of(*device)),
+      splat_(device, {.tables = tables_}, lanes_of(*device)),
       sum_weights_(device, {.weights = true, .tables = static_cast<int32_t>(tables_)}),
       mean_(device, {.tables = static_cast<int32_t>(tables_)}),
       slice_(device),
@@ -38,7 +44,14 @@ ChromaBins::ChromaBins(const std::shared_ptr<gpu::Device>& device, Extent cells)
       binding_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {}
 
 gpu::Items ChromaBins::splat_items() const {
-  return line_of(tables_ > 1 ? tables_ : pack4_count(cells_));
+  return line_of(tables_ > 1 ? tables_ : std::min<uint64_t>(pack4_count(cells_), kMaxLanes));
+}
+
+void ChromaBins::clear_once(gpu::Commands& commands) {
+  if (cleared_) return;
+  commands.fill(table_sums_);
+  commands.fill(sums_);
+  cleared_ = true;
 }
 
 void ChromaBins::record_weights(gpu::Commands& commands, const Guide& guide,
@@ -47,7 +60,7 @@ void ChromaBins::record_weights(gpu::Commands& commands, const Guide& guide,
   if (!on_) return;
   // The largest for which no cell overflows a word.
   scale_ = 4.0e9F / std::max(max_weight, 1e-20F);
-  commands.fill(table_sums_);
+  clear_once(commands);
   commands.dispatch(weigh_,
                     {.cells = guide.cells(),
                      .terms = terms,
@@ -62,7 +75,6 @@ void ChromaBins::record_weights(gpu::Commands& commands, const Guide& guide,
 
 void ChromaBins::record(gpu::Commands& commands, const Guide& guide, const State& state) const {
   if (on_) {
-    commands.fill(table_sums_);
     commands.dispatch(splat_,
                       {.cells = guide.cells(),
                        .terms = state.terms,
@@ -84,8 +96,7 @@ void ChromaBins::record(gpu::Commands& commands, const Guide& guide, const State
 }
 
 void ChromaBins::record_source_term(gpu::Commands& commands, const State& state, bool measure) {
-  if (!cleared_) commands.fill(sums_);
-  cleared_ = true;
+  clear_once(commands);
   commands.dispatch(measure ? measuring_source_term_ : source_term_,
                     {.terms = state.terms,
                      .target = target_,

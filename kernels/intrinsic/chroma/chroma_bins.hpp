@@ -39,6 +39,7 @@ class ChromaBins {
 
  private:
   gpu::Items splat_items() const;
+  void clear_once(gpu::Commands& commands);
 
   Extent cells_;
   uint32_t tables_;
@@ -50,7 +51,7 @@ class ChromaBins {
   gpu::Program<shaders::intrinsic_chroma_source_term> source_term_, measuring_source_term_;
   gpu::Program<shaders::solve_total> total_;
   gpu::BufferPtr table_sums_, weights_, means_, target_, sums_, binding_;
-  bool cleared_ = false;  // the unused slots of sums_
+  bool cleared_ = false;  // table_sums_, and the unused slots of sums_
 };
 
 }  // namespace inverse
