@@ -133,6 +133,7 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
     multigrid_.record_cycle(
         commands, multigrid, cycle,
         {.measured = plan_.stops() || cycle + 1 == plan_.cycles,
+         .last = cycle + 1 == plan_.cycles,
          .conditional = plan_.stops() && cycle > 0,
          .tolerance = plan_.cycle_tolerance},
         [&] { bins_.record(commands, guide_, state); },

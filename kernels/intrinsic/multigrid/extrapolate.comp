@@ -6,20 +6,22 @@
 
 // Chebyshev's step after a cycle that led from s_k to V(s_k): s_(k+1) = s_(k-1) + w (c (V(s_k) - s_k) + s_k - s_(k-1)), with
 // w and c from the range of error factors of a cycle (multigrid.cpp). In place. With kMeasure also sums up how much the cycle
-// changed, squared. One pack an invocation.
+// changed, squared. The result is the next cycle's start, unless this is the last one. One pack an invocation.
 layout(constant_id = 1) const bool kMeasure = false;
 PLANE_IN(0, now);
 PLANE_IN(1, start);   // s_k
 PLANE_IN(2, before);  // s_(k-1)
 PLANE_OUT(3, next);   // the same buffer as `now`
-PLANE_OUT(4, sums);
+PLANE_OUT(4, next_start);  // the same buffer as `before`, or as `start` if that is s_(k-1), too
+PLANE_OUT(5, sums);
 #define TILE_CONSTANT 2
-#define TILE_BINDING 5
+#define TILE_BINDING 6
 #include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 packs;  // a row, rows
   float w;
   float c;
+  uint last;  // 1 if no cycle follows
 } push;
 
 void main() {
@@ -29,7 +31,9 @@ void main() {
     uint i = position.y * push.packs.x + position.x;
     vec4 s = FETCH(start, int(i)), old = FETCH(before, int(i));
     change = FETCH(now, int(i)) - s;
-    STORE(next, i, old + push.w * (push.c * change + s - old));
+    vec4 result = old + push.w * (push.c * change + s - old);
+    STORE(next, i, result);
+    if (push.last == 0u) STORE(next_start, i, result);
   }
   if (kMeasure) SUM_PARTIALS(sums, vec4(dot(change, change), 0.0, 0.0, 0.0));
 }

@@ -11,11 +11,19 @@ namespace inverse {
 namespace {
 
 constexpr uint64_t kTogether = 300;  // packs up to which levels run in one dispatch: 40 x 30 pixels
+constexpr uint64_t kMaxPacks = shaders::intrinsic_multigrid_coarse::kMaxPacks;  // of those levels
 constexpr uint64_t kCoarseStride =
     shaders::intrinsic_multigrid_smooth::SYSTEM_COARSE_STRIDE;  // vec4 a pack from level 2 on
 constexpr float kMinMass = 1e-6F;  // keeps a frame of one pixel regular
 constexpr size_t kCells = 2;       // the cells' level
 constexpr uint64_t kTilePacks = TileList::kTile / 4 * TileList::kTile;  // packs a tile
+
+/// Packs of a level and all coarser ones.
+uint64_t packs_from(Extent extent) {
+  uint64_t packs = pack4_count(extent);
+  for (; extent.pixels() > 1; packs += pack4_count(extent)) extent = half_of(extent);
+  return packs;
+}
 
 uint32_t stride_of(size_t level) { return level < kCells ? Multigrid::kFineStride : kCoarseStride; }
 
@@ -41,21 +49,19 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   const uint32_t lanes = device->variant().lone_workgroup;
   coarse_setup_ = {device, {.setup = true}, lanes};
   coarse_cycle_ = {device, {}, lanes};
-  convergence_ = {device};
+  convergence_ = {device, {}, lanes};
   const auto buffer = [&](uint64_t count) {
     return gpu::Buffer::create(device, gpu::Element::vec4, count);
   };
   float mass = kMinMass;
-  for (; levels_.size() < kCells || pack4_count(extent) > kTogether;
+  for (;
+       levels_.size() < kCells || pack4_count(extent) > kTogether || packs_from(extent) > kMaxPacks;
        extent = half_of(extent), ++depth_, mass *= 4)
     levels_.push_back({extent, buffer(pack4_count(extent) * stride_of(levels_.size())),
                        buffer(pack4_count(extent)), mass});
-  uint64_t together = 0;
-  for (Extent level = extent;; level = half_of(level), ++depth_) {
-    together += pack4_count(level);
-    if (level.pixels() == 1) break;
-  }
-  levels_.push_back({extent, buffer(together * kCoarseStride), buffer(together), 0});
+  for (Extent level = extent; level.pixels() > 1; level = half_of(level)) ++depth_;
+  levels_.push_back(
+      {extent, buffer(packs_from(extent) * kCoarseStride), buffer(pack4_count(extent)), 0});
   half_means_ = buffer(pack4_count(levels_[1].extent));
   const Extent finest = levels_[0].extent;
   const uint64_t listed = uint64_t{TileList::count(finest)} * kTilePacks;
@@ -125,8 +131,10 @@ void Multigrid::record_operators(gpu::Commands& commands, const Params& params,
         line_of(pack4_count(coarse.extent)));
   }
   const Level& last = levels_.back();
-  commands.dispatch(coarse_setup_, {.system = last.system, .field = last.field},
-                    {.size = last.extent, .scale = params.scale}, {});
+  commands.dispatch(
+      coarse_setup_,
+      {.system = last.system, .operators = gpu::aliased(last.system), .field = last.field},
+      {.size = last.extent, .scale = params.scale}, {});
 }
 
 void Multigrid::record_residual(gpu::Commands& commands, const TileList* around) const {
@@ -136,8 +144,10 @@ void Multigrid::record_residual(gpu::Commands& commands, const TileList* around)
 void Multigrid::cell_cycle(gpu::Commands& commands, const Params& params) const {
   for (size_t i = kCells; i + 1 < levels_.size(); ++i) restrict_to(commands, i);
   const Level& last = levels_.back();
-  commands.dispatch(coarse_cycle_, {.system = last.system, .field = last.field},
-                    {.size = last.extent, .scale = params.scale}, {});
+  commands.dispatch(
+      coarse_cycle_,
+      {.system = last.system, .operators = gpu::aliased(last.system), .field = last.field},
+      {.size = last.extent, .scale = params.scale}, {});
   for (size_t i = levels_.size() - 1; i-- > kCells;) relax(commands, i, true);
 }
 
@@ -153,15 +163,18 @@ void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k,
   cleared_ = true;
   const Extent extent = levels_[0].extent;
   (progress.measured ? measure_ : extrapolate_)
-      .dispatch(
-          commands, listed,
-          {.now = field(),
-           .start = starts_[k % 2],
-           .before = starts_[(k == 0 || slowest <= 0 ? k : k + 1) % 2],
-           .next = gpu::aliased(field()),
-           .sums = sums_},
-          {.packs = {pack4_count(extent.width), extent.height}, .w = w, .c = 2 / (2 - slowest)},
-          line_of(pack4_count(extent)));
+      .dispatch(commands, listed,
+                {.now = field(),
+                 .start = starts_[k % 2],
+                 .before = starts_[(k == 0 || slowest <= 0 ? k : k + 1) % 2],
+                 .next = gpu::aliased(field()),
+                 .next_start = gpu::aliased(starts_[(k + 1) % 2]),
+                 .sums = sums_},
+                {.packs = {pack4_count(extent.width), extent.height},
+                 .w = w,
+                 .c = 2 / (2 - slowest),
+                 .last = progress.last},
+                line_of(pack4_count(extent)));
   if (!progress.measured) return;
   commands.dispatch(convergence_, {.sums = sums_, .progress = progress_},
                     {.count = static_cast<uint32_t>(sums_->count()),
@@ -176,11 +189,13 @@ void Multigrid::record_cycle(gpu::Commands& commands, const Params& params, uint
                              const std::function<void()>& after, const Tiles& tiles) {
   const TileList* listed = tiles.listed;
   const bool from_start = params.slowest > 0 || progress.measured;
-  if (from_start && listed)
+  const bool has_start = k > 0 && keeps_start_;
+  keeps_start_ = from_start && !progress.last;
+  if (from_start && !has_start && listed)
     copy_tiles_.dispatch(
         commands, listed, {.from = field(), .to = starts_[k % 2]},
         {.packs = {pack4_count(levels_[0].extent.width), levels_[0].extent.height}}, {});
-  else if (from_start)
+  else if (from_start && !has_start)
     commands.copy(field(), starts_[k % 2], field()->bytes());
   const auto cycle = [&] {
     for (size_t i = 0; i < kCells; ++i) {

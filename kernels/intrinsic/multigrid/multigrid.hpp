@@ -40,6 +40,7 @@ class Multigrid {
   /// How much of the work of a frame's cycles is done.
   struct Progress {
     bool measured = false;     ///< the change by this cycle is summed
+    bool last = false;         ///< no cycle follows
     bool conditional = false;  ///< skipped if the measured cycle before was the last one needed
     float tolerance = 0;       ///< rms change by a cycle, log units, below which no other is needed
   };
@@ -121,6 +122,7 @@ class Multigrid {
   gpu::BufferPtr starts_[2];  // of this cycle and the one before
   gpu::BufferPtr sums_, progress_;
   bool cleared_ = false;
+  bool keeps_start_ = false;  // the cycle recorded last leaves the start of the next one
   gpu::BufferPtr half_means_, cell_means_, cell_residual_, cell_source_term_;
 };
 

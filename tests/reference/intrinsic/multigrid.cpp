@@ -143,11 +143,16 @@ void correct(Level& fine, const Level& coarse, int rows) {
   smooth(fine, 0, rows);
 }
 
+std::size_t packs_of(const Level& level) {
+  return static_cast<std::size_t>((level.width + 3) / 4) * static_cast<std::size_t>(level.height);
+}
+
 void v_cycle(std::vector<Level>& levels, std::size_t k, std::size_t together) {
   Level& l = levels[k];
-  const std::size_t packs =
-      static_cast<std::size_t>((l.width + 3) / 4) * static_cast<std::size_t>(l.height);
-  const bool small = packs <= together;
+  const std::size_t packs = packs_of(l);
+  std::size_t all = 0;
+  for (std::size_t i = k; i < levels.size(); ++i) all += packs_of(levels[i]);
+  const bool small = packs <= together && all <= kMostTogether;
   const int rows = small ? 1 : 4;
   if (small) smooth(l, 0, rows);
   if (k + 1 == levels.size()) return;
