@@ -9,8 +9,8 @@
 namespace inverse {
 namespace {
 using Update = shaders::solve_scale_update;
-constexpr float kPoints = 400;   // about as many points are followed
-constexpr uint32_t kLanes = 64;  // of scale_update.comp
+constexpr float kPoints = 400;      // about as many points are followed
+constexpr uint32_t kMinLanes = 64;  // of scale_update.comp
 }  // namespace
 
 ScaleNormalization::ScaleNormalization(const std::shared_ptr<gpu::Device>& device, Extent cells)
@@ -18,7 +18,7 @@ ScaleNormalization::ScaleNormalization(const std::shared_ptr<gpu::Device>& devic
       spacing_(std::max(1.0F, std::sqrt(static_cast<float>(cells.pixels()) / kPoints))),
       smooth_(device),
       track_(device),
-      update_(device, {}, kLanes) {
+      update_(device, {}, std::max(kMinLanes, device->variant().lone_workgroup)) {
   const auto along = [&](uint32_t length) {
     return std::max(1U, static_cast<uint32_t>(static_cast<float>(length) / spacing_));
   };

@@ -59,22 +59,24 @@ vec4 before_between(vec2 p) {
 
 // Of random places the one farthest from all points that go on.
 vec2 sparse_place(uint i, uint count) {
-  vec2 best = vec2(0.0);
-  float farthest = -1.0;
+  vec2 candidates[kCandidates];
+  float nearest[kCandidates];
   for (uint k = 0u; k < kCandidates; ++k) {
-    vec2 candidate = vec2(pcg3d(uvec3(i, push.frame, k)).xy >> 8u) / 16777216.0 * vec2(last);
-    float nearest = 1e9;
-    for (uint j = 0u; j < count; ++j) {
-      vec4 other = FETCH(points, int(j));
-      vec2 apart = other.xy - candidate;
-      if (other.z >= 0.0) nearest = min(nearest, dot(apart, apart));
-    }
-    if (nearest > farthest) {
-      farthest = nearest;
-      best = candidate;
+    candidates[k] = vec2(pcg3d(uvec3(i, push.frame, k)).xy >> 8u) / 16777216.0 * vec2(last);
+    nearest[k] = 1e9;
+  }
+  for (uint j = 0u; j < count; ++j) {
+    vec4 other = FETCH(points, int(j));
+    if (other.z < 0.0) continue;
+    for (uint k = 0u; k < kCandidates; ++k) {
+      vec2 apart = other.xy - candidates[k];
+      nearest[k] = min(nearest[k], dot(apart, apart));
     }
   }
-  return best;
+  uint best = 0u;
+  for (uint k = 1u; k < kCandidates; ++k)
+    if (nearest[k] > nearest[best]) best = k;
+  return candidates[best];
 }
 
 void main() {
