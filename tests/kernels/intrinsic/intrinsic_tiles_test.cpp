@@ -378,6 +378,39 @@ TEST(ChangedTiles, AreFoundByteByByteInEveryFormat) {
   }
 }
 
+TEST(ChangedTiles, AreUnknownWhileMostChangeAndFoundAgainWhereFewDo) {
+  const Extent extent{64, 48};  // 4 x 3 tiles
+  std::vector<uint8_t> pixels(extent.pixels());
+  const ChangedTiles::Rows rows[] = {{pixels.data(), 64}};
+  ChangedTiles tiles(PixelFormat::gray8, extent);
+  const auto flagged = [&] {
+    const auto changed = tiles.next(rows);
+    return changed.empty() ? -1 : std::count(changed.begin(), changed.end(), 1);
+  };
+  const auto move = [&](uint32_t columns) {
+    for (size_t i = 0; i < pixels.size(); ++i)
+      if (i % 64 < columns) ++pixels[i];
+  };
+  EXPECT_EQ(flagged(), -1);
+  for (int frame = 0; frame < 4; ++frame) {
+    move(64);
+    EXPECT_EQ(flagged(), 12);
+  }
+  for (int frame = 0; frame < 3; ++frame) {
+    move(64);
+    EXPECT_EQ(flagged(), -1);
+  }
+  // An object that crosses every row: the first of these frames is compared with one that is not
+  // known as a whole.
+  move(16);
+  EXPECT_EQ(flagged(), -1);
+  for (int frame = 0; frame < 6; ++frame) {
+    move(16);
+    EXPECT_EQ(flagged(), 3);
+  }
+  EXPECT_EQ(flagged(), 0);
+}
+
 TEST_F(IntrinsicTilesTest, FramesAreConvertedByTile) {
   std::vector<PixelFormat> formats{PixelFormat::rgba, PixelFormat::rgb,  PixelFormat::nv12,
                                    PixelFormat::i420, PixelFormat::yuy2, PixelFormat::gray8};
