@@ -26,7 +26,8 @@ TEST_F(GlobalTest, FramesWithoutColorHaveDirectLightAlone) {
       EXPECT_EQ(got.found.amount, 0);
       EXPECT_EQ(got.found.confidence, 0);
       EXPECT_LT(got.found.chroma, 0.02F);
-      for (const float light : got.light) ASSERT_EQ(light, 1) << "frame " << k;
+      for (const float light : got.light)
+        ASSERT_NEAR(light, 1, 1e-6) << "frame " << k;  // a quotient, which Vulkan lets err
       const bool plain = last_stats(method).light.gray;
       EXPECT_EQ(plain, k >= 10) << "frame " << k;
       EXPECT_EQ(plain, !got.layers[indirect_role(0)]) << "frame " << k;

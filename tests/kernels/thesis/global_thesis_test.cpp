@@ -19,7 +19,8 @@ TEST_F(GlobalThesisTest, AnyNumberOfLayersAgreesWithReference) {
 }
 
 TEST_F(GlobalThesisTest, LargerFrameAgreesWithReference) {
-  compare({349, 287}, {.steps = 3}, {room({349, 287}, 1)}, kRoom);
+  // Rounding leads apart in the first steps: 4e-4 on an NVIDIA H200, at the same energy.
+  compare({349, 287}, {.steps = 3}, {room({349, 287}, 1)}, kRoom, 1e-3);
   compare({8192, 16}, {.steps = 3}, {room({8192, 16}, 2)}, random_colors(6, 1), 0.1);
 }
 
