@@ -1,20 +1,45 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "self_test.hpp"
 
+#include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
 #include <utility>
 
 namespace inverse::bundle {
 namespace {
 
-struct Counts {
+using Names = std::vector<std::string>;
+
+/// What all processes found.
+class Results {
+ public:
+  void add(int Results::*count, const std::string& text, const std::string& output) {
+    const std::lock_guard lock(mutex_);
+    ++(this->*count);
+    std::printf("%s\n%s", text.c_str(), output.c_str());
+    std::fflush(stdout);
+  }
+  void name_device(const std::string& line) {
+    const std::lock_guard lock(mutex_);
+    if (!std::exchange(named_, true)) std::printf("%s\n", line.c_str());
+  }
   int passed = 0, failed = 0, skipped = 0;
+
+ private:
+  std::mutex mutex_;
+  bool named_ = false;
 };
 
 constexpr const char* kFailed = ": exit status 1";  // of a program in which a test failed
@@ -22,7 +47,7 @@ constexpr const char* kFailed = ": exit status 1";  // of a program in which a t
 /// Follows what a test program prints.
 class Reader {
  public:
-  explicit Reader(Counts& counts) : counts_(counts) {}
+  explicit Reader(Results& results) : results_(results) {}
 
   void read(const std::string& line) {
     constexpr size_t kTag = 13;  // "[       OK ] "
@@ -31,11 +56,15 @@ class Reader {
       running_ = line.substr(kTag);
       output_.clear();
     } else if (!running_.empty() && line.find(running_, kTag) == kTag) {
-      if (tag == "[       OK ] ") return end("passed", counts_.passed, line.substr(kTag));
-      if (tag == "[  FAILED  ] ") return end("FAILED", counts_.failed, line.substr(kTag), true);
-      if (tag == "[  SKIPPED ] ") return end("skipped", counts_.skipped, line.substr(kTag), true);
+      const std::string text = line.substr(kTag);
+      if (tag == "[       OK ] ") return end(&Results::passed, "passed " + text, "");
+      if (tag == "[  FAILED  ] ") {
+        ++failed_;
+        return end(&Results::failed, "FAILED " + text, output_);
+      }
+      if (tag == "[  SKIPPED ] ") return end(&Results::skipped, "skipped " + text, output_);
     } else if (line.starts_with("device: ")) {
-      if (!std::exchange(named_, true)) std::printf("%s\n", line.c_str());
+      results_.name_device(line);
     } else if (line.empty() || line[0] != '[') {
       output_ += line + '\n';
     }
@@ -43,44 +72,50 @@ class Reader {
   /// The program ended badly, as `why` says. Returns whether that was in a test.
   bool close(const std::string& why) {
     const bool in_test = !running_.empty();
-    end("FAILED", counts_.failed, (in_test ? running_ : "the test program") + why, true);
+    end(&Results::failed, "FAILED " + (in_test ? running_ : "the test program") + why, output_);
     return in_test;
   }
-  /// Names of the tests that ran, as a negative filter.
-  const std::string& done() const { return done_; }
+  /// Those of `names` that have not run.
+  Names rest_of(const Names& names) const {
+    Names rest;
+    for (const std::string& name : names)
+      if (!done_.contains(name)) rest.push_back(name);
+    return rest;
+  }
+  int failed() const { return failed_; }
 
  private:
-  void end(const char* result, int& count, const std::string& text, bool with_output = false) {
-    ++count;
-    std::printf("%s %s\n%s", result, text.c_str(), with_output ? output_.c_str() : "");
-    std::fflush(stdout);
-    if (!running_.empty()) done_ += (done_.empty() ? "" : ":") + running_;
-    running_.clear();
+  void end(int Results::*count, const std::string& text, const std::string& output) {
+    results_.add(count, text, output);
+    done_.insert(std::exchange(running_, ""));
     output_.clear();
   }
 
-  Counts& counts_;
-  std::string running_, output_, done_;
-  bool named_ = false;
+  Results& results_;
+  std::string running_, output_;
+  std::set<std::string> done_;
+  int failed_ = 0;
 };
 
-/// Runs the program once. Returns how it ended; empty if properly.
-std::string run_once(std::vector<std::string> command, const std::string& filter, Reader& reader) {
-  command.push_back("--gtest_color=no");
-  command.push_back("--gtest_filter=" + filter);
+/// Runs a program and hands over each line that it prints. Returns how it ended; empty if properly.
+std::string run(std::vector<std::string> command, const std::function<void(std::string)>& read) {
   std::vector<char*> words;
   words.reserve(command.size() + 1);
   for (std::string& word : command) words.push_back(word.data());
   words.push_back(nullptr);
   int ends[2];
-  if (pipe(ends) != 0) return std::string(": ") + std::strerror(errno);
+  // No other process of ours may hold the writing end.
+  if (pipe2(ends, O_CLOEXEC) != 0) return std::string(": ") + std::strerror(errno);
   const pid_t child = fork();
-  if (child < 0) return std::string(": ") + std::strerror(errno);
+  if (child < 0) {
+    const std::string why = std::strerror(errno);
+    close(ends[0]);
+    close(ends[1]);
+    return ": " + why;
+  }
   if (child == 0) {
     dup2(ends[1], STDOUT_FILENO);
     dup2(ends[1], STDERR_FILENO);
-    close(ends[0]);
-    close(ends[1]);
     execv(words[0], words.data());
     std::perror(words[0]);
     _exit(127);
@@ -90,7 +125,7 @@ std::string run_once(std::vector<std::string> command, const std::string& filter
   char* line = nullptr;
   size_t size = 0;
   for (ssize_t length; (length = getline(&line, &size, output)) > 0;)
-    reader.read(std::string(line, length - (line[length - 1] == '\n')));
+    read(std::string(line, length - (line[length - 1] == '\n')));
   std::free(line);
   std::fclose(output);
   int status = 0;
@@ -100,34 +135,56 @@ std::string run_once(std::vector<std::string> command, const std::string& filter
   return code > 0 ? ": exit status " + std::to_string(code) : "";
 }
 
-/// A filter without the tests named in `done`.
-std::string without(const std::string& filter, const std::string& done) {
-  if (done.empty()) return filter;
-  const bool negative = filter.find('-') != std::string::npos;
-  return filter + (negative ? ':' : '-') + done;
+/// Names of the tests that a filter selects; none if the program cannot tell.
+Names list_tests(std::vector<std::string> command, const std::string& filter) {
+  command.insert(command.end(), {"--gtest_list_tests", "--gtest_filter=" + filter});
+  Names names;
+  std::string suite;
+  run(std::move(command), [&](std::string line) {
+    line = line.substr(0, line.find("  #"));  // parameters
+    if (line.starts_with("  "))
+      names.push_back(suite + line.substr(2));
+    else if (line.ends_with('.'))
+      suite = line;
+  });
+  return names;
+}
+
+/// Runs tests in one process, and those after a test that ends it in another.
+void run_tests(std::vector<std::string> command, const Names& names, Results& results) {
+  Reader reader(results);
+  command.insert(command.end(), {"--gtest_color=no", ""});
+  for (Names rest = names; !rest.empty();) {
+    command.back() = "--gtest_filter=";
+    for (const std::string& name : rest) command.back() += name + ':';
+    const int failed = reader.failed();
+    std::string why = run(command, [&](const std::string& line) { reader.read(line); });
+    if (why == kFailed && reader.failed() > failed) why.clear();
+    if (why.empty() || !reader.close(why)) return;
+    rest = reader.rest_of(names);
+  }
 }
 
 }  // namespace
 
 int self_test(const std::vector<std::string>& command, const std::string& filter) {
-  Counts counts;
-  Reader reader(counts);
   // Tests named WarmUp need a process in which no others ran.
-  const std::vector<std::string> filters =
-      filter.empty() ? std::vector<std::string>{"*-*WarmUp.*", "*WarmUp.*"}
-                     : std::vector<std::string>{filter};
-  for (const std::string& each : filters) {
-    for (bool again = true; again;) {
-      const int failed = counts.failed;
-      std::string why = run_once(command, without(each, reader.done()), reader);
-      if (why == kFailed && counts.failed > failed) why.clear();
-      again = !why.empty() && reader.close(why);
-    }
-  }
-  std::printf("%d passed, %d failed", counts.passed, counts.failed);
-  if (counts.skipped > 0) std::printf(", %d skipped", counts.skipped);
+  std::vector<Names> groups(std::clamp(std::thread::hardware_concurrency(), 1U, 16U));
+  Names alone;
+  size_t next = 0;
+  for (const std::string& name : list_tests(command, filter.empty() ? "*" : filter))
+    (name.find("WarmUp.") != std::string::npos ? alone : groups[next++ % groups.size()])
+        .push_back(name);
+  Results results;
+  std::vector<std::thread> threads;
+  for (const Names& group : groups)
+    threads.emplace_back([&] { run_tests(command, group, results); });
+  for (std::thread& thread : threads) thread.join();
+  run_tests(command, alone, results);
+  std::printf("%d passed, %d failed", results.passed, results.failed);
+  if (results.skipped > 0) std::printf(", %d skipped", results.skipped);
   std::printf("\n");
-  return counts.failed > 0 || counts.passed == 0;
+  return results.failed > 0 || results.passed == 0;
 }
 
 }  // namespace inverse::bundle
