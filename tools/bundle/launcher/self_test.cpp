@@ -135,18 +135,20 @@ std::string run(std::vector<std::string> command, const std::function<void(std::
   return code > 0 ? ": exit status " + std::to_string(code) : "";
 }
 
-/// Names of the tests that a filter selects; none if the program cannot tell.
-Names list_tests(std::vector<std::string> command, const std::string& filter) {
+/// Names of the tests that a filter selects. A program that cannot tell counts as failed.
+Names list_tests(std::vector<std::string> command, const std::string& filter, Results& results) {
   command.insert(command.end(), {"--gtest_list_tests", "--gtest_filter=" + filter});
   Names names;
-  std::string suite;
-  run(std::move(command), [&](std::string line) {
+  std::string suite, output;
+  const std::string why = run(std::move(command), [&](std::string line) {
+    output += line + '\n';
     line = line.substr(0, line.find("  #"));  // parameters
     if (line.starts_with("  "))
       names.push_back(suite + line.substr(2));
     else if (line.ends_with('.'))
       suite = line;
   });
+  if (!why.empty()) results.add(&Results::failed, "FAILED the test program" + why, output);
   return names;
 }
 
@@ -171,11 +173,11 @@ int self_test(const std::vector<std::string>& command, const std::string& filter
   // Tests named WarmUp need a process in which no others ran.
   std::vector<Names> groups(std::clamp(std::thread::hardware_concurrency(), 1U, 16U));
   Names alone;
+  Results results;
   size_t next = 0;
-  for (const std::string& name : list_tests(command, filter.empty() ? "*" : filter))
+  for (const std::string& name : list_tests(command, filter.empty() ? "*" : filter, results))
     (name.find("WarmUp.") != std::string::npos ? alone : groups[next++ % groups.size()])
         .push_back(name);
-  Results results;
   std::vector<std::thread> threads;
   for (const Names& group : groups)
     threads.emplace_back([&] { run_tests(command, group, results); });
