@@ -111,15 +111,15 @@ void Commands::begin() {
 
 void Commands::barrier(Reader reader) {
   VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
-  VkPipelineStageFlags before = unseen_stages_, after = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
+  const VkPipelineStageFlags before = reader == Reader::any ? kStages : unseen_stages_;
   if (before & VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT)
     barrier.srcAccessMask |= VK_ACCESS_SHADER_WRITE_BIT;
-  barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT;
   if (before & VK_PIPELINE_STAGE_TRANSFER_BIT)
     barrier.srcAccessMask |= VK_ACCESS_TRANSFER_WRITE_BIT;
+  VkPipelineStageFlags after = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
+  barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT;
   if (reader == Reader::any) {
-    before = after = kStages;
-    barrier.srcAccessMask = kWrites;
+    after = kStages;
     barrier.dstAccessMask = kAccess;
     if (device_->variant().conditional) {
       barrier.dstAccessMask |= VK_ACCESS_CONDITIONAL_RENDERING_READ_BIT_EXT;
@@ -320,21 +320,7 @@ void Commands::refuse_when(const char* what) const {
     throw Error(ErrorKind::internal, std::string(what) + " inside of a condition would run always");
 }
 
-void Commands::copy(const BufferPtr& source, const BufferPtr& target, uint64_t bytes,
-                    uint64_t source_offset, uint64_t target_offset) {
-  refuse_when("a copy");
-  touch(source->handle(), true, false);
-  touch(target->handle(), false, true);
-  barrier_if_needed(Reader::any, VK_PIPELINE_STAGE_TRANSFER_BIT);
-  kept_.push_back(source);
-  kept_.push_back(target);
-  const VkBufferCopy region{source_offset, target_offset, bytes};
-  vkCmdCopyBuffer(buffer_, source->handle(), target->handle(), 1, &region);
-  count_transfer(bytes);
-  mark_command("copy");
-}
-
-void Commands::copy(const std::vector<CopyPart>& parts, const BufferPtr& target) {
+void Commands::copy(std::span<const CopyPart> parts, const BufferPtr& target) {
   refuse_when("a copy");
   for (const CopyPart& part : parts) touch(part.source->handle(), true, false);
   touch(target->handle(), false, true);
@@ -342,7 +328,7 @@ void Commands::copy(const std::vector<CopyPart>& parts, const BufferPtr& target)
   kept_.push_back(target);
   for (const CopyPart& part : parts) {
     kept_.push_back(part.source);
-    const VkBufferCopy region{0, part.target_offset, part.bytes};
+    const VkBufferCopy region{part.source_offset, part.target_offset, part.bytes};
     vkCmdCopyBuffer(buffer_, part.source->handle(), target->handle(), 1, &region);
     count_transfer(part.bytes);
   }

@@ -118,15 +118,18 @@ class Commands {
     record();
   }
 
-  /// Copies `bytes` from one buffer to another.
-  void copy(const BufferPtr& source, const BufferPtr& target, uint64_t bytes,
-            uint64_t source_offset = 0, uint64_t target_offset = 0);
   struct CopyPart {
     BufferPtr source;
-    uint64_t bytes, target_offset;
+    uint64_t bytes, source_offset = 0, target_offset = 0;
   };
-  /// Copies the first bytes of several buffers to places of one that do not overlap.
-  void copy(const std::vector<CopyPart>& parts, const BufferPtr& target);
+  /// Copies parts of several buffers to places of one that do not overlap.
+  void copy(std::span<const CopyPart> parts, const BufferPtr& target);
+  /// Copies `bytes` from one buffer to another.
+  void copy(const BufferPtr& source, const BufferPtr& target, uint64_t bytes,
+            uint64_t source_offset = 0, uint64_t target_offset = 0) {
+    const CopyPart part{source, bytes, source_offset, target_offset};
+    copy({&part, 1}, target);
+  }
   /// Copies data from the host into `table`, which is made anew, of device memory, if it is too
   /// short or null. The host may change the data at once.
   template <typename T>

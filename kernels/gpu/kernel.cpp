@@ -75,8 +75,8 @@ Kernel::~Kernel() { release(); }
 
 uint32_t Kernel::max_subgroups() const {
   if (!device_.variant().subgroups || !device_.variant().texel_views) return 1;
-  const uint32_t least = device_.limits().min_subgroup;
-  return (workgroup_ + least - 1) / least;
+  const uint32_t min = device_.limits().min_subgroup;
+  return (workgroup_ + min - 1) / min;
 }
 
 Items Kernel::groups(Items items) const {

@@ -308,7 +308,9 @@ void IntrinsicDecomposition::record_report(gpu::Commands& commands, const Params
     static constexpr Numbers numbers{};
     const auto offset = reinterpret_cast<const std::byte*>(&(numbers.*to)) -
                         reinterpret_cast<const std::byte*>(&numbers);
-    parts.push_back({from, sizeof(numbers.*to), static_cast<uint64_t>(offset)});
+    parts.push_back({.source = from,
+                     .bytes = sizeof(numbers.*to),
+                     .target_offset = static_cast<uint64_t>(offset)});
   };
   copy(multigrid_.progress(), &Numbers::progress);
   if (plan_.history) copy(anchor_.cut_decision(), &Numbers::cut_decision);
