@@ -27,7 +27,7 @@ std::span<const uint8_t> ChangedTiles::next(std::span<const Rows> planes) {
   const bool stopped = moving_ >= kMoving;  // whose frame before is not known as a whole
   std::fill(changed_.begin(), changed_.end(), uint8_t{0});
   find_changed(planes, 1, compare);
-  moving_ = !stopped && most_changed() ? moving_ + 1 : 0;
+  moving_ = !stopped && over_half_changed() ? moving_ + 1 : 0;
   if (!compare || stopped) return {};
   return changed_;
 }
@@ -35,10 +35,10 @@ std::span<const uint8_t> ChangedTiles::next(std::span<const Rows> planes) {
 bool ChangedTiles::moves(std::span<const Rows> planes) {
   std::fill(changed_.begin(), changed_.end(), uint8_t{0});
   find_changed(planes, kTile, true);
-  return most_changed();
+  return over_half_changed();
 }
 
-bool ChangedTiles::most_changed() const {
+bool ChangedTiles::over_half_changed() const {
   const auto count = std::count(changed_.begin(), changed_.end(), uint8_t{1});
   return 2 * static_cast<size_t>(count) > changed_.size();
 }

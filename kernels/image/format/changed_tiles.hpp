@@ -34,7 +34,7 @@ class ChangedTiles {
  private:
   /// Whether most tiles change, by every 16th row.
   bool moves(std::span<const Rows> planes);
-  bool most_changed() const;
+  bool over_half_changed() const;
   /// Flags the tiles that differ in every step-th row, unless not to compare, and keeps the rows.
   void find_changed(std::span<const Rows> planes, uint32_t step, bool compare);
 

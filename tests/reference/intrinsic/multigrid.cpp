@@ -152,7 +152,7 @@ void v_cycle(std::vector<Level>& levels, std::size_t k, std::size_t together) {
   const std::size_t packs = packs_of(l);
   std::size_t all = 0;
   for (std::size_t i = k; i < levels.size(); ++i) all += packs_of(levels[i]);
-  const bool small = packs <= together && all <= kMostTogether;
+  const bool small = packs <= together && all <= kMaxTogether;
   const int rows = small ? 1 : 4;
   if (small) smooth(l, 0, rows);
   if (k + 1 == levels.size()) return;

@@ -59,10 +59,10 @@ struct CellTerms {
 };
 
 /// Packs of the levels that the kernels keep in shared memory.
-inline constexpr std::size_t kMostTogether = 512;
+inline constexpr std::size_t kMaxTogether = 512;
 
 /// One cycle, as Multigrid::record_cycle without extrapolation; `screening` is the cells', `source`
-/// is read and renewed. Levels of at most `together` packs, and of kMostTogether with all coarser
+/// is read and renewed. Levels of at most `together` packs, and of kMaxTogether with all coarser
 /// ones, have blocks of single rows, and are smoothed before corrections from below, as levels 0
 /// and 1 are.
 void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& terms,
