@@ -245,6 +245,10 @@ void measure(const Subject& subject, Size size, const std::vector<GstBuffer*>& c
       const size_t period = std::max<size_t>(2 * clip.size() - 2, 1), at = i % period;
       if (!pool) pool = pool_for(harness, info);
       in = copy_to(pool, info, clip[std::min(at, period - at)]);
+      if (!in) {
+        figures.error = "the element's memory holds no frame";
+        break;
+      }
       GST_BUFFER_PTS(in) = i * (GST_SECOND / 25);
     }
     const double processor = processor_ms();
