@@ -179,10 +179,7 @@ void TriggeredCapture::step(uint64_t trigger) {
         std::exchange(state.untriggered, false) ? state.untriggered_steps + 1 : 0;
     if (state.untriggered_steps >= kMaxUntriggeredSteps) throw runs_freely(*state.camera);
   }
-  if (lost.empty()) {
-    ++stats_.triggers;
-    return;
-  }
+  if (lost.empty()) return;
   ++stats_.dropped;
   lock.unlock();
   if (listener_.lost) listener_.lost(trigger, lost);
@@ -254,6 +251,8 @@ std::optional<uint64_t> TriggeredCapture::frame(size_t camera, std::optional<uin
   } else {
     trigger = awaited_;
     state.there = true;
+    next_ = *awaited_ + 1;
+    if (missing().empty()) ++stats_.triggers;
   }
   changed_.notify_all();
   return trigger;

@@ -80,7 +80,7 @@ class TriggeredCapture {
   /// Starts the loop at `trigger`.
   void start(uint64_t trigger = 0);
   /// Ends the loop and waits for its thread, as long as cameras and lights take to answer. Returns
-  /// the next trigger.
+  /// the next trigger, which no camera has a frame of.
   uint64_t stop();
   /// Whether the loop was started and not stopped; it may have ended by itself.
   bool running() const;

@@ -365,6 +365,20 @@ TEST_F(Capture, StopsAtOnceAndGoesOn) {
   EXPECT_EQ(camera.mislabeled, 0U);
 }
 
+TEST_F(Capture, AStepWithAFrameIsNotRepeatedAfterAStop) {
+  Camera left(lights_, 16, 1), right(lights_, 16, 1);
+  right.plan(std::deque<Deed>(1000, Deed::lost_trigger));
+  const LightProgram program = small_program(0);
+  TriggeredCapture capture(program, lights_, {&left, &right}, {.timeout = 30}, {});
+  left.begin(capture, 0);
+  right.begin(capture, 1);
+  capture.start();
+  while (left.labeled < 1) std::this_thread::sleep_for(milliseconds(1));
+  EXPECT_EQ(capture.stop(), 1U);
+  left.end();
+  right.end();
+}
+
 TEST(FrameIds, WrapWithoutZero) {
   FrameIds ids(16);
   EXPECT_FALSE(ids.after_last(65400));
