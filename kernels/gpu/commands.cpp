@@ -12,7 +12,6 @@
 namespace inverse::gpu {
 namespace {
 
-constexpr uint32_t kSetsPerPool = 128;
 constexpr VkAccessFlags kAccess = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
                                   VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT |
                                   VK_ACCESS_INDIRECT_COMMAND_READ_BIT;
@@ -39,7 +38,8 @@ size_t elements_of(Element element, std::span<const std::byte> data) {
 
 }  // namespace
 
-Commands::Commands(std::shared_ptr<Device> device) : device_(std::move(device)) {
+Commands::Commands(std::shared_ptr<Device> device)
+    : device_(std::move(device)), sets_(std::make_shared<DescriptorSets>(device_)) {
   try {
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     pool.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
@@ -72,7 +72,8 @@ Commands::~Commands() {
   if (in_flight_ &&
       vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, timeout) == VK_TIMEOUT) {
     device_->note_unresponsive(true);
-    kept_.push_back(device_);  // the pools, the fence and the queries live as long as it does
+    kept_.push_back(device_);  // the pool, the fence and the queries live as long as it does
+    kept_.push_back(std::move(sets_));
     abandon(std::move(kept_));
     return;
   }
@@ -80,8 +81,6 @@ Commands::~Commands() {
 }
 
 void Commands::release() {
-  for (VkDescriptorPool pool : descriptor_pools_)
-    vkDestroyDescriptorPool(device_->handle(), pool, nullptr);
   if (queries_) vkDestroyQueryPool(device_->handle(), queries_, nullptr);
   if (fence_) vkDestroyFence(device_->handle(), fence_, nullptr);
   if (pool_) vkDestroyCommandPool(device_->handle(), pool_, nullptr);
@@ -96,7 +95,7 @@ void Commands::begin() {
   stage_names_.clear();
   counts_ = {};
   in_when_ = false;
-  for (auto& [layout, of_layout] : sets_) of_layout.used = 0;
+  sets_->begin();
   check(vkResetCommandPool(device_->handle(), pool_, 0), "resetting a command pool");
   VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
@@ -159,42 +158,6 @@ void Commands::barrier_if_needed(Reader reader, VkPipelineStageFlags stages) {
   pending_.clear();
 }
 
-Commands::Descriptors& Commands::descriptors_for(VkDescriptorSetLayout layout) {
-  SetsOfLayout& of_layout = sets_[layout];
-  if (of_layout.used == of_layout.sets.size()) {
-    of_layout.sets.emplace_back();
-    of_layout.sets.back().set = allocate_set(layout);
-  }
-  return of_layout.sets[of_layout.used++];
-}
-
-VkDescriptorSet Commands::allocate_set(VkDescriptorSetLayout layout) {
-  VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
-  info.descriptorSetCount = 1;
-  info.pSetLayouts = &layout;
-  VkDescriptorSet set = VK_NULL_HANDLE;
-  if (!descriptor_pools_.empty()) {
-    info.descriptorPool = descriptor_pools_.back();
-    const VkResult result = vkAllocateDescriptorSets(device_->handle(), &info, &set);
-    if (result == VK_SUCCESS) return set;
-    if (result != VK_ERROR_OUT_OF_POOL_MEMORY && result != VK_ERROR_FRAGMENTED_POOL)
-      check(result, "allocating descriptors");
-  }
-  const VkDescriptorPoolSize sizes[] = {
-      {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kSetsPerPool * Descriptors::kMax},
-      {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, kSetsPerPool * Descriptors::kMax},
-  };
-  VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-  pool.maxSets = kSetsPerPool;
-  pool.poolSizeCount = 2;
-  pool.pPoolSizes = sizes;
-  check(vkCreateDescriptorPool(device_->handle(), &pool, nullptr, &info.descriptorPool),
-        "creating a descriptor pool");
-  descriptor_pools_.push_back(info.descriptorPool);
-  check(vkAllocateDescriptorSets(device_->handle(), &info, &set), "allocating descriptors");
-  return set;
-}
-
 uint32_t Commands::rows_at_once(std::span<const Binding> buffers, uint32_t rows) const {
   constexpr uint32_t kStep = Rows::kStep;
   uint64_t most = rows;
@@ -208,16 +171,12 @@ uint32_t Commands::rows_at_once(std::span<const Binding> buffers, uint32_t rows)
 void Commands::prepare(const KernelPtr& kernel, std::span<const Binding> buffers,
                        std::span<const std::byte> push, Reader reader, const Part& part) {
   const auto slots = kernel->slots();
-  if (buffers.size() != slots.size() || buffers.size() > Descriptors::kMax)
+  if (buffers.size() != slots.size() || buffers.size() > DescriptorSets::kMaxBindings)
     throw Error(ErrorKind::internal, std::string("kernel ") + kernel->name() + " has " +
                                          std::to_string(slots.size()) + " bindings and was given " +
                                          std::to_string(buffers.size()));
   if (kernel->first_use()) device_->count_kernel_used();
-  Descriptors& descriptors = descriptors_for(kernel->set_layout());
-  std::array<Descriptors::Bound, Descriptors::kMax> bound{};
-  VkDescriptorBufferInfo infos[Descriptors::kMax];
-  VkBufferView views[Descriptors::kMax];
-  VkWriteDescriptorSet writes[Descriptors::kMax];
+  std::array<DescriptorSets::Bound, DescriptorSets::kMaxBindings> bound;
   for (uint32_t i = 0; i < slots.size(); ++i) {
     const BufferPtr& buffer = buffers[i].buffer;
     if (!buffer)
@@ -230,11 +189,11 @@ void Commands::prepare(const KernelPtr& kernel, std::span<const Binding> buffers
                                              ": one buffer at bindings " + std::to_string(k) +
                                              " and " + std::to_string(i) +
                                              "; mark it gpu::aliased if intended");
-    infos[i] = {buffer->handle(), 0, buffer->bytes()};
+    bound[i] = {buffer.get(), 0, buffer->bytes()};
     if (buffers[i].by_rows && part.count < part.rows) {
       const uint64_t row = buffer->bytes() / part.rows;
-      infos[i].offset = part.first * row;
-      infos[i].range = part.count * row;
+      bound[i].offset = part.first * row;
+      bound[i].bytes = part.count * row;
     } else if (!slots[i].texel && buffer->bytes() > device_->limits().storage_buffer_bytes) {
       throw Error(ErrorKind::limit, std::string("kernel ") + kernel->name() + " cannot bind " +
                                         std::to_string(buffer->bytes()) +
@@ -243,29 +202,16 @@ void Commands::prepare(const KernelPtr& kernel, std::span<const Binding> buffers
                                         std::to_string(device_->limits().storage_buffer_bytes) +
                                         " bytes; use a smaller frame or another device");
     }
-    bound[i] = {buffer->id(), infos[i].offset, infos[i].range};
-    views[i] = buffer->view();
-    writes[i] = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-    writes[i].dstSet = descriptors.set;
-    writes[i].dstBinding = i;
-    writes[i].descriptorCount = 1;
-    writes[i].descriptorType = descriptor_type(slots[i]);
-    writes[i].pBufferInfo = &infos[i];
-    writes[i].pTexelBufferView = &views[i];
     touch(buffer->handle(), slots[i].reads, slots[i].writes);
     kept_.push_back(buffer);
   }
-  if (descriptors.bound != bound) {
-    vkUpdateDescriptorSets(device_->handle(), static_cast<uint32_t>(slots.size()), writes, 0,
-                           nullptr);
-    descriptors.bound = bound;
-  }
+  VkDescriptorSet set = sets_->get(*kernel, {bound.data(), slots.size()});
   kept_.push_back(kernel);
   barrier_if_needed(reader, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT |
                                 (reader == Reader::any ? VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT : 0));
   vkCmdBindPipeline(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->pipeline());
   vkCmdBindDescriptorSets(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->layout(), 0, 1,
-                          &descriptors.set, 0, nullptr);
+                          &set, 0, nullptr);
   if (!push.empty())
     vkCmdPushConstants(buffer_, kernel->layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
                        static_cast<uint32_t>(push.size()), push.data());

@@ -3,7 +3,6 @@
 #include <vulkan/vulkan.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "buffer.hpp"
+#include "descriptor_sets.hpp"
 #include "frame_ring.hpp"
 #include "kernel.hpp"
 
@@ -220,9 +220,6 @@ class Commands {
                     std::span<const std::byte> push, const BufferPtr& arguments, uint64_t offset);
   void prepare(const KernelPtr& kernel, std::span<const Binding> buffers,
                std::span<const std::byte> push, Reader reader, const Part& part = kWhole);
-  struct Descriptors;
-  Descriptors& descriptors_for(VkDescriptorSetLayout layout);
-  VkDescriptorSet allocate_set(VkDescriptorSetLayout layout);
   void image_layout(VkImage image, VkImageLayout from, VkImageLayout to);
   void read_stages();
   void release();
@@ -232,23 +229,7 @@ class Commands {
   VkCommandBuffer buffer_ = VK_NULL_HANDLE;
   VkFence fence_ = VK_NULL_HANDLE;
   VkQueryPool queries_ = VK_NULL_HANDLE;
-  std::vector<VkDescriptorPool> descriptor_pools_;
-  /// A descriptor set and what is written there: frames are alike, so that most are used again.
-  struct Descriptors {
-    /// A buffer's id, and from where to where it is bound.
-    struct Bound {
-      uint64_t id = 0, offset = 0, range = 0;
-      bool operator==(const Bound&) const = default;
-    };
-    static constexpr uint32_t kMax = 14;
-    VkDescriptorSet set = VK_NULL_HANDLE;
-    std::array<Bound, kMax> bound{};
-  };
-  struct SetsOfLayout {
-    std::vector<Descriptors> sets;
-    size_t used = 0;  // by this recording
-  };
-  std::unordered_map<VkDescriptorSetLayout, SetsOfLayout> sets_;
+  std::shared_ptr<DescriptorSets> sets_;
   std::unordered_map<VkBuffer, Uses> uses_;
   std::vector<Access> pending_;                     // by the command being recorded
   uint32_t command_ = 0;                            // its number
