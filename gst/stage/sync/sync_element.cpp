@@ -443,6 +443,13 @@ void SyncElement::push_out(SyncCamera& camera) {
   const bool ending =
       GST_IS_EVENT(item.object) && GST_EVENT_TYPE(GST_EVENT_CAST(item.object)) == GST_EVENT_EOS;
   const bool is_buffer = GST_IS_BUFFER(item.object);
+  if (is_buffer) {
+    const Lock lock(mutex_);
+    if (camera.flow == GST_FLOW_ERROR) {  // which was posted, and upstream is about to hear of it
+      gst_mini_object_unref(item.object);
+      return;
+    }
+  }
   const GstFlowReturn flow = send(camera, item);
   Lock lock(mutex_);
   if (is_buffer && flow == GST_FLOW_OK) ++camera.sent;

@@ -69,6 +69,28 @@ TEST_F(StageStreams, AStreamMayFollowAnEnd) {
   EXPECT_EQ(count("sent"), 80u);
 }
 
+TEST_F(StageStreams, NoFrameFollowsOneThatFailed) {
+  start_performance();
+  std::atomic<int> sent{0};
+  GstPad* pad = gst_element_get_static_pad(element_, "src_0");
+  gst_pad_add_probe(
+      pad, GST_PAD_PROBE_TYPE_BUFFER,
+      [](GstPad*, GstPadProbeInfo* info, gpointer data) {
+        ++*static_cast<std::atomic<int>*>(data);
+        gst_buffer_unref(GST_PAD_PROBE_INFO_BUFFER(info));
+        GST_PAD_PROBE_INFO_FLOW_RETURN(info) = GST_FLOW_ERROR;
+        return GST_PAD_PROBE_HANDLED;
+      },
+      &sent, nullptr);
+  gst_object_unref(pad);
+  int64_t trigger = -10;  // frames before the marker leave together
+  while (trigger < 100 && push(trigger) == GST_FLOW_OK) ++trigger;
+  EXPECT_EQ(push(trigger), GST_FLOW_ERROR);
+  push_end();
+  EXPECT_TRUE(ends());
+  EXPECT_EQ(sent, 1);
+}
+
 TEST_F(StageStreams, TwoCamerasGoOnTogetherAfterOneWasCovered) {
   LightProgram program = performance(stage_lights(geodesic_directions(42)));
   while (program.steps.size() < 40)
