@@ -82,6 +82,12 @@ class RecolorElement final : public Filter {
                                " selects nothing, as this video comes without base colors; put "
                                "globalintrinsic or globalintrinsicthesis in the place of the "
                                "decomposer before it, or recolor by key or cluster");
+    if (params.base < 0 && params.cluster >= params.clusters &&
+        std::exchange(reported_cluster_, params.cluster) != params.cluster)
+      frame.warnings.push_back("cluster=" + std::to_string(params.cluster) +
+                               " of clusters=" + std::to_string(params.clusters) +
+                               " selects nothing: clusters are counted from 0; raise clusters, or "
+                               "choose one that stats list");
     const uint32_t before = frame.commands.dispatches();
     recolor_->record(frame.commands, frame.layers, params);
     const bool worked = frame.commands.dispatches() > before;
@@ -113,7 +119,8 @@ class RecolorElement final : public Filter {
  private:
   Parameters<Params> parameters_{table()};
   std::optional<Recolor> recolor_;
-  bool reported_ = false;  // that there are no base colors
+  bool reported_ = false;      // that there are no base colors
+  int reported_cluster_ = -1;  // that is beyond the last one
   /// The clusters of a frame, for its stats.
   struct Copy {
     gpu::BufferPtr colors;

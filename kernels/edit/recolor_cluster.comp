@@ -12,7 +12,8 @@ PLANE_IN(5, palette);  // Palette::colors()
 void main() {
   uvec2 at = uvec2(gl_GlobalInvocationID.x, push.first_row + gl_GlobalInvocationID.y * kRows);
   if (at.x >= push.size.x) return;
-  int chosen = int(FETCH(palette, push.cluster).w);  // the cluster it was merged into; −1: it has no pixels
+  // The cluster it was merged into; −1: it has no pixels, or was not searched for.
+  int chosen = push.cluster < push.clusters ? int(FETCH(palette, push.cluster).w) : -1;
   vec4 color = FETCH(palette, kMaxClusters + max(chosen, 0));
   float key_value = mean3(exp(color.rgb)) + kValueFloor;
 

@@ -153,6 +153,10 @@ TEST(Recolor, AClusterIsRecoloredByItsIndex) {
     right |= in_right;
   }
   EXPECT_TRUE(left && right) << "a color belongs to no cluster";
+  EXPECT_TRUE(harness.warnings().empty());
+  g_object_set(recolor, "cluster", 7, nullptr);
+  for (int i = 0; i < 3; ++i) harness.process(frame);
+  expect_one(harness.warnings(), "cluster=7 of clusters=4 selects nothing");
   GstStructure* stats = nullptr;
   g_object_get(recolor, "stats", &stats, nullptr);
   const GValue* clusters = gst_structure_get_value(stats, "clusters");

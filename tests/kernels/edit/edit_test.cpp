@@ -233,6 +233,11 @@ TEST_F(EditTest, ClusterRecolorsItsStripeOnly) {
     found[stripe] = true;
   }
   EXPECT_EQ(found, std::vector<bool>(colors.size(), true));
+  for (params.cluster = params.clusters; params.cluster < 12; ++params.cluster) {
+    Layers frame = layers(extent, pixels);
+    record(recolor, frame, params);
+    EXPECT_EQ(download(frame[Role::intrinsic]), pixels) << "a cluster that was not searched for";
+  }
 }
 
 TEST_F(EditTest, ClusterSelectionAgreesWithReference) {
