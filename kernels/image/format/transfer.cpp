@@ -57,7 +57,7 @@ double encode_hlg(double light) {
   throw Error(ErrorKind::unsupported,
               std::string("the transfer function ") + name +
                   " is not supported; convert to BT.709 or sRGB first, for example with "
-                  "videoconvert and caps such as video/x-raw,colorimetry=bt709");
+                  "videoconvert gamma-mode=remap and caps such as video/x-raw,colorimetry=bt709");
 }
 
 }  // namespace
