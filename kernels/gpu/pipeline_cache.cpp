@@ -54,14 +54,9 @@ bool suits(const std::string& data, const VkPhysicalDeviceProperties& properties
 }  // namespace
 
 PipelineCache::PipelineCache(VkDevice device, const VkPhysicalDeviceProperties& properties)
-    : device_(device) {
-  std::string data;
-  if (const fs::path in = folder_for(properties); !in.empty()) {
-    file_ = in / name_for(properties);
-    std::string fault;  // such a file is ignored
-    data = read_file(file_.string(), kLargest, fault);
-    if (!suits(data, properties)) data.clear();
-  }
+    : device_(device), properties_(properties) {
+  if (const fs::path in = folder_for(properties); !in.empty()) file_ = in / name_for(properties);
+  const std::string data = read_data();
   read_ = data.size();
   VkPipelineCacheCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
   info.initialDataSize = data.size();
@@ -69,15 +64,37 @@ PipelineCache::PipelineCache(VkDevice device, const VkPhysicalDeviceProperties& 
   check(vkCreatePipelineCache(device_, &info, nullptr, &cache_), "creating a pipeline cache");
 }
 
+std::string PipelineCache::read_data() const {
+  if (file_.empty()) return {};
+  std::string fault;  // such a file is ignored
+  std::string data = read_file(file_.string(), kLargest, fault);
+  return suits(data, properties_) ? data : std::string();
+}
+
 PipelineCache::~PipelineCache() {
   if (!file_.empty()) save();
   vkDestroyPipelineCache(device_, cache_, nullptr);
+}
+
+/// Adds the kernels that other devices of the process, or other processes, have written meanwhile.
+void PipelineCache::merge_file() const {
+  const std::string data = read_data();
+  if (data.size() <= read_) return;
+  VkPipelineCacheCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
+  info.initialDataSize = data.size();
+  info.pInitialData = data.data();
+  VkPipelineCache written = VK_NULL_HANDLE;
+  if (vkCreatePipelineCache(device_, &info, nullptr, &written) != VK_SUCCESS) return;
+  vkMergePipelineCaches(device_, cache_, 1, &written);
+  vkDestroyPipelineCache(device_, written, nullptr);
 }
 
 void PipelineCache::save() const {
   size_t size = 0;
   if (vkGetPipelineCacheData(device_, cache_, &size, nullptr) != VK_SUCCESS || size <= read_)
     return;
+  merge_file();
+  if (vkGetPipelineCacheData(device_, cache_, &size, nullptr) != VK_SUCCESS) return;
   std::vector<char> data(size);
   if (vkGetPipelineCacheData(device_, cache_, &size, data.data()) != VK_SUCCESS) return;
   // Renamed when complete: other processes never read half a file.

@@ -3,6 +3,7 @@
 #include <vulkan/vulkan.h>
 
 #include <filesystem>
+#include <string>
 
 namespace inverse::gpu {
 
@@ -20,9 +21,13 @@ class PipelineCache {
   VkPipelineCache handle() const { return cache_; }
 
  private:
+  /// What the file has; empty if that is not of this device and driver.
+  std::string read_data() const;
+  void merge_file() const;
   void save() const;
 
   VkDevice device_;
+  VkPhysicalDeviceProperties properties_;
   VkPipelineCache cache_ = VK_NULL_HANDLE;
   std::filesystem::path file_;  // empty: none
   size_t read_ = 0;             // bytes that the file had
