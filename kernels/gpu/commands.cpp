@@ -110,7 +110,7 @@ void Commands::begin() {
 
 void Commands::barrier(Reader reader) {
   VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
-  const VkPipelineStageFlags before = reader == Reader::any ? kStages : unseen_stages_;
+  VkPipelineStageFlags before = reader == Reader::any ? kStages : unseen_stages_;
   if (before & VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT)
     barrier.srcAccessMask |= VK_ACCESS_SHADER_WRITE_BIT;
   if (before & VK_PIPELINE_STAGE_TRANSFER_BIT)
@@ -123,6 +123,7 @@ void Commands::barrier(Reader reader) {
     if (device_->variant().conditional) {
       barrier.dstAccessMask |= VK_ACCESS_CONDITIONAL_RENDERING_READ_BIT_EXT;
       after |= VK_PIPELINE_STAGE_CONDITIONAL_RENDERING_BIT_EXT;
+      before |= VK_PIPELINE_STAGE_CONDITIONAL_RENDERING_BIT_EXT;  // a condition that is overwritten
     }
     seen_by_any_ = command_;
   }
@@ -210,8 +211,8 @@ void Commands::prepare(const KernelPtr& kernel, std::span<const Binding> buffers
   barrier_if_needed(reader, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT |
                                 (reader == Reader::any ? VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT : 0));
   vkCmdBindPipeline(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->pipeline());
-  vkCmdBindDescriptorSets(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->layout(), 0, 1,
-                          &set, 0, nullptr);
+  vkCmdBindDescriptorSets(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->layout(), 0, 1, &set, 0,
+                          nullptr);
   if (!push.empty())
     vkCmdPushConstants(buffer_, kernel->layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
                        static_cast<uint32_t>(push.size()), push.data());
