@@ -252,7 +252,7 @@ void Device::read_properties() {
   };
   variant_.workgroup = lanes("INVERSE_WORKGROUP", is_cpu_ ? 64 : 128);
   variant_.lone_workgroup = lanes("INVERSE_LONE_WORKGROUP", is_cpu_ ? 32 : 256);
-  set_timeout(environment_number("INVERSE_TIMEOUT", is_cpu_ ? 30 : 10, 86400));
+  set_timeout(std::max(environment_number("INVERSE_TIMEOUT", is_cpu_ ? 30 : 10, 86400), 1U));
   pipeline_cache_.emplace(handles_.device, properties);
   lose_at_ = environment_number("INVERSE_LOSE_DEVICE", 0, UINT32_MAX);
 }

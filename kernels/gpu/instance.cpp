@@ -107,17 +107,20 @@ Instance::Instance() {
   info.ppEnabledExtensionNames = extensions.data();
   const VkResult result = vkCreateInstance(&info, nullptr, &handle_);
   if (result == VK_ERROR_LAYER_NOT_PRESENT)
-    throw Error(
-        ErrorKind::no_device,
-        "INVERSE_VALIDATION=1 asks for the Vulkan validation layer, which is not installed "
-        "(Debian: vulkan-validationlayers)");
+    throw Error(ErrorKind::no_device,
+                "INVERSE_VALIDATION=1 asks for the Vulkan validation layer, which is not installed "
+                "(Debian: vulkan-validationlayers)");
+  if (result == VK_ERROR_EXTENSION_NOT_PRESENT && validating)
+    throw Error(ErrorKind::no_device,
+                "INVERSE_VALIDATION=1 asks for a Vulkan validation layer that has "
+                "VK_EXT_validation_features; install a newer one");
   if (result != VK_SUCCESS)
     throw Error(
         ErrorKind::no_device,
         "no Vulkan driver could be loaded; install one (Debian: mesa-vulkan-drivers) or check "
         "VK_ICD_FILENAMES; VK_LOADER_DEBUG=all prints what was tried");
   if (validating) {
-    // The one above hears what is wrong with the instance itself, this one all the rest.
+    // The one above gets messages about the instance itself, this one all others.
     const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
         vkGetInstanceProcAddr(handle_, "vkCreateDebugUtilsMessengerEXT"));
     messenger.pNext = nullptr;
@@ -138,6 +141,11 @@ std::vector<VkPhysicalDevice> Instance::devices() const {
   std::vector<VkPhysicalDevice> all(count);
   if (count) vkEnumeratePhysicalDevices(handle_, &count, all.data());
   all.resize(count);
+  std::erase_if(all, [](VkPhysicalDevice device) {
+    VkPhysicalDeviceProperties properties;
+    vkGetPhysicalDeviceProperties(device, &properties);
+    return properties.apiVersion < VK_API_VERSION_1_1;
+  });
   return all;
 }
 
@@ -157,10 +165,11 @@ std::string name_of(VkPhysicalDevice device) {
 
 size_t choose(const std::vector<VkPhysicalDevice>& devices, const std::string& select) {
   if (devices.empty())
-    throw Error(ErrorKind::no_device,
-                "no Vulkan device found; install a driver (Debian: mesa-vulkan-drivers brings the "
-                "software device "
-                "lavapipe) or check VK_ICD_FILENAMES");
+    throw Error(
+        ErrorKind::no_device,
+        "no device with Vulkan 1.1 found; install a driver (Debian: mesa-vulkan-drivers brings the "
+        "software device "
+        "lavapipe) or check VK_ICD_FILENAMES");
   if (select.empty()) {
     size_t best = 0;
     for (size_t i = 1; i < devices.size(); ++i)

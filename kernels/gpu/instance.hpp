@@ -22,6 +22,7 @@ class Instance {
   ~Instance();
 
   VkInstance handle() const { return handle_; }
+  /// Those that have Vulkan 1.1.
   std::vector<VkPhysicalDevice> devices() const;
 
  private:
