@@ -307,8 +307,9 @@ void FilterElement::run_frame(GstBuffer* in, GstBuffer* out,
                     "vulkanupload between");
   if (!configured_ || device != device_) configure(device);
   Slot& slot = slots_[next_slot_];
-  ++next_slot_;
   finish(slot);
+  wait(slot, "for a frame that a flush ended");  // of which nobody waited for the end
+  ++next_slot_;
   slot.commands->time_stages(stats_read_ ||
                              gst_debug_category_get_threshold(log_.category) >= GST_LEVEL_DEBUG);
   slot.commands->begin();
