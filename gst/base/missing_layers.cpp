@@ -51,25 +51,33 @@ bool takes_layers(GstPad* sink, GstCaps* layers) {
   return !gst_caps_is_empty(taken.get());
 }
 
-/// The element that refuses layers which come in at `sink`: its own, or one further down a branch.
-/// `known` leads to who takes them.
-ElementPtr refusing(GstPad* sink, GstPad* known, GstCaps* layers, int distance = 0) {
+/// Who refuses layers in a branch: the last element that does, and the first one there that is no
+/// queue or the like.
+struct Refusal {
+  ElementPtr element, first;
+};
+
+/// So for layers that come in at `sink`. `known` leads to who takes them.
+Refusal refusing(GstPad* sink, GstPad* known, GstCaps* layers, int distance = 0) {
   if (distance < kFarthest)
     for (const PadPtr& src : pads_behind(sink)) {
       if (src.get() == known) continue;
       const PadPtr next = linked_pad(src.get());
-      if (next && !takes_layers(next.get(), layers))
-        return refusing(next.get(), nullptr, layers, distance + 1);
+      if (!next || takes_layers(next.get(), layers)) continue;
+      Refusal found = refusing(next.get(), nullptr, layers, distance + 1);
+      if (!takes_anything(sink)) found.first = element_of_pad(sink);
+      return found;
     }
-  return element_of_pad(sink);
+  return {element_of_pad(sink), element_of_pad(sink)};
 }
 
 /// What is found upstream of an element.
 struct Found {
-  ElementPtr maker;            ///< makes layers from pictures
-  CapsPtr made;                ///< these layers
-  ElementPtr composer;         ///< makes pictures of layers, nearer than any maker
-  ElementPtr refuses, splits;  ///< takes no layers; the element whose branch that is in, or null
+  ElementPtr maker;     ///< makes layers from pictures
+  CapsPtr made;         ///< these layers
+  ElementPtr composer;  ///< makes pictures of layers, nearer than any maker
+  Refusal refusal;      ///< of layers, if they are refused
+  ElementPtr splits;    ///< the element whose branch that is in, or null
 };
 
 Found search(GstPad* sink, GstCaps* layers) {
@@ -94,9 +102,9 @@ Found search(GstPad* sink, GstCaps* layers) {
       found.composer = std::move(element);
       break;
     }
-    if (!found.refuses && !takes_layers(at.get(), layers)) {
-      found.refuses = refusing(at.get(), src.get(), layers);
-      if (found.refuses != element) found.splits = std::move(element);
+    if (!found.refusal.element && !takes_layers(at.get(), layers)) {
+      found.refusal = refusing(at.get(), src.get(), layers);
+      if (found.refusal.element != element) found.splits = std::move(element);
     }
   }
   return found;
@@ -153,10 +161,11 @@ std::string missing_layers(GstPad* sink, const char* accepts, const char* maker)
   }
   if (found.splits)
     return start + ", and " + made_by + " sends pictures, because " +
-           label_of(found.refuses.get()) + " in another branch of " + label_of(found.splits.get()) +
-           " takes nothing else; put intrinsiccompose before " + label_of(found.refuses.get());
-  if (found.refuses)
-    return start + ", and " + label_of(found.refuses.get()) + " between " + made_by +
+           label_of(found.refusal.element.get()) + " in another branch of " +
+           label_of(found.splits.get()) + " takes nothing else; put intrinsiccompose before " +
+           label_of(found.refusal.first.get());
+  if (found.refusal.element)
+    return start + ", and " + label_of(found.refusal.element.get()) + " between " + made_by +
            " and it takes pictures only; remove it, or move it behind intrinsiccompose";
   return start + ", and " + made_by +
          " before it sends pictures; put nothing between the two that takes pictures or other "

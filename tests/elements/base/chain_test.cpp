@@ -159,6 +159,10 @@ TEST_F(Chains, EditorsWithoutLayersNameWhatTookThem) {
        "video/x-raw,format=RGBA ! fakesink t. ! queue ! intrinsicrecolor ! intrinsiccompose",
        {"intrinsicrecolor works on layers", "first (intrinsicdecomp) sends pictures", "capsfilter",
         "another branch of t (tee)", "put intrinsiccompose before"}},
+      {"intrinsicdecomp name=first ! tee name=t t. ! queue ! intrinsiccompose ! fakesink "
+       "t. ! queue ! videoscale name=scales ! video/x-raw,width=32,height=24 ! fakesink "
+       "t. ! queue ! intrinsicrecolor ! intrinsiccompose",
+       {"capsfilter", "put intrinsiccompose before scales (videoscale)"}},
       {"intrinsicdecomp name=first ! tee name=t t. ! queue ! pngenc name=other ! fakesink "
        "t. ! queue ! intrinsicsplit name=s s.shading ! queue",
        {"intrinsicsplit works on layers", "because other (pngenc) in another branch of t (tee)"}},
