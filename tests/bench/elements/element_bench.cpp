@@ -262,7 +262,11 @@ void measure(const Subject& subject, Size size, const std::vector<GstBuffer*>& c
       figures.error = error_on(bus);
       if (figures.error.empty()) figures.error = gst_flow_get_name(flow);
     }
-    if (!out) break;
+    if (!out) {
+      if (figures.error.empty()) figures.error = error_on(bus);
+      if (figures.error.empty()) figures.error = "no frame came out within a minute";
+      break;
+    }
     gst_buffer_unref(out);
     if (i == 0) figures.first.push_back(milliseconds(Clock::now() - start));
     if (i < 3) continue;  // start, and the first frames of a video

@@ -135,7 +135,7 @@ std::string run(std::vector<std::string> command, const std::function<void(std::
   return code > 0 ? ": exit status " + std::to_string(code) : "";
 }
 
-/// Names of the tests that a filter selects. A program that cannot tell counts as failed.
+/// Names of the tests that a filter selects. A program that lists none counts as failed.
 Names list_tests(std::vector<std::string> command, const std::string& filter, Results& results) {
   command.insert(command.end(), {"--gtest_list_tests", "--gtest_filter=" + filter});
   Names names;
@@ -162,8 +162,14 @@ void run_tests(std::vector<std::string> command, const Names& names, Results& re
     const int failed = reader.failed();
     std::string why = run(command, [&](const std::string& line) { reader.read(line); });
     if (why == kFailed && reader.failed() > failed) why.clear();
-    if (why.empty() || !reader.close(why)) return;
     rest = reader.rest_of(names);
+    if (!why.empty() && reader.close(why)) {
+      rest = reader.rest_of(names);
+      continue;
+    }
+    for (const std::string& name : rest)
+      results.add(&Results::failed, "FAILED " + name + ": did not run", "");
+    return;
   }
 }
 
