@@ -35,12 +35,10 @@ uint32_t claim(const MarkedRegions::Region& region, bool continued) {
 MarkedRegions::MarkedRegions(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : device_(device),
       extent_(extent),
-      start_(device),
-      join_(device),
+      components_(device, extent),
       probe_(device),
       click_(device),
       mark_(device),
-      roots_(gpu::Buffer::create(device, gpu::Element::word, extent.pixels())),
       claims_(gpu::Buffer::create(device, gpu::Element::word, extent.pixels())),
       plane_(gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels())),
       clusters_(gpu::Buffer::create(device, gpu::Element::word, kNumbers)),
@@ -141,15 +139,14 @@ void MarkedRegions::record(gpu::Commands& commands, const Plane& features) {
   }
   waiting_.clear();
 
-  commands.dispatch(start_, {.roots = roots_}, push, pixels);
-  commands.dispatch(join_, {.features = features.buffer, .roots = roots_}, push, pixels);
+  components_.record(commands, features.buffer);
   commands.fill(claims_);
   commands.fill(counts_);
   commands.dispatch(probe_,
                     {.features = features.buffer,
                      .regions = plane_,
                      .clusters = clusters_,
-                     .roots = roots_,
+                     .roots = components_.roots(),
                      .claims = claims_,
                      .orders = frame.orders,
                      .counts = counts_},
@@ -160,14 +157,14 @@ void MarkedRegions::record(gpu::Commands& commands, const Plane& features) {
                       {.features = features.buffer,
                        .orders = frame.orders,
                        .clusters = clusters_,
-                       .roots = roots_,
+                       .roots = components_.roots(),
                        .claims = claims_},
                       push, {kMaxClicks});
   }
   commands.dispatch(mark_,
                     {.claims = claims_,
                      .orders = frame.orders,
-                     .roots = roots_,
+                     .roots = components_.roots(),
                      .regions = plane_,
                      .counts = counts_},
                     push, pixels);

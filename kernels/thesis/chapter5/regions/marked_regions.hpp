@@ -6,9 +6,8 @@
 #include <vector>
 
 #include "kernels/gpu/commands.hpp"
+#include "kernels/image/components/components.hpp"
 #include "kernels/image/plane.hpp"
-#include "kernels/thesis_chapter5_regions_components_join.spv.hpp"
-#include "kernels/thesis_chapter5_regions_components_start.spv.hpp"
 #include "kernels/thesis_chapter5_regions_regions_click.spv.hpp"
 #include "kernels/thesis_chapter5_regions_regions_mark.spv.hpp"
 #include "kernels/thesis_chapter5_regions_regions_probe.spv.hpp"
@@ -102,12 +101,11 @@ class MarkedRegions {
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;
-  gpu::Program<shaders::thesis_chapter5_regions_components_start> start_;
-  gpu::Program<shaders::thesis_chapter5_regions_components_join> join_;
+  Components components_;
   gpu::Program<shaders::thesis_chapter5_regions_regions_probe> probe_;
   gpu::Program<shaders::thesis_chapter5_regions_regions_click> click_;
   gpu::Program<shaders::thesis_chapter5_regions_regions_mark> mark_;
-  gpu::BufferPtr roots_, claims_, plane_, clusters_, counts_;
+  gpu::BufferPtr claims_, plane_, clusters_, counts_;
   gpu::FrameRing<Frame> frames_;
   std::vector<Region> regions_;  // by number
   std::vector<Click> waiting_;   // for the next frame

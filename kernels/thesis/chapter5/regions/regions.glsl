@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Regions that were assigned to a wrong base color (thesis, 5.5.2.1), filled over cluster ids. Connected components of equal
-// cluster, 4-connected, by union-find (Playne and Hawick, A New Algorithm for Parallel Connected-Component Labelling on
-// GPUs, IEEE TPDS 29(6), 2018): every pixel's word leads to a pixel of lower index in its component, the root to itself.
-// A region is the union of the components that its clicked pixel lies in, or, one frame on, those of its pixels that still
+// Regions that were assigned to a wrong base color (thesis, 5.5.2.1), filled over connected components of equal cluster. A region is the union of the components that its clicked pixel lies in, or, one frame on, those of its pixels that still
 // have its cluster.
 
 const int kMaxRegions = 16;  // with number 0, which is none

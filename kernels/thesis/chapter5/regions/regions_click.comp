@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "regions.glsl"
 #define ROOTS_SLOT 3
-#include "components.glsl"
+#include "image/components/components.glsl"
 
 // One invocation for each click: the component under it becomes a region with its cluster, also if it is in one already.
 PLANE_IN(0, features);

@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "regions.glsl"
 #define ROOTS_SLOT 2
-#include "components.glsl"
+#include "image/components/components.glsl"
 
 // The regions of this frame, (slot of the base color that overrules or −1, number or 0), and their pixels counted.
 WORD_IN(0, claims);

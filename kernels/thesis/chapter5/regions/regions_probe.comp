@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "regions.glsl"
 #define ROOTS_SLOT 3
-#include "components.glsl"
+#include "image/components/components.glsl"
 
 // Tracking: a pixel that was in a region and still has its cluster claims its component for it.
 PLANE_IN(0, features);

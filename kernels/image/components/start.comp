@@ -2,10 +2,10 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "regions.glsl"
 
 // Every pixel is its own component.
 WORD_OUT(0, roots);
+layout(push_constant) uniform Push { ivec2 size; } push;
 
 void main() {
   if (gl_GlobalInvocationID.x >= uint(push.size.x)) return;
