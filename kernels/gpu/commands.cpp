@@ -161,12 +161,12 @@ void Commands::barrier_if_needed(Reader reader, VkPipelineStageFlags stages) {
 
 uint32_t Commands::rows_at_once(std::span<const Binding> buffers, uint32_t rows) const {
   constexpr uint32_t kStep = Rows::kStep;
-  uint64_t most = rows;
+  uint64_t at_once = rows;
   for (const Binding& binding : buffers)
     if (binding.by_rows && binding.buffer->bytes() > device_->limits().window_bytes)
-      most = std::min(
-          most, device_->limits().window_bytes / (binding.buffer->bytes() / rows) / kStep * kStep);
-  return most >= rows ? rows : std::max(static_cast<uint32_t>(most), kStep);
+      at_once = std::min(at_once, device_->limits().window_bytes /
+                                      (binding.buffer->bytes() / rows) / kStep * kStep);
+  return at_once >= rows ? rows : std::max(static_cast<uint32_t>(at_once), kStep);
 }
 
 void Commands::prepare(const KernelPtr& kernel, std::span<const Binding> buffers,
