@@ -366,7 +366,8 @@ Layers GlobalIntrinsic::record_light(gpu::Commands& commands, const PlanePtr& in
   }
 
   // The input of the solve changes in tiles beside changed ones, too.
-  ScaledIntrinsic::FrameInfo solve{.repeated = info.repeated, .light = colored_light()};
+  ScaledIntrinsic::FrameInfo solve{
+      .repeated = info.repeated, .light = colored_light(), .strokes = info.strokes};
   if (plan_.reused()) solve.changed = planner_.tiles();
   Layers layers = solve_.record(commands, neutral_input, params, solve);
   const PlanePtr light = record_direct(commands, neutral_input, tau, layers);

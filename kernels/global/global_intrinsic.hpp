@@ -81,6 +81,7 @@ class GlobalIntrinsic {
     /// As in IntrinsicDecomposition::FrameInfo.
     std::span<const uint8_t> changed = {};
     bool repeated = false;
+    StrokesPtr strokes = {};
   };
   struct Stats {
     ScaledIntrinsic::Stats solve;

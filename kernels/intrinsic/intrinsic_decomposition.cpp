@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include "kernels/gpu/reduce.hpp"
@@ -24,6 +25,7 @@ struct Numbers {
   std::array<float, 4> progress, cut_decision, scale, binding, gates, slope;
   std::array<std::array<float, 4>, Guide::kStatisticsSize> statistics, kept_statistics;
   uint32_t active, evaluated, moving;
+  std::array<std::array<float, 4>, kMaxStrokes> strokes;
 };
 constexpr float kAllTiles = -1;  // the tolerance that lists all
 static_assert(Planner::kMeanDrift == shaders::intrinsic_prior_change::kMeanDrift);
@@ -35,6 +37,7 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       extent_(extent),
       planes_(device_, extent),
       guide_(device_, extent),
+      strokes_(device_, extent),
       prior_(device_, extent),
       anchor_(device_, extent),
       bins_(device_, guide_.cell_extent()),
@@ -146,7 +149,7 @@ void IntrinsicDecomposition::make_plan(const Params& params, const FrameInfo& in
   std::optional<Planner::Found> found;
   if (recorded_ >= reports_.size()) found = findings(recorded_ - reports_.size());
   const Params problem = problem_of(params);
-  if (!has_history_ || problem != params_) planner_.restart();
+  if (!has_history_ || other_strokes_ || problem != params_) planner_.restart();
   params_ = problem;
   if (!start_layers_) continues_ = plan_.history;
   plan_ = planner_.next({.adaptive = params.adaptive,
@@ -156,7 +159,7 @@ void IntrinsicDecomposition::make_plan(const Params& params, const FrameInfo& in
                          .cut_fraction = params.anchor.cut_fraction,
                          .cycles = params.cycles,
                          .warm_cycles = params.warm_cycles},
-                        {.history = has_history_,
+                        {.history = has_history_ && !other_strokes_,
                          .warm_start = start_layers_ != nullptr,
                          .layers_reusable = last_ != nullptr,
                          .repeated = info.repeated,
@@ -167,6 +170,7 @@ void IntrinsicDecomposition::make_plan(const Params& params, const FrameInfo& in
 Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& input,
                                       const Params& params, const FrameInfo& info) {
   if (info.reset) reset();
+  take_strokes(commands, info);
   make_plan(params, info);
   list_tiles(commands, params);
   if (info.light) info.light->record_move(commands, plan_.tiles());
@@ -176,6 +180,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   evaluate_edges(commands, params);
   assemble(commands, params.anchor);
   solve(commands, params);
+  strokes_.record_residuals(commands, guide_, multigrid_.field());
   find_scale(commands, params, info.light);
   const PlanePtr slope = info.light ? info.light->record_slope(commands, scale_.value()) : nullptr;
   const PlanePtr intrinsic = write_layers(commands, input, params, slope);
@@ -183,12 +188,35 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   commands.stage("layers");
   active_.advance(plan_.tiles());
   last_ = plan_.whole() ? nullptr : intrinsic;
+  if (strokes_.unfilled()) unfilled_ = intrinsic;
   has_history_ = true;
   start_layers_.reset();
   commands.keep(input);
   commands.keep(intrinsic);
   if (slope) commands.keep(slope);
   return intrinsic_layers(input, intrinsic, slope);
+}
+
+void IntrinsicDecomposition::take_strokes(gpu::Commands& commands, const FrameInfo& info) {
+  other_strokes_ = info.strokes != drawn_strokes_ ||
+                   (std::exchange(redraw_strokes_, false) && !strokes_.empty());
+  if (other_strokes_) {
+    drawn_strokes_ = info.strokes;
+    strokes_.set(commands, drawn_strokes_);
+  } else if (unfilled_) {
+    strokes_.fill(commands, unfilled_->buffer);
+    commands.keep(unfilled_);
+    other_strokes_ = true;
+  }
+  unfilled_.reset();
+  if (other_strokes_) commands.stage("strokes");
+}
+
+EdgePrior::Target IntrinsicDecomposition::prior_target() const {
+  return {.system = multigrid_.system(),
+          .flux = flux_,
+          .value = value_,
+          .strokes = strokes_.empty() ? nullptr : &strokes_};
 }
 
 void IntrinsicDecomposition::list_tiles(gpu::Commands& commands, const Params& params) {
@@ -202,8 +230,8 @@ void IntrinsicDecomposition::list_tiles(gpu::Commands& commands, const Params& p
 void IntrinsicDecomposition::evaluate_edges(gpu::Commands& commands, const Params& params) {
   EdgePrior::Params prior = params.prior;
   if (!plan_.bins) prior.chroma_weight = 0;
-  const EdgePrior::Target target{.system = multigrid_.system(), .flux = flux_, .value = value_};
-  if (!has_history_) prior_.reset();
+  const EdgePrior::Target target = prior_target();
+  if (!has_history_ || other_strokes_) prior_.reset();
   switch (plan_.edges) {
     case Plan::Edges::tiles:
       prior_.record_tiles(commands, guide_, target, prior, active_.list());
@@ -299,6 +327,7 @@ void IntrinsicDecomposition::record_report(gpu::Commands& commands, const Params
                                            const PlanePtr& slope) {
   Report& report = reports_[recorded_++];
   report.colored = slope != nullptr;
+  report.strokes = strokes_.count();
   report.stats = {plan_, multigrid_.depth(), prior_.tiles(), params.tolerances};
   if (!report.found)
     report.found = gpu::Buffer::create(device_, gpu::Element::word,
@@ -325,6 +354,10 @@ void IntrinsicDecomposition::record_report(gpu::Commands& commands, const Params
     copy(guide_.statistics(), &Numbers::statistics);
     copy(prior_.kept_statistics(), &Numbers::kept_statistics);
   }
+  if (!strokes_.empty())
+    parts.push_back({.source = strokes_.residuals(),
+                     .bytes = strokes_.count() * sizeof(Numbers::strokes[0]),
+                     .target_offset = offsetof(Numbers, strokes)});
   commands.copy(parts, report.found);
 }
 
@@ -348,6 +381,8 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
     findings.cut = numbers.cut_decision[Cut::CUT_ANCHORED] == 0;
   }
   findings.scale = numbers.scale[0];
+  for (size_t i = 0; i < of.strokes; ++i)
+    findings.strokes.push_back(Strokes::rms_of(numbers.strokes[i]));
   if (of.colored) {
     using Light = shaders::intrinsic_light_color_white;
     findings.slope = numbers.slope[Light::SLOPE_K];

@@ -13,6 +13,7 @@
 #include "kernels/intrinsic/multigrid/multigrid.hpp"
 #include "kernels/intrinsic/output/output_scale.hpp"
 #include "kernels/intrinsic/prior/edge_prior.hpp"
+#include "kernels/intrinsic/strokes/strokes.hpp"
 #include "kernels/intrinsic/temporal/temporal_anchor.hpp"
 #include "kernels/intrinsic/tiles/active_tiles.hpp"
 #include "kernels/intrinsic_energy_assemble.spv.hpp"
@@ -52,6 +53,7 @@ class IntrinsicDecomposition {
     std::span<const uint8_t> changed = {};
     bool repeated = false;        ///< the picture is that of the frame before, bit by bit
     SceneLight* light = nullptr;  ///< what it measured of this frame; null: light is gray
+    StrokesPtr strokes = {};      ///< of the user; other ones than before start the solve anew
   };
   struct Stats {
     Plan plan;
@@ -77,12 +79,16 @@ class IntrinsicDecomposition {
     has_history_ = false;
     start_layers_.reset();
     last_.reset();
+    unfilled_.reset();
+    redraw_strokes_ = true;
   }
   /// Makes the next frame continue what `other`, of another size on the same device, has just found
   /// of that frame, its scale and the state of its anchor included. `intrinsic` is the result of
   /// `other` (R.rgb, S), resampled to this size.
   void continue_from(gpu::Commands& commands, const IntrinsicDecomposition& other,
                      PlanePtr intrinsic);
+  /// Whether the next frame extends strokes to surroundings of similar reflectance.
+  bool fills() const { return unfilled_ != nullptr; }
   /// Frames recorded since construction: the last one's number is one less.
   uint64_t recorded() const { return recorded_; }
   /// Of one of the last kFramesInFlight frames.
@@ -95,6 +101,8 @@ class IntrinsicDecomposition {
     float slope = 0;             ///< of the color of light; 0: gray
     float slope_confidence = 1;  ///< 0…1
     SceneLight::Did slope_found = SceneLight::Did::reused;
+    /// Of each stroke, rms ln shading or ln reflectance from its mean.
+    std::vector<float> strokes;
   };
   /// Of one of the last kFramesInFlight frames, once its Commands have been waited for.
   Findings findings(uint64_t frame) const;
@@ -105,12 +113,16 @@ class IntrinsicDecomposition {
   struct Report {
     Stats stats;
     bool colored = false;  // light
+    uint32_t strokes = 0;  // how many
     gpu::BufferPtr found;  // Numbers
   };
   const Report& report(uint64_t frame) const { return reports_[frame]; }
+  /// What the prior writes, and the strokes that change it.
+  EdgePrior::Target prior_target() const;
   /// The list of tiles that stages run on; null: on all.
   const TileList* list() const { return plan_.tiles() ? &active_.list() : nullptr; }
   // The parts of `record`, in its order.
+  void take_strokes(gpu::Commands& commands, const FrameInfo& info);
   void make_plan(const Params& params, const FrameInfo& info);
   void list_tiles(gpu::Commands& commands, const Params& params);
   void start_from_layers(gpu::Commands& commands, const PlanePtr& input);
@@ -128,6 +140,7 @@ class IntrinsicDecomposition {
   Extent extent_;
   PlanePool planes_;
   Guide guide_;
+  Strokes strokes_;
   EdgePrior prior_;
   TemporalAnchor anchor_;
   ChromaBins bins_;
@@ -144,11 +157,15 @@ class IntrinsicDecomposition {
   gpu::BufferPtr flux_, value_, terms_, start_, gate_sums_, gate_total_;
   gpu::FrameRing<Report> reports_;
   uint64_t recorded_ = 0;
-  bool has_history_ = false;  // there is a frame before
-  bool continues_ = false;    // which had one before it
-  PlanePtr start_layers_;     // to start from, of another resolution
-  Params params_;             // that the frames so far were found with
-  bool cleared_ = false;      // unused slots of sums
+  bool has_history_ = false;     // there is a frame before
+  bool continues_ = false;       // which had one before it
+  PlanePtr start_layers_;        // to start from, of another resolution
+  StrokesPtr drawn_strokes_;     // that `strokes_` has
+  bool other_strokes_ = false;   // than the frame before
+  bool redraw_strokes_ = false;  // they are not filled for this scene
+  PlanePtr unfilled_;     // the layers of the frame before, by which strokes are to be filled
+  Params params_;         // that the frames so far were found with
+  bool cleared_ = false;  // unused slots of sums
   Planner planner_;
   Plan plan_;      // of the frame being recorded
   PlanePtr last_;  // the layers of the frame before, if the next one can reuse tiles of them

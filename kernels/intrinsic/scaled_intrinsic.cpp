@@ -2,6 +2,7 @@
 #include "scaled_intrinsic.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace inverse {
 
@@ -20,14 +21,14 @@ ScaledIntrinsic::ScaledIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
 
 size_t ScaledIntrinsic::min_halvings(const gpu::Device& device, Extent extent) {
   const gpu::Limits& limits = device.limits();
-  const uint64_t most = limits.storage_buffer_bytes / gpu::element_bytes(gpu::Element::vec4);
+  const uint64_t max_pixels = limits.storage_buffer_bytes / gpu::element_bytes(gpu::Element::vec4);
   size_t halvings = 0;
-  for (Extent solved = extent; solved.pixels() > most; solved = half_of(solved))
+  for (Extent solved = extent; solved.pixels() > max_pixels; solved = half_of(solved))
     if (++halvings == kResolutions)
       throw Error(ErrorKind::limit, "frames of " + std::to_string(extent.width) + "x" +
                                         std::to_string(extent.height) + " are too large for \"" +
                                         device.name() + "\", which takes up to " +
-                                        std::to_string(most * 16 / 1'000'000) +
+                                        std::to_string(max_pixels * 16 / 1'000'000) +
                                         " million pixels; use a smaller frame or another device");
   return halvings;
 }
@@ -110,6 +111,7 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
     info.light = &*light_;
   }
   first_ = false;
+  if (std::exchange(strokes_, info.strokes) != info.strokes) fade_.stop();
   const auto choice = planner_.next(
       {params.adaptive, std::max(params.halvings(), min_halvings_), params.tolerances.half}, found);
   if (choice.cut) fade_.stop();
@@ -135,8 +137,9 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
     past.stats.plan.run.push_back(std::string("full resolution: ") + choice.full_because);
   if (choice.compares) {
     // Without history: the result that it would have by itself.
-    const PlanePtr other =
-        solve(commands, 1 - now, input, params, {.reset = true, .light = info.light}).intrinsic;
+    const PlanePtr other = solve(commands, 1 - now, input, params,
+                                 {.reset = true, .light = info.light, .strokes = info.strokes})
+                               .intrinsic;
     if (!distance_) distance_.emplace(device_, extent_);
     distance_->record(commands, input->buffer, intrinsic->buffer, other->buffer, recorded_);
     commands.stage("compare");

@@ -63,9 +63,10 @@ class ScaledIntrinsic {
   /// As IntrinsicDecomposition::drawn; null after a frame of another resolution.
   const TileList* drawn() const { return full_frames_ > 1 ? methods_[0]->drawn() : nullptr; }
   /// Whether another run on the picture of `frame`, one of the last kFramesInFlight that is done,
-  /// would change little: its last cycle did, and no layers fade.
+  /// would change little: its last cycle did, no layers fade, and no stroke is filled.
   bool converged(uint64_t frame, const Params& params) const {
-    return !fade_.on() && findings(frame).change < params.tolerances.repeat;
+    return !fade_.on() && !methods_[was_]->fills() &&
+           findings(frame).change < params.tolerances.repeat;
   }
   /// Forgets the frames so far (flush, discontinuity).
   void reset();
@@ -121,8 +122,9 @@ class ScaledIntrinsic {
   ResolutionPlanner planner_;
   gpu::FrameRing<Past> past_;
   uint64_t recorded_ = 0;
-  bool first_ = true;  // no frame is before the next one
-  size_t was_ = 0;     // halvings of the frame before
+  StrokesPtr strokes_;  // of the frame before
+  bool first_ = true;   // no frame is before the next one
+  size_t was_ = 0;      // halvings of the frame before
   size_t min_halvings_;
   unsigned full_frames_ = 0;  // in a row, up to 2, solved and shown at full resolution
 };

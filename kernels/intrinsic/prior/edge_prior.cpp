@@ -33,6 +33,8 @@ void EdgePrior::record_edges(gpu::Commands& commands, const Guide& guide, const 
          .reflectance_weight = params.reflectance_weight,
          .shading_weight = params.shading_weight},
         line_of(static_cast<uint64_t>(pack4_count(extent.width)) * ((extent.height + 3) / 4)));
+  if (target.strokes)
+    target.strokes->record_edges(commands, guide, target.system, target.flux, listed);
 }
 
 void EdgePrior::record_values(gpu::Commands& commands, const Guide& guide, const Target& target,
@@ -47,6 +49,7 @@ void EdgePrior::record_values(gpu::Commands& commands, const Guide& guide, const
        .value = target.value},
       {.size = cells, .value_weight = params.value_weight, .chroma_weight = params.chroma_weight},
       line_of(pack4_count(cells)));
+  if (target.strokes) target.strokes->record_values(commands, guide, target.value, listed);
 }
 
 void EdgePrior::record_keep(gpu::Commands& commands, const Guide& guide,

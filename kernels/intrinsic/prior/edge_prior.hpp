@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "kernels/intrinsic/guide/guide.hpp"
+#include "kernels/intrinsic/strokes/strokes.hpp"
 #include "kernels/intrinsic_prior_cell_values.spv.hpp"
 #include "kernels/intrinsic_prior_change.spv.hpp"
 #include "kernels/intrinsic_prior_edges.spv.hpp"
@@ -36,6 +37,7 @@ class EdgePrior {
     gpu::BufferPtr system;  ///< three vec4 a pack; the first two are a + b to the right and down
     gpu::BufferPtr flux;    ///< two vec4 a pack: a (m_x - m_y) to the right and down
     gpu::BufferPtr value;   ///< three vec4 a pack of cells: v, V, g
+    const Strokes* strokes = nullptr;  ///< change what was written; null: none
   };
   static constexpr uint64_t kFluxStride = shaders::intrinsic_prior_edges::FLUX_STRIDE,
                             kValueStride = shaders::intrinsic_prior_cell_values::VALUE_STRIDE;

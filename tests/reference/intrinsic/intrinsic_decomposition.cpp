@@ -235,7 +235,8 @@ double slice_bins(const ChromaBins& bins, double c0, double c1) {
 IntrinsicResult decompose(const double* rgb, int width, int height, const IntrinsicParams& params,
                           IntrinsicState* state) {
   const Guide guide = make_guide(rgb, width, height, params.light);
-  const EdgePrior prior = edge_prior(guide, params);
+  EdgePrior prior = edge_prior(guide, params);
+  if (params.strokes) apply_strokes(guide, *params.strokes, prior);
   const GuideLevel &l = guide.level[0], &cells = guide.level[kCellLevel];
   const std::size_t n = l.m.size(), w = std::size_t(width), cell_count = cells.m.size();
   IntrinsicResult result;

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "intrinsic_features.hpp"
+#include "strokes.hpp"
 
 namespace inverse::reference {
 
@@ -35,9 +36,10 @@ struct IntrinsicParams {
   double hold_texture = 0.2;   ///< A pixel's change beyond its cell's that halves that.
   double cut_fraction = 0.3;   ///< Mean mismatch in [0, 1] above which the frame is a cut.
   LightColor light;            ///< In force for the frame.
-  int cycles = 4;              ///< Multigrid cycles.
-  double slowest = 0.5;        ///< Error factor up to which cycles are extrapolated; 0: not.
-  int cell_cycles = 2;  ///< Cycles from the cell level down within each; bins renewed before each.
+  const StrokeMask* strokes = nullptr;  ///< Of the user; null: none.
+  int cycles = 4;                       ///< Multigrid cycles.
+  double slowest = 0.5;  ///< Error factor up to which cycles are extrapolated; 0: not.
+  int cell_cycles = 2;   ///< Cycles from the cell level down within each; bins renewed before each.
 };
 
 inline constexpr int kBins = 48;              ///< Cells of the chroma grid along each axis.
