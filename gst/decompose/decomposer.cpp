@@ -57,7 +57,7 @@ RepeatPlanner::Decision Decomposer::decide(const FrameContext& frame,
        .adaptive = settings.adaptive,
        .compared = !frame.changed.empty(),
        .repeated = frame.repeated,
-       .params_changed = settings.changed,
+       .params_changed = settings.changed || method_->requested(),
        .layers_available = kept_ && !lacks_layer,
        .converged = frame.repeated &&
                     method_->converged(completed ? std::optional(past_[*completed].method_frame)
@@ -116,7 +116,7 @@ void Decomposer::completed(uint64_t number, double milliseconds) {
 void Decomposer::late(double milliseconds) { rate_controller_.late(seconds_now(), milliseconds); }
 
 std::vector<Filter::Setting> Decomposer::navigate(const MouseEvent& event) {
-  method_->navigate(event);
+  method_->navigate(log(), event);
   return {};
 }
 

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // globalintrinsic: reflectance, direct light and light that bounced off surfaces, of live video.
+#include <algorithm>
+#include <iterator>
+
 #include "decomposer.hpp"
 #include "gst/base/color.hpp"
 #include "kernels/global/global_levels.hpp"
@@ -43,35 +46,26 @@ PropertyTable<Params> light_properties() {
 const PropertyTable<Params>& table() {
   static const PropertyTable<Params> table = [] {
     PropertyTable<Params> all = light_properties();
-    const auto solve = solve_properties<Params>();
-    all.insert(all.end(), solve.begin(), solve.end());
+    std::ranges::copy(solve_properties<Params>(), std::back_inserter(all));
+    std::ranges::copy(stroke_properties<Params>(), std::back_inserter(all));
     return decomposer_properties<Params>({kSolveSets}, all, Makes::global);
   }();
   return table;
 }
 
-class GlobalMethod final : public DecompositionMethod {
+class GlobalMethod final : public SolveMethod<GlobalIntrinsic> {
  public:
-  DecomposerSettings& settings() override { return settings_; }
-  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent, const Log&) override {
-    method_.emplace(device, extent);
-    prepare_solve(*method_, settings_.properties());
-  }
-  void release() override { method_.reset(); }
-  void reset() override { method_->reset(); }
+  GlobalMethod() : SolveMethod(table(), global_levels()) {}
 
   uint64_t decompose(FrameContext& frame) override {
     frame.layers = method_->record(frame.commands, frame.layers[Role::input], settings_.params(),
                                    {.reset = frame.fresh,
                                     .shares = !frame.draw || settings_.params().show == Show::layer,
                                     .changed = frame.changed,
-                                    .repeated = frame.repeated});
+                                    .repeated = frame.repeated,
+                                    .strokes = take_strokes(frame)});
     frame.drawn = method_->drawn();
     return method_->recorded() - 1;
-  }
-
-  bool converged(std::optional<uint64_t> completed) const override {
-    return completed && method_->converged(*completed, settings_.params());
   }
 
   bool typical(uint64_t number) const override {
@@ -106,10 +100,6 @@ class GlobalMethod final : public DecompositionMethod {
       bases.push_back(base[0] + base[1] + base[2] > 0 ? srgb_color(base) : 0);
     set_color_list(stats, "base-colors", bases);
   }
-
- private:
-  MethodSettings<Params, GlobalIntrinsic::Params> settings_{table(), global_levels()};
-  std::optional<GlobalIntrinsic> method_;
 };
 
 }  // namespace
@@ -127,6 +117,8 @@ const ElementInfo kGlobalIntrinsic{
     nullptr,
     []() -> std::unique_ptr<Filter> {
       return std::make_unique<Decomposer>(std::make_unique<GlobalMethod>());
-    }};
+    },
+    stroke_actions(),
+    true};
 
 }  // namespace inverse

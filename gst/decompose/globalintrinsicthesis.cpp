@@ -183,7 +183,7 @@ class GlobalThesisMethod final : public DecompositionMethod {
   void mark(int x, int y) { requests_.add({x, y, 0, RegionRequests::Click::What::frame}); }
   void unmark(int region) { requests_.add({0, 0, region, RegionRequests::Click::What::unmark}); }
   void refine() { requests_.refine(); }
-  void navigate(const MouseEvent& event) override {
+  void navigate(const Log& /*log*/, const MouseEvent& event) override {
     if (event.kind == MouseEvent::Kind::press)
       requests_.add(
           {pixel_of(event.x), pixel_of(event.y), 0, RegionRequests::Click::What::picture});

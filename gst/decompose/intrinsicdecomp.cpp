@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicdecomp: reflectance and shading of live video, one log-shading unknown a pixel.
+#include <algorithm>
+#include <iterator>
+
 #include "decomposer.hpp"
 #include "kernels/intrinsic/intrinsic_levels.hpp"
 #include "solve_properties.hpp"
@@ -10,28 +13,25 @@ namespace {
 using Params = SolveParams<ScaledIntrinsic::Params>;
 
 const PropertyTable<Params>& table() {
-  static const PropertyTable<Params> table =
-      decomposer_properties<Params>({kSolveSets}, solve_properties<Params>());
+  static const PropertyTable<Params> table = [] {
+    PropertyTable<Params> all = solve_properties<Params>();
+    std::ranges::copy(stroke_properties<Params>(), std::back_inserter(all));
+    return decomposer_properties<Params>({kSolveSets}, all);
+  }();
   return table;
 }
 
-class IntrinsicMethod final : public DecompositionMethod {
+class IntrinsicMethod final : public SolveMethod<ScaledIntrinsic> {
  public:
-  DecomposerSettings& settings() override { return settings_; }
-  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent, const Log&) override {
-    method_.emplace(device, extent);
-    prepare_solve(*method_, settings_.properties());
-  }
-  void release() override { method_.reset(); }
-  void reset() override { method_->reset(); }
+  IntrinsicMethod() : SolveMethod(table(), intrinsic_levels()) {}
   uint64_t decompose(FrameContext& frame) override {
     frame.layers = method_->record(frame.commands, frame.layers[Role::input], settings_.params(),
-                                   {frame.fresh, frame.changed, frame.repeated});
+                                   {.reset = frame.fresh,
+                                    .changed = frame.changed,
+                                    .repeated = frame.repeated,
+                                    .strokes = take_strokes(frame)});
     frame.drawn = method_->drawn();
     return method_->recorded() - 1;
-  }
-  bool converged(std::optional<uint64_t> completed) const override {
-    return completed && method_->converged(*completed, settings_.params());
   }
   bool typical(uint64_t number) const override { return inverse::typical(method_->stats(number)); }
   Work work(uint64_t number) const override {
@@ -40,10 +40,6 @@ class IntrinsicMethod final : public DecompositionMethod {
   void describe(GstStructure* stats, uint64_t number) const override {
     describe_solve(stats, method_->stats(number), method_->findings(number));
   }
-
- private:
-  MethodSettings<Params, ScaledIntrinsic::Params> settings_{table(), intrinsic_levels()};
-  std::optional<ScaledIntrinsic> method_;
 };
 
 }  // namespace
@@ -62,6 +58,8 @@ const ElementInfo kIntrinsicDecomp{
     nullptr,
     []() -> std::unique_ptr<Filter> {
       return std::make_unique<Decomposer>(std::make_unique<IntrinsicMethod>());
-    }};
+    },
+    stroke_actions(),
+    true};
 
 }  // namespace inverse

@@ -13,6 +13,8 @@
 
 namespace inverse {
 
+class StrokeEditor;
+
 /// The parameters that every decomposer has.
 struct DecomposerParams : ShowParams {
   Quality quality = Quality::medium;
@@ -73,8 +75,12 @@ class DecompositionMethod {
   virtual Work work(uint64_t /*number*/) const { return {}; }
   /// Adds fields about a completed frame (the method's number).
   virtual void describe(GstStructure* stats, uint64_t number) const = 0;
+  /// Whether users have asked for something since the last frame that shows in its layers.
+  virtual bool requested() const { return false; }
+  /// The strokes that users draw; null if the method takes none.
+  virtual StrokeEditor* strokes() { return nullptr; }
   /// As in Filter.
-  virtual void navigate(const MouseEvent& /*event*/) {}
+  virtual void navigate(const Log& /*log*/, const MouseEvent& /*event*/) {}
   virtual void flushed() {}
 };
 

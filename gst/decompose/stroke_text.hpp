@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <string>
+
+#include "kernels/intrinsic/strokes/stroke_mask.hpp"
+
+namespace inverse {
+
+/// Points that a stroke may have.
+inline constexpr size_t kMaxStrokePoints = 4096;
+
+/// Reads strokes from JSON: a list of
+///
+///     {"kind": "shading" | "reflectance", "radius": 8, "fill": false, "points": [[x, y], ...]}
+///
+/// in pixels of the frame, or {"frame": [width, height], "strokes": [...]} in pixels of a frame of
+/// that size. Empty text is no stroke. The frame of the result is empty if the text has none.
+/// Throws Error(unsupported) that says what is wrong and where.
+StrokeList read_strokes(const std::string& text);
+
+/// A single stroke, as one of such a list.
+Stroke read_stroke(const std::string& text);
+
+/// The text that `read_strokes` takes, with points rounded to a tenth of a pixel; empty for no
+/// strokes.
+std::string text_of(const StrokeList& list);
+
+}  // namespace inverse
