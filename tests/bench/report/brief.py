@@ -2,8 +2,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The report: a page, its plots and figures.json, from which both can be drawn again. The committed one is docs/report:
 
-    tests/bench/report/brief.py docs/report
+    tests/bench/report/brief.py docs/report [--gpu FILE]
+
+FILE is what `gst-inverse bench --json FILE` wrote on a machine with a GPU: its figures replace those of the page's GPU columns.
 """
+import argparse
 import json
 import pathlib
 import shutil
@@ -163,6 +166,24 @@ def sizes(f):
                  [[f"`{name}`"] + [cell(of.get(size)) for size in SIZES] for name, of in rows.items()])
 
 
+def gpu(f):
+    """The table of a GPU's figures, and what comes before it; empty without any."""
+    rows = {}
+    for e in f.get("gpu", []):
+        if "wall_ms" in e:
+            rows.setdefault(e["element"], {})[e["width"], e["height"]] = e
+    if not rows:
+        return ""
+    wide = sorted({size for of in rows.values() for size in of})
+    def cell(e):
+        return f"{e['device_ms']:.2f}, {e['wall_ms']:.2f}" if e else "–"
+    return f"""
+On a GPU ({f["gpu"][0]["device"]}; [how, and what made the difference](../notes/measurements.md#on-a-gpu)):
+
+""" + table(["device, wall ms per frame"] + [f"{w}×{h}" for w, h in wide],
+            [[f"`{name}`"] + [cell(of.get(size)) for size in wide] for name, of in rows.items()])
+
+
 def page(f):
     machine = f["machine"]
     commits = "".join(f" {name}: commit {commit}." for name, commit in f["commits"].items())
@@ -235,9 +256,9 @@ Whole elements, NV12 in and out, with and without `adaptive`: a repeated frame, 
 
 {sizes(f)}
 Frames of the bundled clip as NV12, memory to memory.
-
+{gpu(f)}
 ## Caveats
-- One device, lavapipe on two cores of a shared server. {'Other work ran meanwhile: use ratios and processor time only.' if busy else ''}
+- One device{", but for the table of a GPU" if f.get("gpu") else ""}: lavapipe on two cores of a shared server. {'Other work ran meanwhile: use ratios and processor time only.' if busy else ''}
 - The own stills are four, and **the ranking on them depends on their light**.
 - The own scenes were seen during development. Nothing was fitted to them, but constants of `globalintrinsic` were chosen with them in view.
 - Given data: {f['data']}. `intrinsicdecomp` is fitted on none of it, but for constants of its temporal anchor, which were chosen on lightchange and desk_rgbd.
@@ -265,16 +286,30 @@ def write(f, folder):
     draw(f, folder)
 
 
+def save(f, folder):
+    (folder / "figures.json").write_text(json.dumps(f, indent=None, separators=(",", ":")).replace('},{"device"', '},\n{"device"') + "\n")
+
+
 def publish(results, folder, layers):
     """Writes figures.json, page and plots; `layers` is a picture that is copied if it exists."""
     folder.mkdir(parents=True, exist_ok=True)
     f = figures(results)
-    (folder / "figures.json").write_text(json.dumps(f, indent=None, separators=(",", ":")).replace('},{"device"', '},\n{"device"') + "\n")
+    if (folder / "figures.json").exists():
+        f["gpu"] = json.loads((folder / "figures.json").read_text()).get("gpu", [])
+    save(f, folder)
     if layers.exists() and layers.parent != folder:
         shutil.copy(layers, folder / "layers.jpg")
     write(f, folder)
 
 
 if __name__ == "__main__":
-    where = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else "docs/report")
-    write(json.loads((where / "figures.json").read_text()), where)
+    parser = argparse.ArgumentParser()
+    parser.add_argument("folder", nargs="?", default="docs/report", type=pathlib.Path)
+    parser.add_argument("--gpu", type=pathlib.Path)
+    arguments = parser.parse_args()
+    known = json.loads((arguments.folder / "figures.json").read_text())
+    if arguments.gpu:
+        kept = ("element", "width", "height", "device", "device_ms", "wall_ms")
+        known["gpu"] = [{k: e[k] for k in kept if k in e} for e in json.loads(arguments.gpu.read_text())]
+        save(known, arguments.folder)
+    write(known, arguments.folder)

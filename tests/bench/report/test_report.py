@@ -242,6 +242,18 @@ class Brief(unittest.TestCase):
         self.assertEqual(brief.page(found), (self.FOLDER / "README.md").read_text())
 
 
+    def test_a_gpu_has_a_table_of_the_sizes_that_ran(self):
+        rows = [{"element": "a", "width": 64, "height": 48, "device": "D", "device_ms": 0.5, "wall_ms": 1.25},
+                {"element": "b", "width": 640, "height": 480, "device": "D", "device_ms": 2, "wall_ms": 3},
+                {"element": "b", "width": 64, "height": 48, "device": "D", "error": "none"}]
+        text = brief.gpu({"gpu": rows})
+        self.assertIn("(D;", text)
+        self.assertIn("| `a` | 0.50, 1.25 | – |", text)
+        self.assertIn("| `b` | – | 2.00, 3.00 |", text)
+        self.assertEqual(brief.gpu({"gpu": []}), "")
+        self.assertEqual(brief.gpu({}), "")
+
+
 class Page(unittest.TestCase):
     def test_light_is_averaged_over_scenes_that_all_have(self):
         def one(method, scene, ind, **more):
