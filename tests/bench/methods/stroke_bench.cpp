@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What strokes bring and cost: LMSE (k = 20) of intrinsicdecomp after 0, 1, 3 and 6 strokes, and
+// the processor time of a frame with them.
+//
+//   stroke-bench [--fill] FOLDER…
+//
+// The folders hold scenes of ./dev bench (build-bench/tests/bench/scenes; import-scenes), of which
+// the first frame is taken. A user who knows the truth draws each stroke: a dot of the radius .06 of
+// the smaller side where the solution differs most from the truth inside of it, and where shading or
+// reflectance is truly constant (standard deviation of its logarithm at most .1); of the kind that
+// is.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kernels/intrinsic/scaled_intrinsic.hpp"
+#include "tests/bench/metrics/metrics.hpp"
+#include "tests/bench/support/device_session.hpp"
+#include "tests/bench/support/scene.hpp"
+#include "tests/bench/support/timing.hpp"
+
+namespace inverse::bench {
+namespace {
+
+constexpr double kConstant = 0.1;    // standard deviation that counts as constant, natural log units
+constexpr float kRadius = 0.06F;     // of a stroke, in shorter sides of the frame
+constexpr size_t kSteps[] = {0, 1, 3, 6};
+constexpr size_t kTimed = 20;  // frames
+
+double log_of(double value) { return std::log(std::max(value, 1e-4)); }
+
+struct Moments {
+  double sum = 0, squares = 0, count = 0;
+  void add(double value) { sum += value, squares += value * value, ++count; }
+  double deviation() const {
+    return count > 0 ? std::sqrt(std::max(squares / count - std::pow(sum / count, 2), 0.0)) : 0;
+  }
+};
+
+/// The stroke that this user draws next; nothing if none helps.
+std::optional<Stroke> next_stroke(const TruthFrame& frame, const Decomposition& now,
+                                  const std::vector<Stroke>& drawn, bool fill) {
+  const int width = frame.input.width, height = frame.input.height;
+  const float radius = kRadius * static_cast<float>(std::min(width, height));
+  const int reach = std::max(static_cast<int>(radius), 1);
+  std::optional<Stroke> best;
+  double worst = 0;
+  for (int cy = reach; cy < height - reach; cy += std::max(reach / 2, 1))
+    for (int cx = reach; cx < width - reach; cx += std::max(reach / 2, 1)) {
+      const Stroke::Point center{static_cast<float>(cx) + .5F, static_cast<float>(cy) + .5F};
+      if (std::any_of(drawn.begin(), drawn.end(), [&](const Stroke& stroke) {
+            return std::hypot(stroke.points[0][0] - center[0], stroke.points[0][1] - center[1]) <
+                   radius;
+          }))
+        continue;
+      Moments shading, reflectance, error;
+      bool inside = true;
+      for (int y = cy - reach; y <= cy + reach; ++y)
+        for (int x = cx - reach; x <= cx + reach; ++x) {
+          if (std::hypot(x - cx, y - cy) > reach) continue;
+          if (!frame.mask.empty() && frame.mask.at(x, y, 0) < .5F) inside = false;
+          double paint = 0;
+          for (int c = 0; c < 3; ++c) paint += static_cast<double>(frame.reflectance.at(x, y, c));
+          const double light = log_of(static_cast<double>(frame.shading.at(x, y, 0)));
+          shading.add(light);
+          reflectance.add(log_of(paint / 3));
+          error.add(log_of(static_cast<double>(now.shading.at(x, y, 0))) - light);
+        }
+      const double constant = std::min(shading.deviation(), reflectance.deviation());
+      if (!inside || constant > kConstant || error.deviation() <= worst) continue;
+      worst = error.deviation();
+      best = Stroke{shading.deviation() < reflectance.deviation() ? Stroke::Kind::shading
+                                                                  : Stroke::Kind::reflectance,
+                    {center},
+                    radius,
+                    fill};
+    }
+  return best;
+}
+
+/// One frame, solved without history; strokes that are filled need two.
+Decomposition solve(DeviceSession& session, ScaledIntrinsic& method, const Image& frame,
+                    const StrokesPtr& strokes) {
+  Decomposition result;
+  for (const bool reset : {true, false}) {
+    Cost cost;
+    result = session.run(
+        frame,
+        [&](gpu::Commands& commands, const PlanePtr& input) {
+          return method.record(commands, input, {}, {.reset = reset, .strokes = strokes});
+        },
+        cost);
+  }
+  return result;
+}
+
+/// Median processor time of a frame of a still picture that is solved anew each time.
+double cost_of(DeviceSession& session, Extent extent, const Image& frame,
+               const StrokesPtr& strokes) {
+  ScaledIntrinsic method(session.device(), extent);
+  ScaledIntrinsic::Params params;
+  params.adaptive = false;
+  std::vector<double> costs;
+  for (size_t i = 0; i < kTimed; ++i) {
+    Cost cost;
+    session.run(
+        frame,
+        [&](gpu::Commands& commands, const PlanePtr& input) {
+          return method.record(commands, input, params, {.reset = i == 0, .strokes = strokes});
+        },
+        cost);
+    if (i > 2) costs.push_back(cost.processor);
+  }
+  return median(costs);
+}
+
+void measure(DeviceSession& session, const Scene& scene, bool fill) {
+  TruthFrame frame = scene.frames.front();
+  if (frame.reflectance.empty()) return;
+  frame.input = through_8_bits(frame.input);
+  const Extent extent{static_cast<uint32_t>(frame.input.width),
+                      static_cast<uint32_t>(frame.input.height)};
+  ScaledIntrinsic method(session.device(), extent);
+  std::vector<Stroke> drawn;
+  std::printf("| %s %s |", scene.set.c_str(), scene.name.c_str());
+  Decomposition now = solve(session, method, frame.input, {});
+  StrokesPtr strokes;
+  for (size_t count = 0;; ++count) {
+    if (std::find(std::begin(kSteps), std::end(kSteps), count) != std::end(kSteps))
+      std::printf(" %.4f |", score_lmse(now.reflectance, now.shading, frame.reflectance,
+                                        frame.shading, frame.mask));
+    if (count == kSteps[std::size(kSteps) - 1]) break;
+    if (const auto next = next_stroke(frame, now, drawn, fill)) {
+      drawn.push_back(*next);
+      strokes = std::make_shared<StrokeList>(StrokeList{drawn, extent});
+      now = solve(session, method, frame.input, strokes);
+    }
+  }
+  const auto light = std::count_if(drawn.begin(), drawn.end(), [](const Stroke& stroke) {
+    return stroke.kind == Stroke::Kind::shading;
+  });
+  std::printf(" %d, %d | %.2f |\n", static_cast<int>(light),
+              static_cast<int>(drawn.size()) - static_cast<int>(light),
+              cost_of(session, extent, frame.input, strokes) /
+                  cost_of(session, extent, frame.input, {}));
+}
+
+void run(int argc, char** argv) {
+  std::vector<std::filesystem::path> files;
+  bool fill = false;
+  for (int i = 1; i < argc; ++i) {
+    if (std::string(argv[i]) == "--fill") {
+      fill = true;
+      continue;
+    }
+    for (const auto& entry : std::filesystem::directory_iterator(argv[i]))
+      files.push_back(entry.path());
+  }
+  if (files.empty()) throw std::runtime_error("usage: stroke-bench [--fill] FOLDER…");
+  std::sort(files.begin(), files.end());
+  DeviceSession session("");
+  std::printf(
+      "| scene | without | 1 stroke | 3 | 6 | of shading, of reflectance | time of a frame |\n"
+      "|---|---|---|---|---|---|---|\n");
+  for (const auto& file : files) {
+    measure(session, read_scene(file), fill);
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace
+}  // namespace inverse::bench
+
+int main(int argc, char** argv) try {
+  inverse::bench::run(argc, argv);
+  return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "stroke-bench: %s\n", error.what());
+  return 1;
+}
