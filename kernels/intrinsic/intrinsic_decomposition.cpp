@@ -198,8 +198,8 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
 }
 
 void IntrinsicDecomposition::take_strokes(gpu::Commands& commands, const FrameInfo& info) {
-  other_strokes_ = info.strokes != drawn_strokes_ ||
-                   (std::exchange(redraw_strokes_, false) && !strokes_.empty());
+  const bool redraw = std::exchange(redraw_strokes_, false) && !strokes_.empty();
+  other_strokes_ = redraw || info.strokes != drawn_strokes_;
   if (other_strokes_) {
     drawn_strokes_ = info.strokes;
     strokes_.set(commands, drawn_strokes_);

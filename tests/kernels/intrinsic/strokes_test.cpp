@@ -285,15 +285,23 @@ TEST_F(StrokesTest, ADotFillsItsSurface) {
     return std::sqrt(squares / count - std::pow(sum / count, 2));
   };
   const double before = spread(frame(method, in, {}, {}, true));
+  const auto unfilled = std::make_shared<StrokeList>(
+      StrokeList{{{Kind::reflectance, {{80, 60}}, 6, false}}, kBoard});
+  EXPECT_GT(spread(frame(method, in, unfilled, {}, true)), .7 * before);
+  EXPECT_GT(spread(frame(method, in, unfilled)), .7 * before);
   ASSERT_GT(before, .01) << "the picture must be one that is got wrong";
   frame(method, in, list);
   EXPECT_FALSE(method.converged(method.recorded() - 1, {})) << "the next frame fills";
   const Pixels filled = frame(method, in, list);
   EXPECT_LT(spread(filled), .4 * before);
-  // Others fill anew after a seek.
-  frame(method, in, list, {}, true);
+  // They are filled anew after a seek.
+  EXPECT_GT(spread(frame(method, in, list, {}, true)), .7 * before);
   EXPECT_LT(spread(frame(method, in, list)), .4 * before);
   EXPECT_GT(spread(frame(method, in, {}, {}, true)), .9 * before);
+  // Also those that come with a seek.
+  const auto other = std::make_shared<StrokeList>(*list);
+  EXPECT_GT(spread(frame(method, in, other, {}, true)), .7 * before);
+  EXPECT_LT(spread(frame(method, in, other)), .4 * before);
 }
 
 TEST_F(StrokesTest, ContradictoryStrokesStayFinite) {
