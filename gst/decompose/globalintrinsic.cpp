@@ -6,7 +6,7 @@
 #include "decomposer.hpp"
 #include "gst/base/color.hpp"
 #include "kernels/global/global_levels.hpp"
-#include "solve_properties.hpp"
+#include "solve_method.hpp"
 
 namespace inverse {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "decomposer.hpp"
 #include "kernels/intrinsic/intrinsic_levels.hpp"
-#include "solve_properties.hpp"
+#include "solve_method.hpp"
 
 namespace inverse {
 namespace {

@@ -4,19 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "stroke_text.hpp"
-
 namespace inverse {
-
-std::string wrong_strokes(const GValue* value) {
-  const char* text = g_value_get_string(value);
-  try {
-    read_strokes(text ? text : "");
-    return {};
-  } catch (const Error& error) {
-    return std::string("strokes ") + error.what();
-  }
-}
 
 bool typical(const ScaledIntrinsic::Stats& solve) {
   return !solve.plan.tiles() && !solve.crossed && !solve.compared;

@@ -2,7 +2,7 @@
 #pragma once
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
 #include "method.hpp"
-#include "stroke_editor.hpp"
+#include "stroke_properties.hpp"
 
 namespace inverse {
 
@@ -16,34 +16,6 @@ struct SolveParams : MethodParams, DecomposerParams, StrokeParams {
   }
   void derive() { this->adaptive = this->adaptive && skip_error > 0; }
 };
-
-/// What is wrong with a value of the property `strokes`, in words.
-std::string wrong_strokes(const GValue* value);
-
-/// The properties of StrokeParams.
-template <typename P>
-PropertyTable<P> stroke_properties() {
-  Property<P> strokes =
-      text<P>("strokes", &P::strokes,
-              "JSON list of strokes inside which shading or reflectance is constant, in pixels: "
-              "[{\"kind\":\"shading\",\"radius\":12,\"points\":[[x,y],...]}]");
-  strokes.wrong = wrong_strokes;
-  return {
-      strokes,
-      choice<P>("stroke-mode", &P::stroke_mode, "GstInverseStrokeMode",
-                {{static_cast<int>(StrokeMode::off), "off", "Navigation events do nothing"},
-                 {static_cast<int>(StrokeMode::shading), "shading",
-                  "Drags draw strokes of constant shading"},
-                 {static_cast<int>(StrokeMode::reflectance), "reflectance",
-                  "Drags draw strokes of constant reflectance"},
-                 {static_cast<int>(StrokeMode::erase), "erase", "Presses remove strokes"}},
-                "What the mouse draws on the picture"),
-      number<P>("stroke-radius", &P::stroke_radius, 1.f, 1000.f,
-                "Radius of the brush for strokes, pixels"),
-      flag<P>("stroke-fill", &P::stroke_fill,
-              "Extend drawn strokes to their connected surroundings of similar reflectance"),
-  };
-}
 
 /// The properties of SolveParams<…>, P.
 template <typename P>
@@ -158,67 +130,5 @@ void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,
 
 /// Whether a frame's time predicts that of others: all of it was solved, and once.
 bool typical(const ScaledIntrinsic::Stats& solve);
-
-/// What the elements that solve by ScaledIntrinsic share. `Method` is it or has one inside.
-template <typename Method>
-class SolveMethod : public DecompositionMethod {
- public:
-  using Params = SolveParams<typename Method::Params>;
-  SolveMethod(const PropertyTable<Params>& table,
-              const QualityLevels<typename Method::Params>& levels)
-      : settings_(table, levels) {}
-
-  DecomposerSettings& settings() override { return settings_; }
-  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent, const Log&) override {
-    method_.emplace(device, extent);
-    extent_ = extent;
-    drawn_ = {};
-    const Params params = settings_.properties();
-    method_->prepare(params.halvings());
-    // Setting one up later would make the frame late that changes to it.
-    if (params.target_fps > 0 || params.latency_budget > 0)
-      for (const size_t halvings : {0, 1, 2}) method_->prepare(halvings);
-  }
-  void release() override { method_.reset(); }
-  void reset() override { method_->reset(); }
-  bool converged(std::optional<uint64_t> completed) const override {
-    return completed && method_->converged(*completed, settings_.params());
-  }
-  bool requested() const override { return strokes_.changed(settings_.params().strokes); }
-  StrokeEditor* strokes() override { return &strokes_; }
-  void navigate(const Log& log, const MouseEvent& event) override {
-    strokes_.mouse(log, event, settings_.properties());
-  }
-  void flushed() override { strokes_.flush(); }
-  void completed(uint64_t number) override {
-    strokes_.check(drawn_[number], solve_findings(method_->findings(number)).strokes);
-  }
-
- protected:
-  /// The strokes for a frame, and what users are to hear of them.
-  StrokesPtr take_strokes(FrameContext& frame) {
-    const Params& params = settings_.params();
-    const StrokesPtr list =
-        strokes_.take(params.strokes, extent_, frame.draw && params.show == Show::mosaic);
-    for (std::string& warning : strokes_.take_warnings())
-      frame.warnings.push_back(std::move(warning));
-    return drawn_[method_->recorded()] = list;
-  }
-
-  MethodSettings<Params, typename Method::Params> settings_;
-  std::optional<Method> method_;
-
- private:
-  static const auto& solve_findings(const auto& findings) {
-    if constexpr (requires { findings.solve; })
-      return findings.solve;
-    else
-      return findings;
-  }
-
-  Extent extent_{};
-  StrokeEditor strokes_;
-  gpu::FrameRing<StrokesPtr> drawn_;  // in frames of the method
-};
 
 }  // namespace inverse

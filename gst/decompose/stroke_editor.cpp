@@ -7,6 +7,7 @@
 #include "common/error.hpp"
 #include "decomposer.hpp"
 #include "kernels/image/view/mosaic.hpp"
+#include "stroke_properties.hpp"
 #include "stroke_text.hpp"
 
 namespace inverse {
@@ -14,7 +15,7 @@ namespace {
 
 constexpr size_t kMaxUndo = 100;
 constexpr float kUnsatisfied = 0.15F;      // rms, natural log units
-constexpr unsigned kFramesToSatisfy = 10;  // that a stroke has before it is said not to be met
+constexpr unsigned kFramesToSatisfy = 10;  // of a stroke, before a warning
 
 /// The property as it is now, for a frame of this size.
 StrokeList strokes_of(const Log& log, Extent frame) {
@@ -34,6 +35,16 @@ Stroke::Point scaled(Stroke::Point point, Extent from, Extent to) {
 }
 
 }  // namespace
+
+std::string wrong_strokes(const GValue* value) {
+  const char* text = g_value_get_string(value);
+  try {
+    read_strokes(text ? text : "");
+    return {};
+  } catch (const Error& error) {
+    return std::string("strokes ") + error.what();
+  }
+}
 
 void StrokeEditor::set(const Log& log, const StrokeList& list) {
   gchar* before = nullptr;

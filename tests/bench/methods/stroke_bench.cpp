@@ -5,10 +5,10 @@
 //   stroke-bench [--fill] FOLDER…
 //
 // The folders hold scenes of ./dev bench (build-bench/tests/bench/scenes; import-scenes), of which
-// the first frame is taken. A user who knows the truth draws each stroke: a dot of the radius .06 of
-// the smaller side where the solution differs most from the truth inside of it, and where shading or
-// reflectance is truly constant (standard deviation of its logarithm at most .1); of the kind that
-// is.
+// the first frame is taken. A user who knows the truth draws each stroke: a dot of the radius .06
+// of the smaller side where the solution differs most from the truth inside of it, and where
+// shading or reflectance is truly constant (standard deviation of its logarithm at most .1); of the
+// kind that is.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -27,8 +27,8 @@
 namespace inverse::bench {
 namespace {
 
-constexpr double kConstant = 0.1;    // standard deviation that counts as constant, natural log units
-constexpr float kRadius = 0.06F;     // of a stroke, in shorter sides of the frame
+constexpr double kConstant = 0.1;  // standard deviation that counts as constant, natural log units
+constexpr float kRadius = 0.06F;   // of a stroke, in shorter sides of the frame
 constexpr size_t kSteps[] = {0, 1, 3, 6};
 constexpr size_t kTimed = 20;  // frames
 
@@ -144,10 +144,10 @@ void measure(DeviceSession& session, const Scene& scene, bool fill) {
   const auto light = std::count_if(drawn.begin(), drawn.end(), [](const Stroke& stroke) {
     return stroke.kind == Stroke::Kind::shading;
   });
-  std::printf(" %d, %d | %.2f |\n", static_cast<int>(light),
-              static_cast<int>(drawn.size()) - static_cast<int>(light),
-              cost_of(session, extent, frame.input, strokes) /
-                  cost_of(session, extent, frame.input, {}));
+  std::printf(
+      " %d, %d | %.2f |\n", static_cast<int>(light),
+      static_cast<int>(drawn.size()) - static_cast<int>(light),
+      cost_of(session, extent, frame.input, strokes) / cost_of(session, extent, frame.input, {}));
 }
 
 void run(int argc, char** argv) {

@@ -285,8 +285,8 @@ TEST_F(StrokesTest, ADotFillsItsSurface) {
     return std::sqrt(squares / count - std::pow(sum / count, 2));
   };
   const double before = spread(frame(method, in, {}, {}, true));
-  const auto unfilled = std::make_shared<StrokeList>(
-      StrokeList{{{Kind::reflectance, {{80, 60}}, 6, false}}, kBoard});
+  const auto unfilled =
+      std::make_shared<StrokeList>(StrokeList{{{Kind::reflectance, {{80, 60}}, 6, false}}, kBoard});
   EXPECT_GT(spread(frame(method, in, unfilled, {}, true)), .7 * before);
   EXPECT_GT(spread(frame(method, in, unfilled)), .7 * before);
   ASSERT_GT(before, .01) << "the picture must be one that is got wrong";

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <string>
+
+#include "gst/base/property_table.hpp"
+#include "stroke_editor.hpp"
+
+namespace inverse {
+
+/// What is wrong with a value of the property `strokes`, in words.
+std::string wrong_strokes(const GValue* value);
+
+/// The properties of StrokeParams.
+template <typename P>
+PropertyTable<P> stroke_properties() {
+  Property<P> strokes =
+      text<P>("strokes", &P::strokes,
+              "JSON list of strokes inside which shading or reflectance is constant, in pixels: "
+              "[{\"kind\":\"shading\",\"radius\":12,\"points\":[[x,y],...]}]");
+  strokes.wrong = wrong_strokes;
+  return {
+      strokes,
+      choice<P>("stroke-mode", &P::stroke_mode, "GstInverseStrokeMode",
+                {{static_cast<int>(StrokeMode::off), "off", "Navigation events do nothing"},
+                 {static_cast<int>(StrokeMode::shading), "shading",
+                  "Drags draw strokes of constant shading"},
+                 {static_cast<int>(StrokeMode::reflectance), "reflectance",
+                  "Drags draw strokes of constant reflectance"},
+                 {static_cast<int>(StrokeMode::erase), "erase", "Presses remove strokes"}},
+                "What the mouse draws on the picture"),
+      number<P>("stroke-radius", &P::stroke_radius, 1.f, 1000.f,
+                "Radius of the brush for strokes, pixels"),
+      flag<P>("stroke-fill", &P::stroke_fill,
+              "Extend drawn strokes to their connected surroundings of similar reflectance"),
+  };
+}
+
+}  // namespace inverse
