@@ -185,7 +185,7 @@ TEST(Stream, GapsPassThroughEveryElement) {
 
 // Seconds of work are not waited for.
 TEST(Stream, AFlushEndsTheWaitForTheDevice) {
-  const std::string caps = VideoHarness::caps("RGBA", 1280, 720);
+  const std::string caps = VideoHarness::caps("RGBA", 640, 360);
   VideoHarness harness("intrinsicdecompthesis quality=best", caps, caps);
   const auto frame = random_frame(caps, 1);
   GstElement* element = harness.find("intrinsicdecompthesis");
