@@ -422,7 +422,7 @@ bool Commands::done() const {
 BufferPtr make_table(const std::shared_ptr<Device>& device, Element element,
                      std::span<const std::byte> data) {
   const size_t count = elements_of(element, data);
-  const BufferPtr table = Buffer::create(device, element, count);
+  BufferPtr table = Buffer::create(device, element, count);
   const bool staged = !table->map();
   const BufferPtr target = staged ? Buffer::create(device, element, count, Memory::upload) : table;
   if (!data.empty()) std::memcpy(target->map(), data.data(), data.size());

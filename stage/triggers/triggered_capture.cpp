@@ -24,8 +24,8 @@ Error runs_freely(const TriggeredCamera& camera) {
 }  // namespace
 
 TriggeredCapture::TriggeredCapture(const LightProgram& program, LightDriver& driver,
-                                   std::vector<TriggeredCamera*> cameras, const Params& params,
-                                   Listener listener)
+                                   const std::vector<TriggeredCamera*>& cameras,
+                                   const Params& params, Listener listener)
     : program_(program), driver_(driver), params_(params), listener_(std::move(listener)) {
   if (cameras.empty()) throw Error(ErrorKind::unsupported, "there is no camera to trigger");
   for (TriggeredCamera* camera : cameras) {

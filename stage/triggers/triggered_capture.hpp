@@ -72,7 +72,8 @@ class TriggeredCapture {
 
   /// All arguments have to outlive it. `program` is already uploaded to `driver`.
   TriggeredCapture(const LightProgram& program, LightDriver& driver,
-                   std::vector<TriggeredCamera*> cameras, const Params& params, Listener listener);
+                   const std::vector<TriggeredCamera*>& cameras, const Params& params,
+                   Listener listener);
   ~TriggeredCapture();
   TriggeredCapture(const TriggeredCapture&) = delete;
   TriggeredCapture& operator=(const TriggeredCapture&) = delete;
