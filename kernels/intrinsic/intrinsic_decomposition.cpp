@@ -198,11 +198,9 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
 }
 
 void IntrinsicDecomposition::take_strokes(gpu::Commands& commands, const FrameInfo& info) {
-  const bool redraw = std::exchange(redraw_strokes_, false) && !strokes_.empty();
-  other_strokes_ = redraw || info.strokes != drawn_strokes_;
+  other_strokes_ = info.strokes != strokes_.list();
   if (other_strokes_) {
-    drawn_strokes_ = info.strokes;
-    strokes_.set(commands, drawn_strokes_);
+    strokes_.set(commands, info.strokes);
   } else if (unfilled_) {
     strokes_.fill(commands, unfilled_->buffer);
     commands.keep(unfilled_);

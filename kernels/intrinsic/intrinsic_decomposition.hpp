@@ -80,7 +80,7 @@ class IntrinsicDecomposition {
     start_layers_.reset();
     last_.reset();
     unfilled_.reset();
-    redraw_strokes_ = true;
+    strokes_.forget();
   }
   /// Makes the next frame continue what `other`, of another size on the same device, has just found
   /// of that frame, its scale and the state of its anchor included. `intrinsic` is the result of
@@ -157,15 +157,13 @@ class IntrinsicDecomposition {
   gpu::BufferPtr flux_, value_, terms_, start_, gate_sums_, gate_total_;
   gpu::FrameRing<Report> reports_;
   uint64_t recorded_ = 0;
-  bool has_history_ = false;     // there is a frame before
-  bool continues_ = false;       // which had one before it
-  PlanePtr start_layers_;        // to start from, of another resolution
-  StrokesPtr drawn_strokes_;     // that `strokes_` has
-  bool other_strokes_ = false;   // than the frame before
-  bool redraw_strokes_ = false;  // they are not filled for this scene
-  PlanePtr unfilled_;     // the layers of the frame before, by which strokes are to be filled
-  Params params_;         // that the frames so far were found with
-  bool cleared_ = false;  // unused slots of sums
+  bool has_history_ = false;    // there is a frame before
+  bool continues_ = false;      // which had one before it
+  PlanePtr start_layers_;       // to start from, of another resolution
+  bool other_strokes_ = false;  // than the frame before
+  PlanePtr unfilled_;           // the layers of the frame before, by which strokes are to be filled
+  Params params_;               // that the frames so far were found with
+  bool cleared_ = false;        // unused slots of sums
   Planner planner_;
   Plan plan_;      // of the frame being recorded
   PlanePtr last_;  // the layers of the frame before, if the next one can reuse tiles of them

@@ -26,9 +26,8 @@ Strokes::Strokes(const std::shared_ptr<gpu::Device>& device, Extent extent)
       residuals_(gpu::Buffer::create(device, gpu::Element::vec4, kMaxStrokes)) {}
 
 void Strokes::set(gpu::Commands& commands, const StrokesPtr& list) {
+  forget();
   list_ = list;
-  count_ = 0;
-  unfilled_ = false;
   if (!list || list->strokes.empty()) return;
   StrokeMask mask = draw_strokes(*list, extent_);
   bounds_ = std::move(mask.bounds);

@@ -23,6 +23,14 @@ class Strokes {
 
   /// Draws these strokes from now on; null: none.
   void set(gpu::Commands& commands, const StrokesPtr& list);
+  /// Those that were set last; null: none.
+  const StrokesPtr& list() const { return list_; }
+  /// Forgets them, also how far they extend.
+  void forget() {
+    list_.reset();
+    count_ = 0;
+    unfilled_ = false;
+  }
   /// Whether strokes are yet to be extended to surroundings of similar reflectance.
   bool unfilled() const { return unfilled_; }
   /// Extends those, by the reflectance that was found with them: RGB, a vec4 a pixel.
