@@ -13,7 +13,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -151,26 +150,22 @@ void measure(DeviceSession& session, const Scene& scene, bool fill) {
 }
 
 void run(int argc, char** argv) {
-  std::vector<std::filesystem::path> files;
-  bool fill = false;
-  for (int i = 1; i < argc; ++i) {
-    if (std::string(argv[i]) == "--fill") {
-      fill = true;
-      continue;
-    }
-    for (const auto& entry : std::filesystem::directory_iterator(argv[i]))
-      files.push_back(entry.path());
-  }
-  if (files.empty()) throw std::runtime_error("usage: stroke-bench [--fill] FOLDER…");
-  std::sort(files.begin(), files.end());
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  const bool fill = std::count(words.begin(), words.end(), "--fill") > 0;
   DeviceSession session("");
   std::printf(
       "| scene | without | 1 stroke | 3 | 6 | of shading, of reflectance | time of a frame |\n"
       "|---|---|---|---|---|---|---|\n");
-  for (const auto& file : files) {
-    measure(session, read_scene(file), fill);
-    std::fflush(stdout);
+  size_t measured = 0;
+  for (const std::string& folder : words) {
+    if (folder == "--fill") continue;
+    for (const Scene& scene : read_scenes(folder)) {
+      measure(session, scene, fill);
+      std::fflush(stdout);
+      ++measured;
+    }
   }
+  if (measured == 0) throw std::runtime_error("usage: stroke-bench [--fill] FOLDER…");
 }
 
 }  // namespace
