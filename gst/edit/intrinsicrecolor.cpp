@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicrecolor: replaces one reflectance color.
+#include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -8,13 +10,18 @@
 #include "gst/base/color.hpp"
 #include "gst/base/filter.hpp"
 #include "kernels/edit/recolor.hpp"
+#include "kernels/edit_pick.spv.hpp"
 
 namespace inverse {
 namespace {
 
+/// What a click on the picture sets.
+enum class Pick { off, key, target };
+
 struct Params : RecolorParams {
-  uint32_t key_color = 0xffc83c28;
-  uint32_t target_color = 0xff2864c8;
+  uint32_t key_color = 0;              ///< 0: none
+  uint32_t target_color = 0xff2864c8;  ///< 0: none
+  Pick pick = Pick::off;
 };
 
 const PropertyTable<Params>& table() {
@@ -22,7 +29,7 @@ const PropertyTable<Params>& table() {
   static const PropertyTable<P> table{
       color<P>("key", &P::key_color,
                "Reflectance of the surface to recolor (0xAARRGGBB, sRGB; alpha is ignored); for a "
-               "gray also lower value-tolerance"),
+               "gray also lower value-tolerance; 0 = none: what the mask layer selects"),
       number<P>("tolerance", &P::tolerance, 0, 4.25F,
                 "Maximum distance of chromaticity R / mean(R) from the key's; gray is 2.45 from a "
                 "pure primary"),
@@ -39,17 +46,29 @@ const PropertyTable<Params>& table() {
                 "Recolor the pixels nearest to this reflectance cluster of stats; -1 = by key"),
       number<P>("clusters", &P::clusters, 1, static_cast<int>(Palette::kMaxClusters),
                 "Number of clusters to search for, if cluster is not -1"),
-      color<P>("target", &P::target_color,
-               "Reflectance that replaces the key (0xAARRGGBB, sRGB; alpha is ignored)"),
+      color<P>(
+          "target", &P::target_color,
+          "Reflectance that replaces the surface's mean (0xAARRGGBB, sRGB; alpha is ignored); 0 = "
+          "keep its colors, for hue-shift"),
+      number<P>("hue-shift", &P::hue_shift, -180.F, 180.F,
+                "Angle by which the new color's hue is turned, degrees"),
       number<P>("texture", &P::texture, 0, 1,
                 "Share of the surface's own variation of brightness to keep: 0 = flat paint, 1 = "
                 "all of it"),
+      number<P>("brightness", &P::brightness, 0, 1,
+                "Share of the surface's mean brightness to keep: 1 = target changes hue and "
+                "saturation only"),
       number<P>("strength", &P::strength, 0, 1,
                 "Share of the change of color; 0 = layers pass through unchanged"),
       flag<P>("use-mask", &P::use_mask,
               "Multiply the selection by the mask layer if the frame has one"),
       flag<P>("write-mask", &P::write_mask,
               "Write the selection to the mask layer, for later editors and show=mask"),
+      choice<P>("pick", &P::pick, "GstInverseRecolorPick",
+                {{static_cast<int>(Pick::off), "off", "Nothing"},
+                 {static_cast<int>(Pick::key), "key", "The color to replace"},
+                 {static_cast<int>(Pick::target), "target", "The color that replaces it"}},
+                "What a click on the picture sets, to the reflectance there"),
   };
   return table;
 }
@@ -60,9 +79,12 @@ class RecolorElement final : public Filter {
 
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     recolor_.emplace(device, extent);
-    for (auto& copy : copies_)
+    pick_ = {device};
+    for (auto& copy : copies_) {
       copy.colors = gpu::Buffer::create(device, gpu::Element::vec4, 2 * Palette::kMaxClusters,
                                         gpu::Memory::readback);
+      copy.picked = gpu::Buffer::create(device, gpu::Element::vec4, 1, gpu::Memory::readback);
+    }
   }
   void release() override {
     recolor_.reset();
@@ -70,11 +92,26 @@ class RecolorElement final : public Filter {
     reported_ = false;
   }
   void reset() override { recolor_->reset(); }
+  std::vector<Setting> navigate(const MouseEvent& event) override {
+    if (event.kind == MouseEvent::Kind::press && std::isfinite(event.x) && std::isfinite(event.y)) {
+      const std::lock_guard lock(mutex_);
+      clicked_ = {event.x, event.y};
+    }
+    return {};
+  }
+  void flushed() override { take_click(); }
 
   void process(FrameContext& frame) override {
     Params params = parameters_.snapshot();
+    params.by_mask = params.key_color == 0 && params.base < 0 && params.cluster < 0;
+    params.own_color = params.target_color == 0;
     params.key = linear_color(params.key_color);
     params.target = linear_color(params.target_color);
+    const Pick picks = pick(frame, params.pick);
+    if (params.by_mask && !frame.layers[Role::mask] && params.strength > 0 &&
+        !std::exchange(reported_mask_, true))
+      frame.warnings.push_back(
+          "nothing is selected; set key, cluster or base-color, or put intrinsicselect before it");
     // Frames in black and white have no base colors either, but others of that video may.
     if (params.base >= 0 && !frame.layers[Role::bases] && !frame.layers.global() &&
         !std::exchange(reported_, true))
@@ -92,12 +129,21 @@ class RecolorElement final : public Filter {
     recolor_->record(frame.commands, frame.layers, params);
     const bool worked = frame.commands.dispatches() > before;
     Copy& copy = copies_[frame.number];
+    copy.picks = picks;
     copy.clusters = worked && params.base < 0 && params.cluster >= 0
                         ? recolor_->palette()->params().clusters
                         : 0;
     if (copy.clusters)
       frame.commands.copy(recolor_->palette()->colors(), copy.colors, copy.colors->bytes());
     if (worked) frame.commands.stage("recolor");
+  }
+
+  void completed(uint64_t number, double) override {
+    const Copy& copy = copies_[number];
+    if (copy.picks == Pick::off) return;
+    const float* color = copy.picked->map_as<float>();
+    g_object_set(log().object, copy.picks == Pick::key ? "key" : "target",
+                 srgb_color({color[0], color[1], color[2]}), nullptr);
   }
 
   void describe(GstStructure* stats, uint64_t number) const override {
@@ -117,14 +163,41 @@ class RecolorElement final : public Filter {
   }
 
  private:
+  using Click = std::array<double, 2>;
+  std::optional<Click> take_click() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(clicked_, std::nullopt);
+  }
+  /// Records the copy of the reflectance that was clicked. Returns what it is for.
+  Pick pick(FrameContext& frame, Pick what) {
+    const auto click = take_click();
+    if (!click || what == Pick::off) return Pick::off;
+    const auto pixel = [](double at, uint32_t size) {
+      return static_cast<int32_t>(std::clamp(at, 0.0, size - 1.0));
+    };
+    const Extent size = frame.layers.extent;
+    frame.commands.dispatch(
+        pick_,
+        {.plane = frame.layers[Role::intrinsic]->buffer, .color = copies_[frame.number].picked},
+        {.size = size, .at = {pixel((*click)[0], size.width), pixel((*click)[1], size.height)}},
+        {});
+    return what;
+  }
+
   Parameters<Params> parameters_{table()};
   std::optional<Recolor> recolor_;
-  bool reported_ = false;      // that there are no base colors
-  int reported_cluster_ = -1;  // that is beyond the last one
-  /// The clusters of a frame, for its stats.
+  gpu::Program<shaders::edit_pick> pick_;
+  std::mutex mutex_;
+  std::optional<Click> clicked_;  // since the last frame; of any thread
+  bool reported_mask_ = false;    // that there is no mask
+  bool reported_ = false;         // that there are no base colors
+  int reported_cluster_ = -1;     // that is beyond the last one
+  /// The clusters of a frame, for its stats, and the color that was clicked.
   struct Copy {
     gpu::BufferPtr colors;
     int clusters = 0;
+    gpu::BufferPtr picked;
+    Pick picks = Pick::off;
   };
   gpu::FrameRing<Copy> copies_;
 };
@@ -141,6 +214,8 @@ const ElementInfo kIntrinsicRecolor{"intrinsicrecolor",
                                     Flow::layers,
                                     kAnyLayers,
                                     "intrinsicdecomp",
-                                    [] { return std::unique_ptr<Filter>(new RecolorElement); }};
+                                    [] { return std::unique_ptr<Filter>(new RecolorElement); },
+                                    {},
+                                    true};
 
 }  // namespace inverse

@@ -4,9 +4,11 @@
 #include <optional>
 
 #include "kernels/edit_base_key.spv.hpp"
+#include "kernels/edit_mask_key.spv.hpp"
 #include "kernels/edit_recolor.spv.hpp"
 #include "kernels/edit_recolor_base.spv.hpp"
 #include "kernels/edit_recolor_cluster.spv.hpp"
+#include "kernels/edit_recolor_mask.spv.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/layers.hpp"
 #include "kernels/palette/scene_palette.hpp"
@@ -17,6 +19,9 @@ namespace inverse {
 /// Selection and target of a recoloring. Colors are linear RGB reflectances in the scale of the
 /// intrinsic layer.
 struct RecolorParams {
+  /// The mask layer selects alone; frames without one are not edited. Its mean color replaces the
+  /// key; base, cluster and the tolerances are not used.
+  bool by_mask = false;
   /// −1: by `cluster` or the key. 0…kMaxBases − 1: the surfaces of that base color of bounced light
   /// (Role::bases), by the chromaticity of unedited reflectance; their mean color replaces the key,
   /// and the tolerances are not used. Frames without such a color are not edited.
@@ -43,6 +48,13 @@ struct RecolorParams {
   /// How much of the region's own variation in value stays: R' = target · (mean R / mean
   /// K)^texture.
   float texture = 1.0f;
+  /// How much of the region's own mean value stays: the target is multiplied by (mean K / mean
+  /// target)^brightness.
+  float brightness = 0.0f;
+  /// The region keeps its colors, but for their hue; the target is not used.
+  bool own_color = false;
+  /// Turns the new color around the axis of grays in linear RGB, degrees.
+  float hue_shift = 0.0f;
   /// 0: nothing changes; 1: the selection is fully recolored.
   float strength = 1.0f;
   /// Multiply the selection by the mask layer if there is one.
@@ -54,9 +66,10 @@ struct RecolorParams {
   static constexpr int kByKey = -1;
 };
 
-/// Changes the color of surfaces: R' = R + w (R_target − R). Shading stays, as does the amount of
-/// light in layers of light (Layers::global); light that bounced off the recolored surfaces takes
-/// their new color (LightEdit).
+/// Changes the color of surfaces: R' = R + w (R_target − R). Where the mask layer says what is
+/// behind an object's edge (Role::mask), that share of a pixel stays. Shading stays, as does the
+/// amount of light in layers of light (Layers::global); light that bounced off the recolored
+/// surfaces takes their new color (LightEdit).
 class Recolor {
  public:
   Recolor(const std::shared_ptr<gpu::Device>& device, Extent extent);
@@ -70,7 +83,7 @@ class Recolor {
   /// that an index means the same color in consecutive editors.
   void record(gpu::Commands& commands, Layers& layers, const RecolorParams& params);
 
-  /// Forgets the clusters of earlier frames.
+  /// Forgets the clusters and the masks of earlier frames.
   void reset();
 
   /// The clusters in use; null before a cluster was selected.
@@ -79,12 +92,15 @@ class Recolor {
  private:
   std::shared_ptr<gpu::Device> device_;
   PlanePool planes_;
-  gpu::BufferPtr nothing_, no_bases_, base_color_;
+  gpu::BufferPtr nothing_, no_bases_, base_color_, mask_color_;
+  bool mask_seen_ = false;
   gpu::Program<shaders::edit_base_key> base_key_;
+  gpu::Program<shaders::edit_mask_key> mask_key_;
   // By MATTE + 2 PUBLISH.
   std::array<gpu::Program<shaders::edit_recolor>, 4> by_key_;
   std::array<gpu::Program<shaders::edit_recolor_cluster>, 4> by_cluster_;
   std::array<gpu::Program<shaders::edit_recolor_base>, 4> by_base_;
+  std::array<gpu::Program<shaders::edit_recolor_mask>, 4> by_mask_;
   std::optional<ScenePalette> palette_;  // made on first use
   std::optional<LightEdit> light_;       // made when light first has layers
 };

@@ -13,9 +13,10 @@ namespace inverse {
 enum class Role : uint8_t {
   input,  ///< linear RGB of the frame, 1 = full scale; w = alpha
   model,  ///< R.rgb and S of the decomposer, before any edit; needed for the residual of the input
-  intrinsic,    ///< reflectance R.rgb (may exceed 1) and shading S, changed by editors; R·S, times
-                ///< the colors of `light` and `slope` where there are any, ≈ input
-  mask,         ///< x = matte 0…1 for the next editor
+  intrinsic,  ///< reflectance R.rgb (may exceed 1) and shading S, changed by editors; R·S, times
+              ///< the colors of `light` and `slope` where there are any, ≈ input
+  mask,  ///< x = matte 0…1 for the next editor; yzw = reflectance of what is behind the selected
+         ///< minus that of the pixel, where both share a pixel; else 0
   model_light,  ///< light of the decomposer, before any edit
   light,  ///< of frames with indirect light: rgb = color of the light, with R·S·rgb ≈ input (mean
           ///< or geometric mean 1 before edits), changed by editors; w = direct share of S, 0…1

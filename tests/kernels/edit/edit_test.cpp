@@ -62,7 +62,8 @@ void expect_pixels(const Pixels& got, const std::function<reference::Rgba(size_t
 reference::RecolorSpec spec_of(const RecolorParams& params) {
   const auto &k = params.key, &t = params.target;
   return {{k[0], k[1], k[2]}, {t[0], t[1], t[2]}, params.tolerance, params.value_tolerance,
-          params.softness,    params.texture,     params.strength};
+          params.softness,    params.texture,     params.strength,  params.brightness,
+          params.hue_shift,   params.own_color};
 }
 
 }  // namespace
@@ -102,9 +103,7 @@ TEST_F(EditTest, RecolorAgreesWithReference) {
           run_recolor(frame, params);
           ASSERT_NO_FATAL_FAILURE(expect_pixels(
               download(frame[Role::intrinsic]),
-              [&](size_t n) {
-                return reference::recolor(pixel_of(pixels, n), 1.0, spec_of(params));
-              },
+              [&](size_t n) { return reference::recolor(pixel_of(pixels, n), spec_of(params)); },
               // Numbers beyond any picture: ln and exp cost a few digits there.
               hostile ? 1e-3 : 2e-4, hostile ? "hostile" : "random"));
           // A pixel of 8192×16 or 349×287 costs as much as any other: one texture is enough there.
@@ -135,6 +134,81 @@ TEST_F(EditTest, HardEdgeSelectsExactlyTheKeysNeighborhood) {
   }
   EXPECT_GT(inside, 100u);
   EXPECT_GT(outside, 100u);
+}
+
+TEST_F(EditTest, HueBrightnessAndMasksAgreeWithReference) {
+  const Extent extent{61, 34};
+  for (const bool hostile : {false, true}) {
+    const Pixels pixels = any_pixels(extent, 15, hostile);
+    Pixels mask = random_pixels(extent, 16, -.3F, 1.1F);
+    if (hostile) mask = hostile_pixels(extent, 16);
+    for (const bool own : {false, true})
+      for (const float hue : {0.F, 30.F, -120.F, 400.F}) {
+        const RecolorParams params{.by_mask = true,
+                                   .target = {.1F, .5F, .3F},
+                                   .texture = .8F,
+                                   .brightness = .6F,
+                                   .own_color = own,
+                                   .hue_shift = hue};
+        Layers frame = layers(extent, pixels);
+        frame[Role::mask] = shared_plane(extent, mask);
+        run_recolor(frame, params);
+        reference::Rgb sum{};
+        double weight = 0;
+        for (size_t n = 0; n < extent.pixels(); ++n) {
+          const double matte = std::min(reference::finite(double(mask[4 * n])), 1.0);
+          const auto p = reference::finite(pixel_of(pixels, n));
+          for (size_t c = 0; c < 3; ++c) sum[c] += matte * matte * p[c];
+          weight += matte * matte;
+        }
+        const double key_value = (sum[0] + sum[1] + sum[2]) / 3 / weight + 1e-3;
+        const Pixels got = download(frame[Role::intrinsic]);
+        ASSERT_NO_FATAL_FAILURE(expect_pixels(
+            got,
+            [&](size_t n) {
+              auto wanted = reference::recolor(pixel_of(pixels, n), 1, key_value, spec_of(params),
+                                               pixel_of(mask, n));
+              // Where huge numbers cancel, single precision keeps nothing to compare.
+              for (size_t c = 0; c < 4; ++c)
+                if (std::abs(pixels[4 * n + c]) > 1e3F || std::abs(mask[4 * n + c]) > 1e3F)
+                  for (size_t k = 0; k < 4; ++k) wanted[k] = got[4 * n + k];
+              return wanted;
+            },
+            hostile ? 2e-3 : 2e-4, hostile ? "hostile" : "random"));
+      }
+  }
+}
+
+// At the edge of an object, a pixel is a mixture. Its share of what is behind stays.
+TEST_F(EditTest, AnObjectsEdgeKeepsWhatIsBehind) {
+  const float red[] = {.6F, .06F, .03F}, green[] = {.1F, .4F, .1F};
+  Pixels pixels, mask;
+  for (int n = 0; n <= 10; ++n) {
+    const float alpha = 1 - .1F * float(n);
+    for (size_t c = 0; c < 3; ++c) pixels.push_back(alpha * red[c] + (1 - alpha) * green[c]);
+    pixels.push_back(1);
+    mask.push_back(alpha);
+    for (size_t c = 0; c < 3; ++c) mask.push_back(green[c] - pixels[4 * size_t(n) + c]);
+  }
+  Layers frame = layers({11, 1}, pixels);
+  frame[Role::mask] = shared_plane({11, 1}, mask);
+  const RecolorParams params{.by_mask = true, .target = {.05F, .1F, .5F}, .texture = 0};
+  run_recolor(frame, params);
+  const Pixels got = download(frame[Role::intrinsic]);
+  for (size_t n = 0; n < 11; ++n)
+    for (size_t c = 0; c < 3; ++c)
+      EXPECT_NEAR(got[4 * n + c], mask[4 * n] * params.target[c] + (1 - mask[4 * n]) * green[c],
+                  1e-5)
+          << n;
+}
+
+TEST_F(EditTest, WithoutAMaskNothingIsRecoloredByIt) {
+  Layers frame = layers({16, 16}, random_pixels({16, 16}, 3));
+  Recolor recolor(device, frame.extent);
+  run([&](gpu::Commands& commands) {
+    recolor.record(commands, frame, {.by_mask = true});
+    EXPECT_EQ(commands.dispatches(), 0u);
+  });
 }
 
 TEST_F(EditTest, KeyBecomesTargetAndShadingStays) {
@@ -173,8 +247,12 @@ TEST_F(EditTest, MaskMultipliesAndSelectionIsPassedOn) {
     const reference::RecolorSpec spec = spec_of(params);
     expect_pixels(
         download(frame[Role::intrinsic]),
-        [&](size_t n) { return reference::recolor(pixel_of(pixels, n), matte_at(n), spec); }, 1e-4,
-        "intrinsic");
+        [&](size_t n) {
+          return reference::recolor(pixel_of(pixels, n),
+                                    use_mask ? pixel_of(matte, n) : reference::Rgba{1, 0, 0, 0},
+                                    spec);
+        },
+        1e-4, "intrinsic");
     EXPECT_NE(frame[Role::mask], mask);
     expect_pixels(
         download(frame[Role::mask]),
@@ -307,7 +385,7 @@ TEST_F(EditTest, SharedPlanesStayUnchangedAndOwnOnesAreReused) {
   EXPECT_EQ(frame[Role::intrinsic].get(), first);
   expect_pixels(
       download(frame[Role::intrinsic]),
-      [&](size_t n) { return reference::recolor(pixel_of(once, n), 1.0, spec_of(params)); }, 2e-4,
+      [&](size_t n) { return reference::recolor(pixel_of(once, n), spec_of(params)); }, 2e-4,
       "in place");
   // A third while a tee holds it.
   const Layers branch = frame;
@@ -348,6 +426,8 @@ TEST_F(EditTest, ExtremeParametersGiveFinitePictures) {
                                .softness = absurd,
                                .target = {absurd, absurd, absurd},
                                .texture = absurd,
+                               .brightness = absurd,
+                               .hue_shift = absurd,
                                .write_mask = true};
     Layers frame = layers(extent, pixels);
     run_recolor(frame, params);

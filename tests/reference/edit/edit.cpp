@@ -64,19 +64,33 @@ double selection(const Rgba& layers, const Rgb& own, const std::vector<Rgb>& oth
   return within(0.5 - margin, 0, 1);
 }
 
-Rgba recolor(const Rgba& layers, double selection, double key_value, const RecolorSpec& spec) {
+Rgba recolor(const Rgba& layers, double selection, double key_value, const RecolorSpec& spec,
+             const Rgba& mask) {
   const Rgba p = finite(layers);
-  const double scale = std::pow((mean(p) + kValueFloor) / key_value, spec.texture);
+  const double matte = std::min(finite(mask[0]), 1.0);
+  Rgba object = p;
+  for (size_t c = 0; c < 3; ++c) {
+    const double behind = std::abs(mask[c + 1]) < kLargest ? mask[c + 1] : 0;
+    object[c] = finite(p[c] - (1 - matte) / std::max(matte, 0.1) * behind);
+  }
+  const double scale = std::pow((mean(object) + kValueFloor) / key_value, spec.texture) *
+                       std::pow(key_value / (mean(spec.target) + kValueFloor), spec.brightness);
+  const double angle = spec.hue_shift * std::acos(-1.0) / 180;
+  Rgb target{};
+  for (size_t c = 0; c < 3; ++c) target[c] = spec.own_color ? object[c] : spec.target[c] * scale;
+  const double gray = mean(target);
   Rgba result = p;
-  for (int c = 0; c < 3; ++c)
-    result[c] =
-        std::min(p[c] + spec.strength * selection * (spec.target[c] * scale - p[c]), kLargest);
+  for (size_t c = 0; c < 3; ++c) {
+    const double across = (target[(c + 2) % 3] - target[(c + 1) % 3]) / std::sqrt(3.0);
+    const double turned = std::max(
+        std::cos(angle) * target[c] + (1 - std::cos(angle)) * gray + std::sin(angle) * across, 0.0);
+    result[c] = finite(p[c] + spec.strength * selection * matte * (turned - object[c]));
+  }
   return result;
 }
 
-Rgba recolor(const Rgba& layers, double matte, const RecolorSpec& spec) {
-  return recolor(layers, selection(layers, spec) * std::min(finite(matte), 1.0),
-                 mean(spec.key) + kValueFloor, spec);
+Rgba recolor(const Rgba& layers, const Rgba& mask, const RecolorSpec& spec) {
+  return recolor(layers, selection(layers, spec), mean(spec.key) + kValueFloor, spec, mask);
 }
 
 Rgba compose(const Rgba& input, const Rgba& model, const Rgba& intrinsic, Residual residual,

@@ -17,6 +17,8 @@ struct RecolorSpec {
   Rgb key{}, target{};
   double tolerance = 0, value_tolerance = 0, softness = 0;  ///< value_tolerance ≥ 20: no limit
   double texture = 1, strength = 1;
+  double brightness = 0, hue_shift = 0;  ///< degrees
+  bool own_color = false;
 };
 
 /// Selection of a pixel (R.rgb, S) by the key, 0…1.
@@ -27,11 +29,17 @@ double selection(const Rgba& layers, const RecolorSpec& spec);
 double selection(const Rgba& layers, const Rgb& own, const std::vector<Rgb>& others,
                  double softness);
 
-/// (R', S) of a pixel (R, S) with this selection.
-Rgba recolor(const Rgba& layers, double selection, double key_value, const RecolorSpec& spec);
+/// (R', S) of a pixel (R, S) with this selection. `mask`: its matte, and the reflectance of what is
+/// behind it minus R.
+Rgba recolor(const Rgba& layers, double selection, double key_value, const RecolorSpec& spec,
+             const Rgba& mask = {1, 0, 0, 0});
 
-/// The edited pixel, with its matte (1 without a mask).
-Rgba recolor(const Rgba& layers, double matte, const RecolorSpec& spec);
+/// The edited pixel, selected by the key.
+Rgba recolor(const Rgba& layers, const Rgba& mask, const RecolorSpec& spec);
+/// The same without a mask.
+inline Rgba recolor(const Rgba& layers, const RecolorSpec& spec) {
+  return recolor(layers, {1, 0, 0, 0}, spec);
+}
 
 enum class Residual { add, ratio, none };
 Rgba compose(const Rgba& input, const Rgba& model, const Rgba& intrinsic, Residual residual,

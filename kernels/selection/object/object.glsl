@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Shared by the kernels of object selection (object_selection.hpp; tests/reference/selection/object.hpp has the equations).
+#include "image/finite.glsl"
+
+// Bins of color: Oklab lightness, a, b from kBinLow on. Colors beyond the last bin are in it.
+const ivec3 kBins = ivec3(10, 24, 24);
+const int kBinCount = 5760;
+const vec3 kBinLow = vec3(0.0, -0.3, -0.3), kBinHigh = vec3(1.05, 0.3, 0.3);
+
+const float kOwnColor = 0.1;      // share of the object's largest density from which on a color is its own
+const float kDensityFloor = 0.002;  // of that density: rarer colors are neither the object's nor the background's
+const float kPriorWeight = 0.2;   // of a certain cell's color, against edges
+const float kPriorFloor = 1e-4;
+const float kSeedWeight = 10.0;
+const float kEdgeWeight = 2.0;
+const float kEdgeScale = 0.04;    // difference of Oklab colors that separates neighbors
+
+const uint kSeedAdd = 1u, kSeedSubtract = 2u;
+const uint kFullCount = 255u;     // counts of a whole cell
+const uint kBackgroundCount = 64u;
+
+// Words of `status`: the region in cells, for the next frame and for stats.
+const int kArea = 0, kSumX = 1, kSumY = 2, kLeft = 3, kTop = 4, kRight = 5, kBottom = 6;  // kLeft, kTop: from the other border
+const int kStatusWords = 8;
+const int kCoarse = 4;            // cells along a side of a block of `occupied`
+
+int bin_of(vec3 color) {
+  ivec3 bin = clamp(ivec3(floor((color - kBinLow) / (kBinHigh - kBinLow) * vec3(kBins))), ivec3(0), kBins - 1);
+  return (bin.x * kBins.y + bin.y) * kBins.z + bin.z;
+}

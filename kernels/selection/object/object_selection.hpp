@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <memory>
+#include <span>
+
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/components/components.hpp"
+#include "kernels/selection_object_claim.spv.hpp"
+#include "kernels/selection_object_count.spv.hpp"
+#include "kernels/selection_object_diffuse.spv.hpp"
+#include "kernels/selection_object_keep.spv.hpp"
+#include "kernels/selection_object_label.spv.hpp"
+#include "kernels/selection_object_learn.spv.hpp"
+#include "kernels/selection_object_near.spv.hpp"
+#include "kernels/selection_object_occupied.spv.hpp"
+#include "kernels/selection_object_smooth.spv.hpp"
+#include "kernels/selection_object_start.spv.hpp"
+#include "kernels/selection_object_terms.spv.hpp"
+#include "seeds.hpp"
+
+namespace inverse {
+
+/// Selects an object that a user points at, and follows it through the frames
+/// (tests/reference/selection/object.hpp).
+///
+/// Densities of color of the object and of the background tell the cells of the two apart; edges
+/// join cells whose colors are in neither. The object is what is connected to the user's strokes,
+/// later to itself in the frame before. Both densities are learned from what was selected.
+class ObjectSelection {
+ public:
+  ObjectSelection(const std::shared_ptr<gpu::Device>& device, const CellGrid& grid);
+
+  /// Selects the object under these strokes, in addition to the one that is selected unless
+  /// `anew`. `colors` are those of the frame's cells (cells.comp).
+  void select(gpu::Commands& commands, const gpu::BufferPtr& colors,
+              std::span<const SelectionStroke> strokes, Extent drawn, bool anew);
+  /// Finds the object in another frame.
+  void follow(gpu::Commands& commands, const gpu::BufferPtr& colors);
+  void reset() { active_ = false; }
+  /// Whether anything was selected.
+  bool active() const { return active_; }
+
+  /// Of every cell: how far it belongs to the object, 0 to 1, and a word that is 1 if it does.
+  const gpu::BufferPtr& alpha() const { return alpha_[0]; }
+  const gpu::BufferPtr& region() const { return region_; }
+
+  /// The object's place, from words that a frame left in `status()`.
+  struct Place {
+    double share = 0;                                 ///< of the frame
+    double x = 0, y = 0;                              ///< center, pixels
+    double left = 0, top = 0, right = 0, bottom = 0;  ///< pixels
+  };
+  const gpu::BufferPtr& status() const { return status_; }
+  Place place_of(const uint32_t* status) const;
+
+ private:
+  /// `steps` of diffusion from the alpha that there is, then the components that belong to it.
+  void segment(gpu::Commands& commands, const gpu::BufferPtr& colors, uint32_t steps);
+  void find_region(gpu::Commands& commands, bool seeded);
+  void learn(gpu::Commands& commands, const gpu::BufferPtr& colors, float rate);
+  template <typename Program>
+  void count(gpu::Commands& commands, const Program& program, const gpu::BufferPtr& colors,
+             float rate, bool background);
+  gpu::Items per_cell() const { return {grid_.cells.width, grid_.cells.height}; }
+
+  CellGrid grid_;
+  Extent blocks_;
+  gpu::Program<shaders::selection_object_count> count_seeds_, count_object_, count_background_;
+  gpu::Program<shaders::selection_object_smooth> smooth_counts_, smooth_again_;
+  gpu::Program<shaders::selection_object_learn> learn_;
+  gpu::Program<shaders::selection_object_start> start_;
+  gpu::Program<shaders::selection_object_terms> terms_of_;
+  gpu::Program<shaders::selection_object_diffuse> diffuse_first_, diffuse_;
+  gpu::Program<shaders::selection_object_label> label_;
+  gpu::Program<shaders::selection_object_claim> claim_;
+  gpu::Program<shaders::selection_object_keep> keep_, keep_seeded_;
+  gpu::Program<shaders::selection_object_occupied> occupy_;
+  gpu::Program<shaders::selection_object_near> near_of_;
+  Components components_;
+  gpu::BufferPtr alpha_[2], region_, seeds_, no_seeds_, terms_, labels_, claims_;
+  gpu::BufferPtr counts_, smoothed_[2], model_, totals_, occupied_, near_, status_, last_area_;
+  gpu::BufferPtr drawn_;  // no_seeds_, or seeds_ in frames with new strokes
+  bool active_ = false;
+};
+
+}  // namespace inverse

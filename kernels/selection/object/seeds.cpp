@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "seeds.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/selection_object_count.spv.hpp"
+
+namespace inverse {
+namespace {
+
+using Point = SelectionStroke::Point;
+
+/// Squared distance of `p` from the line between two points; NaN if one of them is.
+float distance2(Point p, Point a, Point b) {
+  const float dx = b[0] - a[0], dy = b[1] - a[1], length2 = dx * dx + dy * dy;
+  const float along =
+      length2 > 0 ? std::clamp(((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / length2, 0.F, 1.F) : 0;
+  const float x = a[0] + along * dx - p[0], y = a[1] + along * dy - p[1];
+  return x * x + y * y;
+}
+
+bool inside(Point p, const std::vector<Point>& line) {
+  bool odd = false;
+  for (size_t i = 0, j = line.size() - 1; i < line.size(); j = i++) {
+    const Point &a = line[i], &b = line[j];
+    if ((a[1] > p[1]) != (b[1] > p[1]) &&
+        p[0] < a[0] + (b[0] - a[0]) * (p[1] - a[1]) / (b[1] - a[1]))
+      odd = !odd;
+  }
+  return odd;
+}
+
+bool covers(const SelectionStroke& stroke, Point p, float reach) {
+  if (stroke.closed && stroke.points.size() > 2 && inside(p, stroke.points)) return true;
+  for (size_t i = 0; i < stroke.points.size(); ++i)
+    if (distance2(p, stroke.points[i ? i - 1 : 0], stroke.points[i]) <= reach * reach) return true;
+  return false;
+}
+
+}  // namespace
+
+std::vector<uint32_t> draw_seeds(std::span<const SelectionStroke> strokes, Extent drawn,
+                                 const CellGrid& grid) {
+  using Shader = shaders::selection_object_count;
+  std::vector<uint32_t> seeds(grid.cells.pixels());
+  const float scale_x = static_cast<float>(drawn.width) / static_cast<float>(grid.frame.width),
+              scale_y = static_cast<float>(drawn.height) / static_cast<float>(grid.frame.height);
+  const auto side = static_cast<float>(grid.side);
+  for (const SelectionStroke& stroke : strokes) {
+    const float reach = stroke.radius + .5F * side * scale_x;
+    for (uint32_t y = 0; y < grid.cells.height; ++y)
+      for (uint32_t x = 0; x < grid.cells.width; ++x)
+        if (covers(stroke,
+                   {(static_cast<float>(x) + .5F) * side * scale_x,
+                    (static_cast<float>(y) + .5F) * side * scale_y},
+                   reach))
+          seeds[size_t{y} * grid.cells.width + x] =
+              stroke.subtract ? Shader::kSeedSubtract : Shader::kSeedAdd;
+  }
+  return seeds;
+}
+
+}  // namespace inverse

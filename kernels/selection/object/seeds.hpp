@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernels/selection/grid.hpp"
+
+namespace inverse {
+
+/// What a user draws to select an object: a click, a line over it, or a line around it. In pixels
+/// of a frame, the first one's center at .5.
+struct SelectionStroke {
+  using Point = std::array<float, 2>;
+  bool subtract = false;      ///< it belongs to something else
+  bool closed = false;        ///< everything inside of the line, too
+  std::vector<Point> points;  ///< may be outside of the frame
+  float radius = 6;           ///< of the round brush, > 0
+  bool operator==(const SelectionStroke&) const = default;
+};
+
+/// Of every cell, row by row: 0, or the constant kSeedAdd or kSeedSubtract of object.glsl if its
+/// center is at most the radius and half a cell away from a stroke, or inside of a closed one
+/// (even-odd). The last stroke counts. `drawn` is the size of the frame that it was drawn on.
+std::vector<uint32_t> draw_seeds(std::span<const SelectionStroke> strokes, Extent drawn,
+                                 const CellGrid& grid);
+
+}  // namespace inverse

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "object.glsl"
+
+// The terms of a cell in the energy of alpha: (weight x probability, weight) of its color, and the weights of the edges to its left
+// and upper neighbor.
+PLANE_IN(0, colors);
+SCALAR_IN(1, model);  // density of the object's colors, and of the background's
+PLANE_IN(2, totals);
+WORD_IN(3, seeds);
+PLANE_OUT(4, terms);
+layout(push_constant) uniform Push { uvec2 cells; } push;
+
+float edge(vec3 a, vec3 b) {
+  vec3 d = a - b;
+  return kEdgeWeight * exp(-dot(d, d) / (2.0 * kEdgeScale * kEdgeScale));
+}
+
+void main() {
+  uvec2 cell = gl_GlobalInvocationID.xy;
+  if (cell.x >= push.cells.x) return;
+  int n = int(cell.y * push.cells.x + cell.x);
+  vec3 color = FETCH(colors, n).rgb;
+  int bin = bin_of(color);
+  float least = kDensityFloor * FETCH(totals, 0).y + 1e-30;
+  float own = FETCH1(model, bin) + least, other = FETCH1(model, kBinCount + bin) + least;
+  float certain = min(abs(log(own / other)) / 3.0, 1.0);
+  float p = own / (own + other), weight = kPriorWeight * certain * certain + kPriorFloor;
+  uint seed = FETCH1(seeds, n);
+  if (seed != 0u) {
+    p = seed == kSeedAdd ? 1.0 : 0.0;
+    weight = kSeedWeight;
+  }
+  STORE(terms, uint(n),
+        vec4(weight * p, weight, cell.x > 0u ? edge(color, FETCH(colors, n - 1).rgb) : 0.0,
+             cell.y > 0u ? edge(color, FETCH(colors, n - int(push.cells.x)).rgb) : 0.0));
+}

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Selection of an object that a user points at, on a grid of cells. Double precision.
+//
+//   colors    the Oklab color f of a cell's mean reflectance
+//   O, B      densities of color of the object and of the background: histograms of 10 x 24 x 24
+//   bins, smoothed
+//             twice by (1/4, 1/2, 1/4) along each axis, of sum 1
+//   p         (O + e) / (O + B + 2 e), e = .002 max O: how likely a cell is the object's by its
+//   color w         .2 min(|ln ((O + e) / (B + e))| / 3, 1)^2 + 1e-4: how certain that is alpha
+//   minimum of  sum w (alpha - p)^2 + sum 2 exp(-|f_i - f_j|^2 / (2 .04^2)) (alpha_i - alpha_j)^2
+//             over cells and pairs of neighbors, by Jacobi steps; w = 10 and p = 1 or 0 under
+//             strokes
+//   region    connected components of alpha > 1/2 of which the region of the frame before had a
+//   tenth, or
+//             which have a stroke that adds
+//
+// O is learned from alpha in the region; B from cells that are away from the region and whose color
+// has O <= .1 max O, since cells of these colors elsewhere may be other objects of the same paint.
+// Colors that are in neither, e.g. paler petals of the same flower, go by their neighbors.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "tests/reference/plane.hpp"
+
+namespace inverse::reference {
+
+/// Oklab (Ottosson 2020) of linear RGB.
+Vec3 oklab(const Vec3& rgb);
+
+/// The mean of each cell of side × side pixels; cells at the right and lower border may be smaller.
+Plane cell_means(const Plane& plane, int side);
+
+constexpr int kColorBins = 10 * 24 * 24;
+int color_bin(const Vec3& oklab);
+/// Smoothed histogram.
+std::vector<double> smooth_histogram(const std::vector<double>& counts);
+
+enum Seed : uint32_t { no_seed, seed_add, seed_subtract };
+
+class ObjectSelection {
+ public:
+  ObjectSelection(int width, int height);  ///< in cells
+
+  void select(const std::vector<Vec3>& colors, const std::vector<uint32_t>& seeds, bool anew);
+  void follow(const std::vector<Vec3>& colors);
+
+  std::vector<double> alpha;
+  std::vector<uint32_t> region;
+  int area() const;
+
+ private:
+  void segment(const std::vector<Vec3>& colors, const std::vector<uint32_t>& seeds, int steps);
+  void find_region(const std::vector<uint32_t>& seeds, bool seeded);
+  void learn(const std::vector<Vec3>& colors, const std::vector<uint32_t>& seeds, double rate);
+  static void blend(std::vector<double>& density, const std::vector<double>& counts, double rate);
+  std::vector<bool> near_region() const;
+
+  int width_, height_, last_area_ = 0;
+  bool active_ = false;
+  std::vector<double> object_, background_;  // densities
+  std::vector<double> p_, weight_;
+};
+
+}  // namespace inverse::reference
