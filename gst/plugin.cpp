@@ -12,6 +12,8 @@ extern const ElementInfo kIntrinsicDecomp;
 extern const ElementInfo kIntrinsicDecompThesis;
 extern const ElementInfo kIntrinsicDespill;
 extern const ElementInfo kIntrinsicRecolor;
+extern const ElementInfo kIntrinsicStylize;
+extern const ElementInfo kIntrinsicTone;
 extern const ElementInfo kLimeMaterial;
 gboolean register_intrinsicsplit(GstPlugin* plugin);
 }  // namespace inverse
@@ -27,6 +29,8 @@ static gboolean plugin_init(GstPlugin* plugin) {
            &inverse::kLimeMaterial,
            &inverse::kIntrinsicRecolor,
            &inverse::kIntrinsicDespill,
+           &inverse::kIntrinsicTone,
+           &inverse::kIntrinsicStylize,
            &inverse::kIntrinsicCompose,
        })
     if (!inverse::register_filter(plugin, *element)) return FALSE;

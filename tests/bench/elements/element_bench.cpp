@@ -71,6 +71,8 @@ const std::vector<Subject> kEveryElement{
     {"intrinsicdecomp ! intrinsiccompose", {kSmall, kLarge}},
     {"intrinsicdecomp ! intrinsicrecolor key=0xffe01e32 target=0xff2878f0 ! intrinsiccompose",
      {kSmall, kLarge}},
+    {"intrinsicdecomp ! intrinsictone look=metal ! intrinsiccompose", {kSmall, kLarge}},
+    {"intrinsicdecomp ! intrinsicstylize ! intrinsiccompose", {kSmall, kLarge}},
     {"globalintrinsic ! intrinsicdespill key=0xffe01e32 ! intrinsiccompose", {kSmall}},
     {"intrinsicdecomp ! intrinsicsplit name=split split.reflectance ! identity", {kSmall, kLarge}},
     {"limematerial", {kSmall, kLarge}},

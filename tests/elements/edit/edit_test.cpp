@@ -4,8 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "tests/elements/draw.hpp"
-#include "tests/elements/element_test.hpp"
+#include "tests/elements/edit/edit_fixture.hpp"
 #include "tests/elements/layer_of.hpp"
 #include "tests/srgb.hpp"
 #include "tests/update_max.hpp"
@@ -25,16 +24,6 @@ std::vector<uint8_t> two_colors(int width, int height, std::array<int, 3> left,
     const int light = color * (3 * height - 2 * y) / (3 * height);
     return std::clamp(light + static_cast<int>(random() % 3) - 1, 0, 255);
   });
-}
-
-/// Largest difference of the left (false) or right (true) half of RGBA frames.
-int half_difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b, int width,
-                    bool right) {
-  int largest = a.size() == b.size() ? 0 : 256;
-  for (size_t i = 0; i < std::min(a.size(), b.size()); ++i)
-    if ((static_cast<int>(i / 4) % width >= width / 2) == right)
-      update_max(largest, std::abs(a[i] - b[i]));
-  return largest;
 }
 
 std::array<double, 3> mean_of_half(const std::vector<uint8_t>& frame, int width, bool right) {
@@ -307,7 +296,8 @@ TEST(Recolor, AnEditOnOneBranchOfATeeLeavesTheOtherAlone) {
 }
 
 TEST(Editors, WithoutADecomposerThereIsOneErrorThatNamesIt) {
-  for (const std::string editor : {"intrinsicrecolor", "intrinsiccompose", "intrinsicsplit"}) {
+  for (const std::string editor : {"intrinsicrecolor", "intrinsictone", "intrinsicstylize",
+                                   "intrinsiccompose", "intrinsicsplit"}) {
     const std::string caps = VideoHarness::caps("RGBA", 32, 24);
     VideoHarness harness(
         editor == "intrinsicsplit" ? "intrinsicsplit name=s s.shading ! identity" : editor, caps);
