@@ -17,7 +17,7 @@ case "${1:-}" in -h | --help) usage ;; esac
 # The plugin: installed, on GST_PLUGIN_PATH (./dev shell), or built here.
 command -v gst-launch-1.0 >/dev/null || fail "gst-launch-1.0 is missing: install gstreamer1.0-tools"
 if ! gst-inspect-1.0 --exists --atleast-version=0.0.0 intrinsicdecomp 2>/dev/null; then
-  export GST_PLUGIN_PATH=$root/build/gst${GST_PLUGIN_PATH:+:$GST_PLUGIN_PATH} INVERSE_MODELS=${INVERSE_MODELS:-$root/build/models}
+  export GST_PLUGIN_PATH=$root/build/gst${GST_PLUGIN_PATH:+:$GST_PLUGIN_PATH} GST_PRESET_PATH=${GST_PRESET_PATH:-$root/gst/edit/presets} INVERSE_MODELS=${INVERSE_MODELS:-$root/build/models}
   gst-inspect-1.0 --exists --atleast-version=0.0.0 intrinsicdecomp || fail "the plugin inverse is not built: ./dev shell builds it"
 fi
 

@@ -4,7 +4,9 @@
 #include <gst/base/gstbasetransform.h>
 #include <gst/video/navigation.h>
 
+#include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "element_class.hpp"
@@ -382,6 +384,24 @@ void element_class_init(gpointer klass, gpointer data) {
   for (const auto& action : info.actions) add_action(G_TYPE_FROM_CLASS(klass), action);
 }
 
+/// What a preset saves: the parameters; neither the device nor properties of GStreamer's classes.
+gchar** preset_properties(GstPreset* preset) {
+  guint count = 0;
+  const std::unique_ptr<GParamSpec*, decltype(&g_free)> specs(
+      g_object_class_list_properties(G_OBJECT_GET_CLASS(preset), &count), g_free);
+  GPtrArray* names = g_ptr_array_new();
+  for (GParamSpec* spec : std::span(specs.get(), count))
+    if (spec->owner_type == G_OBJECT_TYPE(preset) && (spec->flags & G_PARAM_WRITABLE) &&
+        spec->param_id >= PROP_TABLE)
+      g_ptr_array_add(names, g_strdup(spec->name));
+  g_ptr_array_add(names, nullptr);
+  return reinterpret_cast<gchar**>(g_ptr_array_free(names, FALSE));
+}
+
+void preset_init(gpointer interface, gpointer) {
+  static_cast<GstPresetInterface*>(interface)->get_property_names = preset_properties;
+}
+
 void instance_init(GTypeInstance* instance, gpointer klass) {
   auto* self = self_of(instance);
   self->element =
@@ -421,6 +441,8 @@ gboolean register_filter(GstPlugin* plugin, const ElementInfo& element) {
   info.instance_init = instance_init;
   const GType type = g_type_register_static(filter_type(plugin), element.type_name, &info,
                                             static_cast<GTypeFlags>(0));
+  const GInterfaceInfo presets{preset_init, nullptr, nullptr};
+  g_type_add_interface_static(type, GST_TYPE_PRESET, &presets);
   return gst_element_register(plugin, element.factory, GST_RANK_NONE, type);
 }
 

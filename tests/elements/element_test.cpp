@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "own_process.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -302,6 +303,8 @@ std::vector<Structure> element_messages(GstBus* bus, const std::string& name) {
 
 int main(int count, char** arguments) {
   ::testing::InitGoogleTest(&count, arguments);
+  const inverse::testing::TemporaryFolder data;  // of the user, for presets
+  setenv("XDG_DATA_HOME", data.path().c_str(), 1);
   gst_init(&count, &arguments);
   const int served = inverse::testing::serve(count, arguments);
   if (served >= 0) return served;

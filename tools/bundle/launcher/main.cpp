@@ -79,6 +79,7 @@ void set_environment(const fs::path& folder) {
     setenv("GST_REGISTRY", (cache / "registry.bin").c_str(), 1);
   setenv("GIO_MODULE_DIR", (folder / "lib/none").c_str(), 1);
   setenv("GSETTINGS_BACKEND", "memory", 1);
+  setenv("GST_PRESET_PATH", (folder / "presets").c_str(), 0);
   setenv("INVERSE_MODELS", (folder / "models").c_str(), 0);
 }
 
