@@ -10,7 +10,8 @@
 //   E1, E2 = shading (stylize.glsl) blurred by Gaussians of sigma and kRatio sigma
 //   t      = (E2 - E1) / kStepResponse: the height of a step of shading, stops, seen from its dark side
 //   line   = tanh(sharpness max(sensitivity t - 1, 0))
-//   S'     = S + w ((1 - line) level(E1) - S)        R' = R + w (flat R - R)        w = strength matte
+//   e      = E1 + edge(|E - E1|) (E - E1): blurred but for edges, beside which levels in between would show as rims
+//   S'     = S + w ((1 - line) level(e) - S)        R' = R + w (flat R - R)        w = strength matte
 layout(constant_id = 1) const bool MATTE = false;
 layout(constant_id = 2) const bool SHADES = false;     // lines or levels
 layout(constant_id = 3) const bool FLATTENED = false;
@@ -33,6 +34,7 @@ layout(push_constant) uniform Push {
 } push;
 
 const float kStepResponse = 0.111678;  // most that the difference of Gaussians answers to a step of 1
+const float kEdgeFrom = 0.25, kEdgeTo = 0.75;  // stops
 const float kMaxSlope = 15.0;          // tanh is 1 beyond
 
 // Between cells, whose centers are halfway.
@@ -46,6 +48,11 @@ vec2 blurred_at(uvec2 pixel) {
   vec2 below = mix(vec2(FETCH1(near, next + low.x), FETCH1(wide, next + low.x)),
                    vec2(FETCH1(near, next + high.x), FETCH1(wide, next + high.x)), t.x);
   return mix(above, below, t.y);
+}
+
+float without_rims(float e, float blurred) {
+  float t = clamp((abs(e - blurred) - kEdgeFrom) / (kEdgeTo - kEdgeFrom), 0.0, 1.0);
+  return blurred + t * t * (3.0 - 2.0 * t) * (e - blurred);
 }
 
 // The nearest of levels that are kWhite / levels apart. From one to the next it takes the share `softness` of the way.
@@ -65,11 +72,11 @@ void main() {
     if (FLATTENED) drawn.rgb = FETCH(flattened, n).rgb;
     if (SHADES) {
       vec2 e = blurred_at(uvec2(at.x, y));
-      if (push.levels > 0.0) drawn.w = level_of(e.x);
+      if (push.levels > 0.0) drawn.w = level_of(without_rims(encoded(layers.w), e.x));
       float above = push.sensitivity * (e.y - e.x) / kStepResponse - 1.0;
-      drawn.w *= 1.0 - tanh(min(push.sharpness * max(above, 0.0), kMaxSlope));
+      drawn.w *= 2.0 / (1.0 + exp(2.0 * min(push.sharpness * max(above, 0.0), kMaxSlope)));  // 1 - tanh
     }
     float w = push.strength * (MATTE ? min(finite(FETCH(mask, n)).x, 1.0) : 1.0);
-    STORE(edited, BY_ROWS(n), min(layers + w * (drawn - layers), vec4(kLargest)));
+    STORE(edited, BY_ROWS(n), min(mix(layers, drawn, w), vec4(kLargest)));
   }
 }

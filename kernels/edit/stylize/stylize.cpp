@@ -33,7 +33,8 @@ Stylize::Stylize(const std::shared_ptr<gpu::Device>& device, Extent extent)
 
 PlanePtr Stylize::flatten(gpu::Commands& commands, const Plane& intrinsic, float sigma,
                           float difference) {
-  const PlanePtr half = planes_.acquire(), flat = planes_.acquire();
+  const PlanePtr half = planes_.acquire();
+  PlanePtr flat = planes_.acquire();
   const Extent extent = intrinsic.extent;
   const shaders::edit_stylize_flatten::Push push{
       .size = extent,

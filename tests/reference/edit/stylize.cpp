@@ -133,7 +133,10 @@ double drawn_shading(double s, double near, double wide, const StylizeSpec& spec
   double drawn = finite(s);
   if (spec.levels > 0) {
     const double step = encoded_shading(1) / spec.levels;
-    const double place = near / step, lower = std::floor(place);
+    const double off = encoded_shading(finite(s)) - near;
+    const double edge = std::clamp((std::abs(off) - 0.25) / 0.5, 0.0, 1.0);
+    const double place = (near + edge * edge * (3 - 2 * edge) * off) / step,
+                 lower = std::floor(place);
     const double t =
         std::clamp((place - lower - 0.5) / std::max(spec.softness, 1e-3) + 0.5, 0.0, 1.0);
     drawn = decoded_shading((lower + t * t * (3 - 2 * t)) * step);
