@@ -2,7 +2,6 @@
 // GstPreset: what is shipped, and what is saved.
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <set>
 
 #include "tests/elements/edit/edit_fixture.hpp"
@@ -79,6 +78,8 @@ TEST(Presets, EveryFilterHasTheInterfaceAndSavesItsParametersAlone) {
 }
 
 TEST(Presets, ShippedOnesAreFoundAndSetWhatTheySay) {
+  const char* folder = std::getenv("GST_PRESET_PATH");
+  ASSERT_NE(folder, nullptr) << "set it to gst/edit/presets";
   for (const auto& [factory, expected] : kShipped) {
     const Element element = make(factory);
     ASSERT_TRUE(element);
@@ -91,8 +92,8 @@ TEST(Presets, ShippedOnesAreFoundAndSetWhatTheySay) {
       g_free(comment);
     }
     // The file, read by other means.
-    const fs::path file = fs::path(std::getenv("GST_PRESET_PATH")) /
-                          (std::string(G_OBJECT_TYPE_NAME(element.get())) + ".prs");
+    const fs::path file =
+        fs::path(folder) / (std::string(G_OBJECT_TYPE_NAME(element.get())) + ".prs");
     GKeyFile* keys = g_key_file_new();
     ASSERT_TRUE(g_key_file_load_from_file(keys, file.c_str(), G_KEY_FILE_NONE, nullptr)) << file;
     gchar** groups = g_key_file_get_groups(keys, nullptr);
