@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "kernels/edit/selection/selection.hpp"
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
-#include "kernels/selection/selection.hpp"
 #include "tests/bench/metrics/metrics.hpp"
 #include "tests/bench/support/device_session.hpp"
 #include "tests/bench/support/scene.hpp"

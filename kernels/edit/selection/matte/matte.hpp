@@ -3,13 +3,13 @@
 #include <map>
 #include <memory>
 
+#include "kernels/edit/selection/grid.hpp"
+#include "kernels/edit_selection_matte_classify.spv.hpp"
+#include "kernels/edit_selection_matte_matte.spv.hpp"
+#include "kernels/edit_selection_matte_reduce.spv.hpp"
+#include "kernels/edit_selection_matte_sides.spv.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/layers.hpp"
-#include "kernels/selection/grid.hpp"
-#include "kernels/selection_matte_classify.spv.hpp"
-#include "kernels/selection_matte_matte.spv.hpp"
-#include "kernels/selection_matte_reduce.spv.hpp"
-#include "kernels/selection_matte_sides.spv.hpp"
 
 namespace inverse {
 
@@ -17,8 +17,8 @@ namespace inverse {
 enum class Combine : uint8_t { replace, add, subtract, intersect };
 
 /// Turns a selection of cells or of pixels into a matte whose soft edges follow the frame's
-/// (tests/reference/selection/matte.hpp): light at the border is a mixture of the object's and of
-/// what is behind it, and alpha is the object's part.
+/// (tests/reference/edit/selection/matte.hpp): light at the border is a mixture of the object's and
+/// of what is behind it, and alpha is the object's part.
 class Matte {
  public:
   Matte(const std::shared_ptr<gpu::Device>& device, const CellGrid& grid);
@@ -49,9 +49,9 @@ class Matte {
   std::shared_ptr<gpu::Device> device_;
   CellGrid grid_;
   PlanePool planes_;
-  gpu::Program<shaders::selection_matte_reduce> reduce_;
-  gpu::Program<shaders::selection_matte_classify> classify_;
-  gpu::Program<shaders::selection_matte_sides> sides_;
+  gpu::Program<shaders::edit_selection_matte_reduce> reduce_;
+  gpu::Program<shaders::edit_selection_matte_classify> classify_;
+  gpu::Program<shaders::edit_selection_matte_sides> sides_;
   gpu::BufferPtr region_, classes_, object_, behind_, nothing_;
 };
 

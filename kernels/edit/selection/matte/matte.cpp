@@ -6,7 +6,7 @@
 namespace inverse {
 namespace {
 
-using Shader = shaders::selection_matte_matte;
+using Shader = shaders::edit_selection_matte_matte;
 static_assert(int(Combine::add) == Shader::kAdd && int(Combine::subtract) == Shader::kSubtract &&
               int(Combine::intersect) == Shader::kIntersect);
 

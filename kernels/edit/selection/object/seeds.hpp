@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "kernels/selection/grid.hpp"
+#include "kernels/edit/selection/grid.hpp"
 
 namespace inverse {
 

@@ -3,25 +3,25 @@
 #include <memory>
 #include <span>
 
+#include "kernels/edit_selection_object_claim.spv.hpp"
+#include "kernels/edit_selection_object_count.spv.hpp"
+#include "kernels/edit_selection_object_diffuse.spv.hpp"
+#include "kernels/edit_selection_object_keep.spv.hpp"
+#include "kernels/edit_selection_object_label.spv.hpp"
+#include "kernels/edit_selection_object_learn.spv.hpp"
+#include "kernels/edit_selection_object_near.spv.hpp"
+#include "kernels/edit_selection_object_occupied.spv.hpp"
+#include "kernels/edit_selection_object_smooth.spv.hpp"
+#include "kernels/edit_selection_object_start.spv.hpp"
+#include "kernels/edit_selection_object_terms.spv.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/components/components.hpp"
-#include "kernels/selection_object_claim.spv.hpp"
-#include "kernels/selection_object_count.spv.hpp"
-#include "kernels/selection_object_diffuse.spv.hpp"
-#include "kernels/selection_object_keep.spv.hpp"
-#include "kernels/selection_object_label.spv.hpp"
-#include "kernels/selection_object_learn.spv.hpp"
-#include "kernels/selection_object_near.spv.hpp"
-#include "kernels/selection_object_occupied.spv.hpp"
-#include "kernels/selection_object_smooth.spv.hpp"
-#include "kernels/selection_object_start.spv.hpp"
-#include "kernels/selection_object_terms.spv.hpp"
 #include "seeds.hpp"
 
 namespace inverse {
 
 /// Selects an object that a user points at, and follows it through the frames
-/// (tests/reference/selection/object.hpp).
+/// (tests/reference/edit/selection/object.hpp).
 ///
 /// Densities of color of the object and of the background tell the cells of the two apart; edges
 /// join cells whose colors are in neither. The object is what is connected to the user's strokes,
@@ -65,17 +65,17 @@ class ObjectSelection {
 
   CellGrid grid_;
   Extent blocks_;
-  gpu::Program<shaders::selection_object_count> count_seeds_, count_object_, count_background_;
-  gpu::Program<shaders::selection_object_smooth> smooth_counts_, smooth_again_;
-  gpu::Program<shaders::selection_object_learn> learn_;
-  gpu::Program<shaders::selection_object_start> start_;
-  gpu::Program<shaders::selection_object_terms> terms_of_;
-  gpu::Program<shaders::selection_object_diffuse> diffuse_first_, diffuse_;
-  gpu::Program<shaders::selection_object_label> label_;
-  gpu::Program<shaders::selection_object_claim> claim_;
-  gpu::Program<shaders::selection_object_keep> keep_, keep_seeded_;
-  gpu::Program<shaders::selection_object_occupied> occupy_;
-  gpu::Program<shaders::selection_object_near> near_of_;
+  gpu::Program<shaders::edit_selection_object_count> count_seeds_, count_object_, count_background_;
+  gpu::Program<shaders::edit_selection_object_smooth> smooth_counts_, smooth_again_;
+  gpu::Program<shaders::edit_selection_object_learn> learn_;
+  gpu::Program<shaders::edit_selection_object_start> start_;
+  gpu::Program<shaders::edit_selection_object_terms> terms_of_;
+  gpu::Program<shaders::edit_selection_object_diffuse> diffuse_first_, diffuse_;
+  gpu::Program<shaders::edit_selection_object_label> label_;
+  gpu::Program<shaders::edit_selection_object_claim> claim_;
+  gpu::Program<shaders::edit_selection_object_keep> keep_, keep_seeded_;
+  gpu::Program<shaders::edit_selection_object_occupied> occupy_;
+  gpu::Program<shaders::edit_selection_object_near> near_of_;
   Components components_;
   gpu::BufferPtr alpha_[2], region_, seeds_, no_seeds_, terms_, labels_, claims_;
   gpu::BufferPtr counts_, smoothed_[2], model_, totals_, occupied_, near_, status_, last_area_;

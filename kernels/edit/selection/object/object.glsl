@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Shared by the kernels of object selection (object_selection.hpp; tests/reference/selection/object.hpp has the equations).
+// Shared by the kernels of object selection (object_selection.hpp; tests/reference/edit/selection/object.hpp has the equations).
 #include "image/finite.glsl"
 
 // Bins of color: Oklab lightness, a, b from kBinLow on. Colors beyond the last bin are in it.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Shared by the kernels of the matte (matte.hpp; tests/reference/selection/matte.hpp has the equations).
+// Shared by the kernels of the matte (matte.hpp; tests/reference/edit/selection/matte.hpp has the equations).
 #include "image/finite.glsl"
 
 // Classes of cells. Core: it and its neighbors are selected; outside: none of them is. kBorder is added where the selection ends

@@ -8,7 +8,7 @@
 namespace inverse {
 namespace {
 
-using Count = shaders::selection_object_count;
+using Count = shaders::edit_selection_object_count;
 constexpr auto kBins = static_cast<uint32_t>(Count::kBinCount);
 // Rounds of learning and segmenting in a frame with new strokes, and steps of diffusion in each.
 constexpr int kRounds = 5;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Selections against tests/reference/selection/*, and what they find.
-#include "kernels/selection/selection.hpp"
+// Selections against tests/reference/edit/selection/*, and what they find.
+#include "kernels/edit/selection/selection.hpp"
 
 #include "tests/kernels/gpu_fixture.hpp"
-#include "tests/reference/selection/matte.hpp"
-#include "tests/reference/selection/object.hpp"
+#include "tests/reference/edit/selection/matte.hpp"
+#include "tests/reference/edit/selection/object.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -175,7 +175,7 @@ TEST_F(SelectionTest, MatteAgreesWithReference) {
             layered[Role::mask] = shared_plane(extent, before);
             const Plane picture = plane(extent, chosen);
             const auto light = buffer(grid.cells.pixels()), colors = buffer(grid.cells.pixels());
-            const gpu::Program<shaders::selection_cells> cells(device, {.colors = false});
+            const gpu::Program<shaders::edit_selection_cells> cells(device, {.colors = false});
             run([&](gpu::Commands& commands) {
               commands.dispatch(cells,
                                 {.reflectance = layered[Role::model]->buffer,

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/selection_object_count.spv.hpp"
+#include "kernels/edit_selection_object_count.spv.hpp"
 
 namespace inverse {
 namespace {
@@ -42,7 +42,7 @@ bool covers(const SelectionStroke& stroke, Point p, float reach) {
 
 std::vector<uint32_t> draw_seeds(std::span<const SelectionStroke> strokes, Extent drawn,
                                  const CellGrid& grid) {
-  using Shader = shaders::selection_object_count;
+  using Shader = shaders::edit_selection_object_count;
   std::vector<uint32_t> seeds(grid.cells.pixels());
   const float scale_x = static_cast<float>(drawn.width) / static_cast<float>(grid.frame.width),
               scale_y = static_cast<float>(drawn.height) / static_cast<float>(grid.frame.height);

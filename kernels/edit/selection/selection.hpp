@@ -4,7 +4,7 @@
 #include <span>
 
 #include "kernels/edit/recolor.hpp"
-#include "kernels/selection_cells.spv.hpp"
+#include "kernels/edit_selection_cells.spv.hpp"
 #include "matte/matte.hpp"
 #include "object/object_selection.hpp"
 
@@ -54,7 +54,7 @@ class Selection {
 
   std::shared_ptr<gpu::Device> device_;
   CellGrid grid_;
-  gpu::Program<shaders::selection_cells> light_of_, colors_of_;
+  gpu::Program<shaders::edit_selection_cells> light_of_, colors_of_;
   gpu::BufferPtr light_, colors_;
   Matte matte_;
   std::optional<ObjectSelection> object_;  // made on first use
