@@ -39,7 +39,8 @@ using Names = std::set<std::string>;
 TEST(LostDevice, EveryElementReportsTheLossAndNothingHangs) {
   EXPECT_EQ(lose(kSource + "intrinsicdecomp ! fakesink"), Names{"intrinsicdecomp"});
   EXPECT_EQ(lose(kSource + "intrinsicdecompthesis ! fakesink"), Names{"intrinsicdecompthesis"});
-  EXPECT_EQ(lose(kSource + "intrinsicdecomp ! intrinsicrecolor ! intrinsiccompose ! fakesink"),
+  EXPECT_EQ(lose(kSource +
+                 "intrinsicdecomp ! intrinsicrecolor key=0xffc83c28 ! intrinsiccompose ! fakesink"),
             (Names{"intrinsicdecomp", "intrinsicrecolor", "intrinsiccompose"}));
   EXPECT_EQ(lose(kSource + "intrinsicdecomp ! intrinsicsplit name=s s.reflectance ! queue ! "
                            "fakesink s.shading ! queue ! fakesink"),
@@ -80,7 +81,7 @@ TEST(LostDevice, OnATeeNoBranchHangs) {
   const Names noticed =
       lose(kSource +
            "intrinsicdecomp ! tee name=t t. ! queue ! intrinsiccompose ! fakesink "
-           "t. ! queue ! intrinsicrecolor ! intrinsiccompose ! fakesink "
+           "t. ! queue ! intrinsicrecolor key=0xffc83c28 ! intrinsiccompose ! fakesink "
            "t. ! queue ! intrinsicsplit name=s s.shading ! fakesink");
   EXPECT_FALSE(noticed.empty());
   for (const std::string& element : noticed)

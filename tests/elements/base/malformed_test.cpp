@@ -60,7 +60,7 @@ TEST(Malformed, AStreamCountedInBytesFlows) {
   const auto result = run_line(
       "fakesrc format=bytes num-buffers=3 sizetype=fixed sizemax=9216 ! "
       "video/x-raw,format=RGB,width=64,height=48,framerate=25/1 ! intrinsicdecomp ! "
-      "intrinsicrecolor ! intrinsicsplit name=s s.reflectance ! appsink name=out");
+      "intrinsicrecolor key=0xffc83c28 ! intrinsicsplit name=s s.reflectance ! appsink name=out");
   g_log_set_always_fatal(before);
   EXPECT_TRUE(result.eos) << result.first_error();
   EXPECT_EQ(result.frames.size(), 3u);

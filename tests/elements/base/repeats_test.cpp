@@ -208,12 +208,13 @@ TEST_P(RepeatedFrames, ReuseLayersIfLayersAreOutputs) {
 TEST_P(RepeatedFrames, AnEditOnOneBranchOfATeeLeavesTheOtherAlone) {
   const std::string untouched = " ! intrinsiccompose show=reflectance";
   VideoHarness alone(GetParam() + untouched, caps_of(), caps_of());
-  VideoHarness beside(std::string(GetParam()) +
-                          " ! tee name=t t. ! queue ! intrinsicrecolor tolerance=3 ! "
-                          "intrinsicrecolor tolerance=3 ! intrinsiccompose ! fakesink async=false "
-                          "t. ! queue" +
-                          untouched,
-                      caps_of(), caps_of());
+  VideoHarness beside(
+      std::string(GetParam()) +
+          " ! tee name=t t. ! queue ! intrinsicrecolor key=0xffc83c28 tolerance=3 ! "
+          "intrinsicrecolor key=0xffc83c28 tolerance=3 ! intrinsiccompose ! fakesink async=false "
+          "t. ! queue" +
+          untouched,
+      caps_of(), caps_of());
   const auto still = tiles(64, 48);
   for (unsigned i = 0; i < 60; ++i) {
     const auto picture = i < 5 || i > 50 ? tiles(64, 48, i) : still;
@@ -225,9 +226,10 @@ TEST_P(RepeatedFrames, AnEditOnOneBranchOfATeeLeavesTheOtherAlone) {
 }
 
 TEST_P(RepeatedFrames, ComeOutOfAnEditingChainAsTheFirstOfThem) {
-  VideoHarness harness(std::string(GetParam()) +
-                           " ! intrinsicrecolor tolerance=3 target=0xff2040c0 ! intrinsiccompose",
-                       caps_of(), caps_of());
+  VideoHarness harness(
+      std::string(GetParam()) +
+          " ! intrinsicrecolor key=0xffc83c28 tolerance=3 target=0xff2040c0 ! intrinsiccompose",
+      caps_of(), caps_of());
   const auto picture = tiles(64, 48);
   std::vector<uint8_t> converged;
   for (int i = 0; i < 200; ++i) {

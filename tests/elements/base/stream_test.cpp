@@ -124,7 +124,7 @@ TEST(Stream, AnEditingLineInSystemMemoryOpensOneDevice) {
   contexts.clear();
   const auto result = run_line(
       "videotestsrc num-buffers=3 ! video/x-raw,width=32,height=24 ! intrinsicdecomp ! "
-      "intrinsicrecolor ! "
+      "intrinsicrecolor key=0xffc83c28 ! "
       "intrinsiccompose ! fakesink",
       60, [](GstElement* pipeline) {
         GstBus* bus = gst_element_get_bus(pipeline);
@@ -154,7 +154,8 @@ TEST(Stream, GapsPassThroughEveryElement) {
   const auto frame = random_frame(caps, 1);
   for (const char* line :
        {"intrinsicdecomp", "intrinsicdecompthesis", "intrinsicdecomp ! intrinsiccompose",
-        "intrinsicdecomp ! intrinsicrecolor write-mask=true ! intrinsiccompose show=mask",
+        "intrinsicdecomp ! intrinsicrecolor key=0xffc83c28 write-mask=true ! intrinsiccompose "
+        "show=mask",
         "intrinsicdecomp ! intrinsicsplit name=s s.shading ! identity"}) {
     VideoHarness harness(line, caps);
     for (int i = 0; i < 6; ++i) {

@@ -12,7 +12,8 @@
 namespace inverse::testing {
 namespace {
 
-constexpr const char* kChain = "intrinsicdecomp ! intrinsicrecolor ! intrinsiccompose";
+constexpr const char* kChain =
+    "intrinsicdecomp ! intrinsicrecolor key=0xffc83c28 ! intrinsiccompose";
 
 /// RGBA, left half of one color, right half of another, light falling off to the bottom, with the
 /// noise of a camera.
@@ -234,7 +235,7 @@ TEST(Recolor, AMaskConfinesTheNextEditor) {
   const auto frame = two_colors(width, height, {210, 60, 50}, {60, 90, 200});
   const std::string first =
       "intrinsicdecomp ! intrinsicrecolor key=0xff3c5ac8 strength=0 write-mask=true ! ";
-  const std::string second = "intrinsicrecolor tolerance=4.25 target=0xff32c83c";
+  const std::string second = "intrinsicrecolor key=0xffc83c28 tolerance=4.25 target=0xff32c83c";
   VideoHarness masked(first + second + " ! intrinsiccompose", caps, caps);
   const auto confined = masked.process(frame);
   EXPECT_GT(half_difference(confined, frame, width, true), 50);
@@ -249,8 +250,9 @@ TEST(Recolor, EveryEditorOfAChainWorksInPlaceWithoutTouchingTheModel) {
   const auto frame = two_colors(width, height, {210, 60, 50}, {60, 90, 200});
   VideoHarness plain("intrinsicdecomp", caps, kLayers);
   VideoHarness chain(
-      "intrinsicdecomp ! intrinsicrecolor tolerance=3 ! intrinsicrecolor tolerance=3 "
-      "target=0xff32c83c ! intrinsicrecolor tolerance=3 target=0xffffffff",
+      "intrinsicdecomp ! intrinsicrecolor key=0xffc83c28 tolerance=3 ! intrinsicrecolor "
+      "key=0xffc83c28 tolerance=3 "
+      "target=0xff32c83c ! intrinsicrecolor key=0xffc83c28 tolerance=3 target=0xffffffff",
       caps, kLayers);
   for (int i = 0; i < 6; ++i) {
     const Buffer a = plain.process_buffer(frame), b = chain.process_buffer(frame);
@@ -269,7 +271,7 @@ TEST(Recolor, ALongerChainOfEditorsTakesNoMorePlanes) {
   const auto frame = random_frame(caps, 1);
   const auto bytes_with = [&](int editors) {
     std::string line = "intrinsicdecomp";
-    for (int i = 0; i < editors; ++i) line += " ! intrinsicrecolor";
+    for (int i = 0; i < editors; ++i) line += " ! intrinsicrecolor key=0xffc83c28";
     VideoHarness harness(line + " ! intrinsiccompose", caps, caps);
     for (int i = 0; i < 6; ++i) EXPECT_EQ(harness.process(frame).size(), frame.size());
     return static_cast<int64_t>(stat<guint64>(harness.find("intrinsiccompose"), "device-bytes"));
@@ -285,11 +287,12 @@ TEST(Recolor, AnEditOnOneBranchOfATeeLeavesTheOtherAlone) {
       "intrinsicdecomp ! ";
   const std::string untouched = "intrinsiccompose show=reflectance ! appsink name=out";
   const auto alone = run_line(source + untouched);
-  const auto beside = run_line(source +
-                               "tee name=t t. ! queue ! intrinsicrecolor tolerance=3 ! "
-                               "intrinsicrecolor tolerance=3 ! intrinsiccompose ! fakesink "
-                               "t. ! queue ! " +
-                               untouched);
+  const auto beside =
+      run_line(source +
+               "tee name=t t. ! queue ! intrinsicrecolor key=0xffc83c28 tolerance=3 ! "
+               "intrinsicrecolor key=0xffc83c28 tolerance=3 ! intrinsiccompose ! fakesink "
+               "t. ! queue ! " +
+               untouched);
   ASSERT_TRUE(alone.eos && beside.eos) << beside.first_error();
   ASSERT_EQ(alone.frames.size(), 12u);
   EXPECT_EQ(alone.frames, beside.frames);
@@ -308,8 +311,8 @@ TEST(Editors, WithoutADecomposerThereIsOneErrorThatNamesIt) {
 }
 
 TEST(Editors, AWholeLineWithoutADecomposerIsAnErrorToo) {
-  for (const std::string editor : {"intrinsicrecolor ! intrinsiccompose", "intrinsiccompose",
-                                   "intrinsicsplit name=s s.shading ! queue"}) {
+  for (const std::string editor : {"intrinsicrecolor key=0xffc83c28 ! intrinsiccompose",
+                                   "intrinsiccompose", "intrinsicsplit name=s s.shading ! queue"}) {
     const auto result = run_line("videotestsrc num-buffers=3 ! video/x-raw,width=32,height=24 ! " +
                                  editor + " ! fakesink");
     expect_contains(result.first_error(), "works on layers; insert intrinsicdecomp");
@@ -368,7 +371,7 @@ TEST(Editors, LayersFromElsewhereMayHaveAnyValue) {
   for (size_t i = 0; i < odd.size(); ++i) odd[i] = values[i % std::size(values)];
   for (const GstInverseRole role : {GST_INVERSE_ROLE_INTRINSIC, GST_INVERSE_ROLE_MASK})
     ASSERT_TRUE(replace_layer(buffer, role, odd));
-  VideoHarness editor("intrinsicrecolor tolerance=3 write-mask=true",
+  VideoHarness editor("intrinsicrecolor key=0xffc83c28 tolerance=3 write-mask=true",
                       caps_out_of(decomposer.harness()), kLayers);
   ASSERT_EQ(gst_harness_push(editor.harness(), buffer), GST_FLOW_OK);
   const Buffer edited(gst_harness_pull(editor.harness()));

@@ -157,7 +157,7 @@ TEST_F(Split, EightBitPadsFollowTheSrgbCurve) {
 }
 
 TEST_F(Split, EverySupportedFormatComesOutOfEveryPad) {
-  decompose(15, 10, "intrinsicdecomp ! intrinsicrecolor write-mask=true");
+  decompose(15, 10, "intrinsicdecomp ! intrinsicrecolor key=0xffc83c28 write-mask=true");
   for (const char* format : {"RGBA", "BGRA", "RGBx", "BGRx", "RGB", "BGR", "NV12", "I420", "YUY2",
                              "UYVY", "GRAY8", "GRAY16_LE", "P010_10LE", "I420_10LE", "RGBA64_LE"}) {
     const std::string caps = VideoHarness::caps(format, 15, 10);
@@ -173,7 +173,8 @@ TEST_F(Split, EverySupportedFormatComesOutOfEveryPad) {
 }
 
 TEST_F(Split, MaskPadSendsTheSelection) {
-  decompose(16, 8, "intrinsicdecomp ! intrinsicrecolor tolerance=1.2 write-mask=true");
+  decompose(16, 8,
+            "intrinsicdecomp ! intrinsicrecolor key=0xffc83c28 tolerance=1.2 write-mask=true");
   gst_harness_set_sink_caps_str(pad("mask"), "video/x-raw, format=GRAY8");
   ASSERT_EQ(push(random_frame(caps_, 3)), GST_FLOW_OK);
   const auto mask = pull("mask");
@@ -327,7 +328,7 @@ TEST_F(Split, TimesAndFlagsTravelWithTheFrame) {
 TEST(SplitPipelines, LayersGoToSinksOfTheirOwn) {
   const auto result = run_line(
       "videotestsrc num-buffers=8 ! video/x-raw,width=64,height=48 ! intrinsicdecomp ! "
-      "intrinsicrecolor write-mask=true ! intrinsicsplit name=s "
+      "intrinsicrecolor key=0xffc83c28 write-mask=true ! intrinsicsplit name=s "
       "s.reflectance ! queue ! videoconvert ! fakesink "
       "s.mask ! queue ! fakesink "
       "s.shading ! queue ! video/x-raw,format=GRAY16_LE ! appsink name=out");
