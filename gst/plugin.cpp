@@ -12,6 +12,7 @@ extern const ElementInfo kIntrinsicDecomp;
 extern const ElementInfo kIntrinsicDecompThesis;
 extern const ElementInfo kIntrinsicDespill;
 extern const ElementInfo kIntrinsicRecolor;
+extern const ElementInfo kIntrinsicSelect;
 extern const ElementInfo kIntrinsicStylize;
 extern const ElementInfo kIntrinsicTone;
 extern const ElementInfo kLimeMaterial;
@@ -27,6 +28,7 @@ static gboolean plugin_init(GstPlugin* plugin) {
            &inverse::kGlobalIntrinsic,
            &inverse::kGlobalIntrinsicThesis,
            &inverse::kLimeMaterial,
+           &inverse::kIntrinsicSelect,
            &inverse::kIntrinsicRecolor,
            &inverse::kIntrinsicDespill,
            &inverse::kIntrinsicTone,

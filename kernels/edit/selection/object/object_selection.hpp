@@ -50,6 +50,7 @@ class ObjectSelection {
     double x = 0, y = 0;                              ///< center, pixels
     double left = 0, top = 0, right = 0, bottom = 0;  ///< pixels
   };
+  static constexpr uint32_t kStatusWords = shaders::edit_selection_object_count::kStatusWords;
   const gpu::BufferPtr& status() const { return status_; }
   Place place_of(const uint32_t* status) const;
 

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// intrinsicselect: writes the mask layer, by which later editors are limited to an object.
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "gst/base/color.hpp"
+#include "gst/base/filter.hpp"
+#include "kernels/edit/selection/selection.hpp"
+#include "selection_strokes.hpp"
+
+namespace inverse {
+namespace {
+
+struct Params : SelectionParams {
+  std::string strokes;  ///< read_selection
+  SelectMode mode = SelectMode::off;
+  float radius = 6;
+  uint32_t key_color = 0xffc83c28;
+  Params() { color.base = color.cluster = 0; }
+};
+
+/// Reaches into SelectionParams::color.
+template <typename T>
+auto of_color(T RecolorParams::*field) {
+  return [field](Params& params) -> T& { return params.color.*field; };
+}
+
+const PropertyTable<Params>& table() {
+  using P = Params;
+  static const PropertyTable<P> table = [] {
+    Property<P> strokes = text<P>(
+        "strokes", &P::strokes,
+        "JSON list of strokes on objects: [{\"kind\":\"add\",\"points\":[[x,y],...]}], in pixels; "
+        "kind is add or subtract, \"closed\":true also takes what is inside of the line");
+    strokes.wrong = wrong_selection;
+    return PropertyTable<P>{
+        choice<P>("by", &P::by, "GstInverseSelectBy",
+                  {{static_cast<int>(SelectBy::strokes), "strokes",
+                    "The object under the user's strokes, followed over time"},
+                   {static_cast<int>(SelectBy::key), "key", "A reflectance"},
+                   {static_cast<int>(SelectBy::cluster), "cluster", "A cluster of reflectance"},
+                   {static_cast<int>(SelectBy::base_color), "base-color",
+                    "The surfaces of a base color of globalintrinsic"}},
+                  "What is selected"),
+        strokes,
+        choice<P>("stroke-mode", &P::mode, "GstInverseSelectMode",
+                  {{static_cast<int>(SelectMode::off), "off", "Navigation events do nothing"},
+                   {static_cast<int>(SelectMode::add), "add",
+                    "Clicks and drags select what is under them"},
+                   {static_cast<int>(SelectMode::subtract), "subtract",
+                    "Clicks and drags take away what is under them"},
+                   {static_cast<int>(SelectMode::lasso), "lasso",
+                    "Drags select what is inside of the line"}},
+                  "What the mouse draws on the picture"),
+        number<P>("stroke-radius", &P::radius, 1.F, 1000.F,
+                  "Radius of the brush for strokes, pixels"),
+        color<P>("key", &P::key_color,
+                 "Reflectance to select (0xAARRGGBB, sRGB; alpha is ignored); by=key"),
+        number<P>("tolerance", of_color(&RecolorParams::tolerance), 0, 4.25F,
+                  "Maximum distance of chromaticity R / mean(R) from the key's; gray is 2.45 from "
+                  "a pure primary"),
+        number<P>("value-tolerance", of_color(&RecolorParams::value_tolerance), 0,
+                  RecolorParams::kAnyValue,
+                  "Maximum distance of mean reflectance from the key's, |ln ratio|: 0.7 is a "
+                  "factor of two; 20 = any"),
+        number<P>("softness", of_color(&RecolorParams::softness), 0, 3,
+                  "Distance beyond the tolerances over which the selection falls to 0, in their "
+                  "units; 0 = hard edges"),
+        number<P>("base-color", of_color(&RecolorParams::base), 0, static_cast<int>(kMaxBases) - 1,
+                  "Base color to select, as numbered by show=layer; by=base-color"),
+        number<P>("cluster", of_color(&RecolorParams::cluster), 0,
+                  static_cast<int>(Palette::kMaxClusters) - 1,
+                  "Cluster to select, as listed in stats; by=cluster"),
+        number<P>("clusters", of_color(&RecolorParams::clusters), 1,
+                  static_cast<int>(Palette::kMaxClusters), "Number of clusters to search for"),
+        choice<P>("combine", &P::combine, "GstInverseSelectCombine",
+                  {{static_cast<int>(Combine::replace), "replace", "Discards the mask before"},
+                   {static_cast<int>(Combine::add), "add", "Selects what either selects"},
+                   {static_cast<int>(Combine::subtract), "subtract",
+                    "Takes the selection from the mask before"},
+                   {static_cast<int>(Combine::intersect), "intersect", "Selects what both select"}},
+                  "What happens to the mask of an intrinsicselect before"),
+        flag<P>("invert", &P::invert, "Select everything else"),
+        flag<P>("soft-edges", &P::soft,
+                "Let edges follow the frame's, by the mixture of light there; false = hard edges"),
+    };
+  }();
+  return table;
+}
+
+class SelectElement final : public Filter {
+ public:
+  PropertyStore& parameters() override { return parameters_; }
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
+    selection_.emplace(device, extent);
+    for (auto& copy : copies_)
+      copy.words = gpu::Buffer::create(device, gpu::Element::word, ObjectSelection::kStatusWords,
+                                       gpu::Memory::readback);
+    taken_ = {};
+    editor_.resize(extent);
+  }
+  std::vector<Setting> navigate(const MouseEvent& event) override {
+    const Params params = parameters_.snapshot();
+    editor_.mouse(log(), event, params.mode, params.radius);
+    return {};
+  }
+  void flushed() override { editor_.flush(); }
+  SelectionEditor& editor() { return editor_; }
+  void release() override {
+    selection_.reset();
+    copies_ = {};
+  }
+  void reset() override {
+    selection_->reset();
+    taken_ = {};
+  }
+
+  void process(FrameContext& frame) override {
+    Params params = parameters_.snapshot();
+    params.color.key = linear_color(params.key_color);
+    if (params.by == SelectBy::base_color && !frame.layers[Role::bases] && !frame.layers.global() &&
+        !std::exchange(reported_, true))
+      frame.warnings.push_back(
+          "by=base-color selects nothing, as this video comes without base "
+          "colors; put globalintrinsic in the place of the decomposer, or "
+          "select by strokes or key");
+    SelectionList all;
+    Selection::Strokes added{{}, frame.layers.extent};
+    if (params.by == SelectBy::strokes && params.strokes != taken_.text) {
+      all = read_selection(params.strokes);
+      // Strokes that were drawn before were on another frame: what they selected has moved since.
+      added.anew = !all.begins_with(taken_.list);
+      added.strokes = std::span(all.strokes).subspan(added.anew ? 0 : taken_.list.strokes.size());
+      if (all.frame.pixels() > 0) added.drawn = all.frame;
+    }
+    selection_->record(frame.commands, frame.layers, params, added, nullptr);
+    if (params.by == SelectBy::strokes && params.strokes != taken_.text)
+      taken_ = {params.strokes, std::move(all)};
+    Copy& copy = copies_[frame.number];
+    const ObjectSelection* object = selection_->object();
+    copy.filled = params.by == SelectBy::strokes && object && object->active();
+    if (copy.filled) frame.commands.copy(object->status(), copy.words, copy.words->bytes());
+    frame.commands.stage("select");
+  }
+
+  void describe(GstStructure* stats, uint64_t number) const override {
+    const Copy& copy = copies_[number];
+    if (!copy.filled || !selection_ || !selection_->object()) return;
+    const auto place = selection_->object()->place_of(copy.words->map_as<uint32_t>());
+    GstStructure* selection = gst_structure_new(
+        "selection", "share", G_TYPE_DOUBLE, place.share, "x", G_TYPE_DOUBLE, place.x, "y",
+        G_TYPE_DOUBLE, place.y, "left", G_TYPE_DOUBLE, place.left, "top", G_TYPE_DOUBLE, place.top,
+        "right", G_TYPE_DOUBLE, place.right, "bottom", G_TYPE_DOUBLE, place.bottom, nullptr);
+    gst_structure_set(stats, "selection", GST_TYPE_STRUCTURE, selection, nullptr);
+    gst_structure_free(selection);
+  }
+
+ private:
+  Parameters<Params> parameters_{table()};
+  std::optional<Selection> selection_;
+  SelectionEditor editor_;
+  struct Taken {
+    std::string text;
+    SelectionList list;
+  } taken_;                // the strokes that the selection has
+  bool reported_ = false;  // that there are no base colors
+  struct Copy {
+    gpu::BufferPtr words;
+    bool filled = false;
+  };
+  gpu::FrameRing<Copy> copies_;  // where the object is
+};
+
+SelectionEditor& editor_of(Filter& filter) { return static_cast<SelectElement&>(filter).editor(); }
+
+std::vector<Action> actions() {
+  return {{"add-stroke",
+           {G_TYPE_STRING},
+           [](Filter& filter, const GValue* stroke) {
+             const char* text = g_value_get_string(stroke);
+             editor_of(filter).add(filter.log(), text ? text : "");
+           },
+           true},
+          {"clear-strokes",
+           {},
+           [](Filter& filter, const GValue*) { editor_of(filter).clear(filter.log()); },
+           true},
+          {"undo-stroke",
+           {},
+           [](Filter& filter, const GValue*) { editor_of(filter).undo(filter.log()); },
+           true}};
+}
+
+}  // namespace
+
+extern const ElementInfo kIntrinsicSelect;
+const ElementInfo kIntrinsicSelect{"intrinsicselect",
+                                   "GstIntrinsicSelect",
+                                   "Intrinsic select",
+                                   "Filter/Effect/Video",
+                                   "Selects an object, for the editors after it",
+                                   Flow::layers_or_pixels,
+                                   Flow::layers,
+                                   kAnyLayers,
+                                   "intrinsicdecomp",
+                                   [] { return std::unique_ptr<Filter>(new SelectElement); },
+                                   actions(),
+                                   true};
+
+}  // namespace inverse
