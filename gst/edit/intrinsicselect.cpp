@@ -148,12 +148,11 @@ class SelectElement final : public Filter {
     const Copy& copy = copies_[number];
     if (!copy.filled || !selection_ || !selection_->object()) return;
     const auto place = selection_->object()->place_of(copy.words->map_as<uint32_t>());
-    GstStructure* selection = gst_structure_new(
-        "selection", "share", G_TYPE_DOUBLE, place.share, "x", G_TYPE_DOUBLE, place.x, "y",
-        G_TYPE_DOUBLE, place.y, "left", G_TYPE_DOUBLE, place.left, "top", G_TYPE_DOUBLE, place.top,
-        "right", G_TYPE_DOUBLE, place.right, "bottom", G_TYPE_DOUBLE, place.bottom, nullptr);
-    gst_structure_set(stats, "selection", GST_TYPE_STRUCTURE, selection, nullptr);
-    gst_structure_free(selection);
+    gst_structure_set(stats, "object-share", G_TYPE_DOUBLE, place.share, "object-x", G_TYPE_DOUBLE,
+                      place.x, "object-y", G_TYPE_DOUBLE, place.y, "object-left", G_TYPE_DOUBLE,
+                      place.left, "object-top", G_TYPE_DOUBLE, place.top, "object-right",
+                      G_TYPE_DOUBLE, place.right, "object-bottom", G_TYPE_DOUBLE, place.bottom,
+                      nullptr);
   }
 
  private:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// How well one click selects an object: overlap (intersection over union) with the true one.
+// How well clicks select an object: overlap (intersection over union) with the true one after 1, 3
+// and 6 of them.
 //
 //   select-bench FOLDER…
 //
@@ -7,7 +8,7 @@
 // import-scenes). An object is what is connected in a frame, by 0.5 to 50 % of it. The click is on
 // its pixel that is farthest from its border. Beside it: selection by the key under the click, as
 // by intrinsicrecolor's defaults, and the part of that which is connected to the click. "followed":
-// the same object in the last frame of a video, without another click.
+// after one click, the same object in the last frame of a video, without another.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -19,7 +20,6 @@
 #include "tests/bench/metrics/metrics.hpp"
 #include "tests/bench/support/device_session.hpp"
 #include "tests/bench/support/scene.hpp"
-#include "tests/bench/support/timing.hpp"
 #include "tests/lab.hpp"
 
 namespace inverse::bench {
@@ -112,13 +112,46 @@ Mask selected(const Lab& lab, const Layers& layers) {
 }
 
 struct Figures {
-  std::vector<double> click, key, connected, followed;
+  std::vector<double> clicks[3], key, connected, followed;
 };
+constexpr size_t kClicks[] = {1, 3, 6};
+
+SelectionStroke click_on(size_t pixel, int width, bool subtract) {
+  const int x = static_cast<int>(pixel) % width, y = static_cast<int>(pixel) / width;
+  SelectionStroke stroke;
+  stroke.subtract = subtract;
+  stroke.points = {{static_cast<float>(x) + .5F, static_cast<float>(y) + .5F}};
+  stroke.radius = 3;
+  return stroke;
+}
+
+/// The click on the largest part of what is wrong.
+SelectionStroke next_click(const Mask& mask, const Mask& truth, int width, int height) {
+  Mask seen(mask.size());
+  std::vector<size_t> worst;
+  for (size_t n = 0; n < mask.size(); ++n) {
+    if (seen[n] || mask[n] == truth[n]) continue;
+    const bool missing = truth[n];
+    auto part = connected(n, width, height, seen,
+                          [&](size_t m) { return mask[m] != truth[m] && truth[m] == missing; });
+    if (part.size() > worst.size()) worst = std::move(part);
+  }
+  if (worst.empty()) return {};
+  Mask inside(mask.size());
+  for (const size_t n : worst) inside[n] = true;
+  return click_on(deepest(worst, inside, width, height), width, !truth[worst.front()]);
+}
 
 double mean(const std::vector<double>& values) {
   double sum = 0;
   for (const double v : values) sum += v;
   return values.empty() ? NAN : sum / static_cast<double>(values.size());
+}
+
+void print(const Figures& of) {
+  std::printf(" %zu |", of.key.size());
+  for (const auto& clicks : of.clicks) std::printf(" %.2f |", mean(clicks));
+  std::printf(" %.2f | %.2f | %.2f |\n", mean(of.key), mean(of.connected), mean(of.followed));
 }
 
 /// The layers of each frame, decomposed one after another.
@@ -150,22 +183,29 @@ void measure(const Lab& lab, const Scene& scene, Figures& all) {
   const Pixels reflectance = lab.download(frames[0][Role::model]->buffer);
   Figures figures;
   for (const Object& object : objects_of(first.id)) {
-    const int x = static_cast<int>(object.click) % first.id.width,
-              y = static_cast<int>(object.click) / first.id.width;
-    const SelectionStroke stroke{
-        .points = {{static_cast<float>(x) + .5F, static_cast<float>(y) + .5F}}};
+    const SelectionStroke stroke = click_on(object.click, first.id.width, false);
     Selection selection(lab.device(), extent);
-    for (size_t t = 0; t < frames.size(); ++t) {
-      Layers layers = frames[t];
+    const auto select = [&](Selection& with, const Layers& frame,
+                            std::span<const SelectionStroke> strokes) {
+      Layers layers = frame;
       lab.run([&](gpu::Commands& commands) {
-        const std::span<const SelectionStroke> strokes(&stroke, t == 0 ? 1 : 0);
-        selection.record(commands, layers, {}, {strokes, extent}, nullptr);
+        with.record(commands, layers, {}, {strokes, extent}, nullptr);
       });
-      if (t == 0) figures.click.push_back(overlap(selected(lab, layers), object.mask));
+      return selected(lab, layers);
+    };
+    for (size_t t = 0; t < frames.size(); ++t) {
+      const Mask mask = select(selection, frames[t], {&stroke, t == 0 ? size_t{1} : 0});
       if (t == 0 || t + 1 < frames.size()) continue;
       Mask truth(object.mask.size());
       for (size_t n = 0; n < truth.size(); ++n) truth[n] = scene.frames[t].id.data[n] == object.id;
-      figures.followed.push_back(overlap(selected(lab, layers), truth));
+      figures.followed.push_back(overlap(mask, truth));
+    }
+    Selection corrected(lab.device(), extent);
+    std::vector<SelectionStroke> strokes{stroke};
+    for (size_t count = 1, at = 0; at < std::size(kClicks); ++count) {
+      const Mask mask = select(corrected, frames[0], {&strokes.back(), 1});
+      if (count == kClicks[at]) figures.clicks[at++].push_back(overlap(mask, object.mask));
+      strokes.push_back(next_click(mask, object.mask, first.id.width, first.id.height));
     }
     SelectionParams by_key;
     by_key.by = SelectBy::key;
@@ -182,11 +222,15 @@ void measure(const Lab& lab, const Scene& scene, Figures& all) {
       part[n] = true;
     figures.connected.push_back(overlap(part, object.mask));
   }
-  std::printf("| %s %s | %zu | %.2f | %.2f | %.2f | %.2f |\n", scene.set.c_str(),
-              scene.name.c_str(), figures.click.size(), mean(figures.click), mean(figures.key),
-              mean(figures.connected), mean(figures.followed));
-  for (const auto part : {&Figures::click, &Figures::key, &Figures::connected, &Figures::followed})
-    (all.*part).insert((all.*part).end(), (figures.*part).begin(), (figures.*part).end());
+  std::printf("| %s %s |", scene.set.c_str(), scene.name.c_str());
+  print(figures);
+  const auto append = [](std::vector<double>& to, const std::vector<double>& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  for (size_t i = 0; i < std::size(kClicks); ++i) append(all.clicks[i], figures.clicks[i]);
+  append(all.key, figures.key);
+  append(all.connected, figures.connected);
+  append(all.followed, figures.followed);
 }
 
 void run(int argc, char** argv) {
@@ -200,11 +244,9 @@ void run(int argc, char** argv) {
       measure(lab, scene, all);
       std::fflush(stdout);
     }
-  if (all.click.empty()) throw std::runtime_error("usage: select-bench FOLDER…");
-  std::printf("| all: mean | %zu | %.2f | %.2f | %.2f | %.2f |\n", all.click.size(),
-              mean(all.click), mean(all.key), mean(all.connected), mean(all.followed));
-  std::printf("| all: median | | %.2f | %.2f | %.2f | %.2f |\n", median(all.click), median(all.key),
-              median(all.connected), all.followed.empty() ? NAN : median(all.followed));
+  if (all.key.empty()) throw std::runtime_error("usage: select-bench FOLDER…");
+  std::printf("| all |");
+  print(all);
 }
 
 }  // namespace

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// intrinsicselect, and what intrinsicrecolor makes of its mask and of clicks.
+#include <gst/video/navigation.h>
+
+#include <cmath>
+
+#include "tests/elements/draw.hpp"
+#include "tests/elements/edit/edit_fixture.hpp"
+#include "tests/elements/element_test.hpp"
+
+namespace inverse::testing {
+namespace {
+
+constexpr int kWidth = 160, kHeight = 120, kRadius = 25;
+const std::string kCaps = VideoHarness::caps("RGBA", kWidth, kHeight);
+const std::string kLight = "intrinsicdecomp adaptive=false light-color-slope=0 ! ";
+
+/// A red disc at (x, y), one of the same red at the right, and a wall.
+std::vector<uint8_t> discs(int x, int y, unsigned seed = 1) {
+  std::mt19937 random(seed);
+  return draw(kWidth, kHeight, [&](int u, int v, int c) {
+    constexpr int kWall[] = {90, 130, 110}, kRed[] = {190, 50, 40};
+    const bool red = std::hypot(u - x, v - y) < kRadius || std::hypot(u - 140, v - 20) < 12;
+    return (red ? kRed : kWall)[c] + static_cast<int>(random() % 5) - 2;
+  });
+}
+
+/// Share of the pixels of a mask that is drawn (R of RGBA) that are on the wrong side.
+double wrong_share(const std::vector<uint8_t>& mask, int x, int y) {
+  int wrong = 0;
+  for (int v = 0; v < kHeight; ++v)
+    for (int u = 0; u < kWidth; ++u)
+      wrong += (pixel_at(mask, u, v, kWidth)[0] > 127) != (std::hypot(u - x, v - y) < kRadius);
+  return static_cast<double>(wrong) / (kWidth * kHeight);
+}
+
+std::string stroke_at(int x, int y, const char* kind = "add") {
+  return std::string("{\"kind\":\"") + kind + "\",\"points\":[[" + std::to_string(x) + "," +
+         std::to_string(y) + "]]}";
+}
+
+std::string chain(const std::string& select, const std::string& show = "mask") {
+  return kLight + "intrinsicselect " + select + " ! intrinsiccompose show=" + show;
+}
+
+void press_and_release(VideoHarness& harness, double x, double y) {
+  harness.send_upstream(
+      gst_navigation_event_new_mouse_button_press(1, x, y, GST_NAVIGATION_MODIFIER_NONE));
+  harness.send_upstream(
+      gst_navigation_event_new_mouse_button_release(1, x, y, GST_NAVIGATION_MODIFIER_NONE));
+}
+
+}  // namespace
+
+TEST(Select, AClickSelectsAnObjectAndFollowsIt) {
+  VideoHarness harness(chain("stroke-mode=add"), kCaps, kCaps);
+  EXPECT_GT(wrong_share(harness.process(discs(50, 60)), 50, 60), .05) << "nothing is selected yet";
+  press_and_release(harness, 50, 60);
+  EXPECT_LT(wrong_share(harness.process(discs(50, 60)), 50, 60), .01);
+  for (int n = 1; n < 20; ++n)
+    EXPECT_LT(wrong_share(harness.process(discs(50 + 2 * n, 60 + n)), 50 + 2 * n, 60 + n), .01)
+        << n;
+  GstElement* select = harness.find("intrinsicselect");
+  EXPECT_NE(property<std::string>(select, "strokes"), "");
+  EXPECT_NEAR(stat<double>(select, "object-x"), 88, 3);
+  EXPECT_NEAR(stat<double>(select, "object-y"), 79, 3);
+  EXPECT_NEAR(stat<double>(select, "object-right") - stat<double>(select, "object-left"),
+              2 * kRadius, 4);
+  EXPECT_NEAR(stat<double>(select, "object-share"), 3.1416 * kRadius * kRadius / (kWidth * kHeight),
+              .02);
+  EXPECT_TRUE(harness.warnings().empty());
+}
+
+TEST(Select, StrokesAddAndSubtract) {
+  VideoHarness harness(chain(""), kCaps, kCaps);
+  GstElement* select = harness.find("intrinsicselect");
+  gboolean done = FALSE;
+  g_signal_emit_by_name(select, "add-stroke", stroke_at(50, 60).c_str(), &done);
+  EXPECT_TRUE(done);
+  EXPECT_LT(wrong_share(harness.process(discs(50, 60)), 50, 60), .01);
+  // The other disc, too.
+  g_signal_emit_by_name(select, "add-stroke", stroke_at(140, 20).c_str(), &done);
+  const auto both = harness.process(discs(50, 60));
+  EXPECT_GT(pixel_at(both, 140, 20, kWidth)[0], 200);
+  EXPECT_GT(pixel_at(both, 50, 60, kWidth)[0], 200);
+  // And not.
+  g_signal_emit_by_name(select, "undo-stroke", &done);
+  EXPECT_TRUE(done);
+  EXPECT_LT(wrong_share(harness.process(discs(50, 60)), 50, 60), .01);
+  g_signal_emit_by_name(select, "clear-strokes", &done);
+  EXPECT_LT(pixel_at(harness.process(discs(50, 60)), 50, 60, kWidth)[0], 5);
+  // A line around it.
+  g_object_set(
+      select, "strokes",
+      "[{\"kind\":\"add\",\"closed\":true,\"radius\":1,\"points\":[[30,40],[70,40],[70,80],[30,"
+      "80]]}]",
+      nullptr);
+  EXPECT_LT(wrong_share(harness.process(discs(50, 60)), 50, 60), .02);
+}
+
+TEST(Select, InvertsAndCombines) {
+  const std::string first = "strokes=[" + stroke_at(50, 60) + "]";
+  VideoHarness inverted(chain(first + " invert=true"), kCaps, kCaps);
+  const auto rest = inverted.process(discs(50, 60));
+  EXPECT_LT(pixel_at(rest, 50, 60, kWidth)[0], 5);
+  EXPECT_GT(pixel_at(rest, 5, 5, kWidth)[0], 250);
+  for (const auto& [combine, left, right] : {std::tuple{"replace", false, true},
+                                             {"add", true, true},
+                                             {"subtract", true, false},
+                                             {"intersect", false, false}}) {
+    VideoHarness harness(kLight + "intrinsicselect " + first + " ! intrinsicselect strokes=[" +
+                             stroke_at(140, 20) + "] combine=" + combine +
+                             " ! intrinsiccompose show=mask",
+                         kCaps, kCaps);
+    const auto mask = harness.process(discs(50, 60));
+    EXPECT_EQ(pixel_at(mask, 50, 60, kWidth)[0] > 127, left) << combine;
+    EXPECT_EQ(pixel_at(mask, 140, 20, kWidth)[0] > 127, right) << combine;
+  }
+}
+
+TEST(Select, ByKeyClusterAndBaseColor) {
+  VideoHarness key(chain("by=key key=0xffbe3228"), kCaps, kCaps);
+  const auto mask = key.process(discs(50, 60));
+  EXPECT_GT(pixel_at(mask, 50, 60, kWidth)[0], 200);
+  EXPECT_GT(pixel_at(mask, 140, 20, kWidth)[0], 200);
+  EXPECT_LT(pixel_at(mask, 80, 110, kWidth)[0], 5);
+  VideoHarness clusters(chain("by=cluster clusters=4"), kCaps, kCaps);
+  bool disc = false, wall = false;  // alone; one of several merged clusters stands for all of them
+  for (int cluster = 0; cluster < 4; ++cluster) {
+    g_object_set(clusters.find("intrinsicselect"), "cluster", cluster, nullptr);
+    const auto selected = clusters.process(discs(50, 60));
+    const bool in_disc = pixel_at(selected, 50, 60, kWidth)[0] > 127,
+               in_wall = pixel_at(selected, 80, 110, kWidth)[0] > 127;
+    EXPECT_FALSE(in_disc && in_wall) << cluster;
+    disc |= in_disc;
+    wall |= in_wall;
+  }
+  EXPECT_TRUE(disc && wall);
+  VideoHarness base(chain("by=base-color"), kCaps, kCaps);
+  base.process(discs(50, 60));
+  EXPECT_EQ(base.warnings().size(), 1U);
+}
+
+TEST(Select, WrongStrokesAreAWarning) {
+  VideoHarness harness(chain("strokes=[" + stroke_at(50, 60) + "]"), kCaps, kCaps);
+  GstElement* select = harness.find("intrinsicselect");
+  for (const char* wrong :
+       {"[", "{}", "[{\"kind\":\"shading\",\"points\":[[1,2]]}]", "[{\"points\":[[1,2]]}]",
+        "[{\"kind\":\"add\",\"points\":[]}]", "[{\"kind\":\"add\",\"points\":[[1]]}]",
+        "[{\"kind\":\"add\",\"points\":[[1,2]],\"radius\":-1}]"}) {
+    g_object_set(select, "strokes", wrong, nullptr);
+    EXPECT_EQ(harness.warnings().size(), 1U) << wrong;
+    EXPECT_LT(wrong_share(harness.process(discs(50, 60)), 50, 60), .01) << "the ones before stay";
+  }
+  gboolean done = TRUE;
+  g_signal_emit_by_name(select, "add-stroke", "no", &done);
+  EXPECT_FALSE(done);
+  // Far away, of zero length, and many.
+  std::string many;
+  for (int n = 0; n < 64; ++n) many.append(n ? "," : "").append(stroke_at(-1000000, 99 * n));
+  g_object_set(select, "strokes", ("[" + many + "]").c_str(), nullptr);
+  EXPECT_LT(pixel_at(harness.process(discs(50, 60)), 50, 60, kWidth)[0], 5);
+  g_object_set(select, "strokes", ("[" + many + "," + stroke_at(1, 1) + "]").c_str(), nullptr);
+  EXPECT_EQ(harness.warnings().size(), 2U);  // and that of add-stroke
+}
+
+TEST(Select, AFlushSelectsAnewWhereItWasDrawn) {
+  VideoHarness harness(chain("strokes=[" + stroke_at(50, 60) + "]"), kCaps, kCaps);
+  harness.process(discs(50, 60));
+  harness.process(discs(60, 60));
+  harness.flush();
+  EXPECT_LT(wrong_share(harness.process(discs(50, 60)), 50, 60), .01);
+}
+
+TEST(Select, TakesAnySize) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {2, 3}, {349, 2}, {15, 200}, {700, 33}}) {
+    const std::string caps = VideoHarness::caps("RGBA", width, height);
+    VideoHarness harness(kLight + "intrinsicselect strokes=[" + stroke_at(width / 2, height / 2) +
+                             "] ! intrinsicrecolor ! intrinsiccompose",
+                         caps, caps);
+    for (unsigned n = 0; n < 3; ++n) EXPECT_FALSE(harness.process(random_frame(caps, n)).empty());
+    EXPECT_TRUE(harness.errors().empty());
+  }
+}
+
+TEST(Recolor, TheMaskOfASelectionChangesTheObjectOnly) {
+  const std::string select = "intrinsicselect strokes=[" + stroke_at(50, 60) + "] ! ";
+  VideoHarness harness(kLight + select + "intrinsicrecolor target=0xff2040c0 ! intrinsiccompose",
+                       kCaps, kCaps);
+  const auto frame = discs(50, 60), edited = harness.process(frame);
+  EXPECT_GT(pixel_at(edited, 50, 60, kWidth)[2], pixel_at(edited, 50, 60, kWidth)[0] + 50);
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(pixel_at(edited, 140, 20, kWidth)[c], pixel_at(frame, 140, 20, kWidth)[c], 1);
+    EXPECT_NEAR(pixel_at(edited, 10, 100, kWidth)[c], pixel_at(frame, 10, 100, kWidth)[c], 1);
+  }
+  // Its own colors, turned.
+  g_object_set(harness.find("intrinsicrecolor"), "target", 0, "hue-shift", 120.0, nullptr);
+  const auto turned = harness.process(frame);
+  EXPECT_GT(pixel_at(turned, 50, 60, kWidth)[1], pixel_at(turned, 50, 60, kWidth)[0] + 50);
+  // Its brightness stays.
+  g_object_set(harness.find("intrinsicrecolor"), "target", 0xffc0c0c0U, "hue-shift", 0.0,
+               "brightness", 1.0, nullptr);
+  const auto gray = harness.process(frame);
+  EXPECT_NEAR(pixel_at(gray, 50, 60, kWidth)[0], pixel_at(gray, 50, 60, kWidth)[2], 6);
+  EXPECT_LT(pixel_at(gray, 50, 60, kWidth)[0], 140);
+}
+
+TEST(Recolor, WithoutASelectionItSaysSoAndChangesNothing) {
+  VideoHarness harness(kLight + "intrinsicrecolor ! intrinsiccompose", kCaps, kCaps);
+  const auto frame = discs(50, 60);
+  EXPECT_LE(largest_difference(harness.process(frame), frame), 1);
+  const auto warnings = harness.warnings();
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].find("intrinsicselect"), std::string::npos) << warnings[0];
+}
+
+TEST(Recolor, AClickPicksAColor) {
+  VideoHarness harness(kLight + "intrinsicrecolor pick=key ! intrinsiccompose", kCaps, kCaps);
+  GstElement* recolor = harness.find("intrinsicrecolor");
+  harness.process(discs(50, 60));
+  press_and_release(harness, 50, 60);
+  harness.process(discs(50, 60), 4);
+  const auto key = property<guint>(recolor, "key");
+  EXPECT_GT(key >> 16 & 255, (key & 255) + 60) << std::hex << key;
+  g_object_set(recolor, "pick", 2, nullptr);
+  press_and_release(harness, 1e9, NAN);
+  press_and_release(harness, 5, 5);
+  const auto edited = harness.process(discs(50, 60), 5);
+  const auto target = property<guint>(recolor, "target");
+  EXPECT_GT(target >> 8 & 255, target >> 16 & 255) << std::hex << target;
+  // The disc has the wall's color, in its own light.
+  const uint8_t *disc = pixel_at(edited, 50, 60, kWidth), *wall = pixel_at(edited, 5, 5, kWidth);
+  for (int c = 1; c < 3; ++c)
+    EXPECT_NEAR(disc[c] * 1. / disc[0], wall[c] * 1. / wall[0], .12) << c;
+}
+
+}  // namespace inverse::testing
