@@ -4,10 +4,8 @@
 #include "gpu/common.glsl"
 #include "object.glsl"
 
-// Counts the colors of the cells that the user drew over, of the object, or of the background: cells that are away from the object
-// and have none of its colors.
-layout(constant_id = 1) const int OF = 0;
-const int kSeeds = 0, kObject = 1, kBackground = 2;
+// Counts the colors of cells for one of the densities. Those of the background are away from the object and have none of its colors.
+layout(constant_id = 1) const int DENSITY = 0;
 PLANE_IN(0, colors);
 SCALAR_IN(1, alpha);
 WORD_IN(2, region);
@@ -24,15 +22,17 @@ void main() {
   int n = int(cell.y * push.cells.x + cell.x);
   int bin = bin_of(FETCH(colors, n).rgb);
   uint seed = FETCH1(seeds, n), count = 0u;
-  if (OF == kSeeds) {
+  if (DENSITY == kAddedDensity) {
     count = seed == kSeedAdd ? kFullCount : 0u;
-  } else if (OF == kObject) {
+  } else if (DENSITY == kSubtractedDensity) {
+    count = seed == kSeedSubtract ? kFullCount : 0u;
+  } else if (DENSITY == kObjectDensity) {
     count = FETCH1(region, n) == 0u ? 0u : uint(float(kFullCount) * clamp(FETCH1(alpha, n), 0.0, 1.0) + 0.5);
   } else {
     uint block = cell.y / uint(kCoarse) * ((push.cells.x + uint(kCoarse) - 1u) / uint(kCoarse)) + cell.x / uint(kCoarse);
-    bool own = FETCH1(model, bin) > kOwnColor * FETCH(totals, 0).y;
-    if (FETCH1(near, int(block)) == 0u && !own) count = kBackgroundCount;
-    if (seed == kSeedSubtract) count = kFullCount;
+    bool own = FETCH1(model, bin) > kOwnColor * FETCH(totals, kObjectDensity).y ||
+               FETCH1(model, kAddedDensity * kBinCount + bin) > kOwnColor * FETCH(totals, kAddedDensity).y;
+    count = FETCH1(near, int(block)) == 0u && !own ? 1u : 0u;
   }
   if (count > 0u) atomicAdd(LOAD(counts, bin), count);
 }

@@ -5,14 +5,14 @@
 #include "gpu/workgroup_sum.glsl"
 #include "object.glsl"
 
-// Moves a density of colors toward a histogram, and finds its largest value: totals.y. A histogram of nothing changes nothing.
-// One workgroup.
+// Moves a density of colors toward a histogram, or raises it to that, and finds its largest value: totals.y. A histogram of nothing
+// changes nothing. One workgroup.
+layout(constant_id = 1) const bool RAISE = false;
 SCALAR_IN(0, histogram);
 SCALAR_INOUT(1, model);
 PLANE_OUT(2, totals);
 layout(push_constant) uniform Push {
-  int first;   // of the density, in `model`
-  int total;   // its place in `totals`
+  int density;
   float rate;  // 1: it becomes the histogram
 } push;
 
@@ -25,14 +25,15 @@ void main() {
   sum = workgroup_sum(vec4(sum)).x;
   float top = 0.0;
   for (int n = lane; n < kBinCount; n += stride) {
-    float before = push.rate < 1.0 ? LOAD(model, push.first + n) : 0.0;
-    float now = sum > 0.0 ? before + push.rate * (FETCH1(histogram, n) / sum - before) : before;
-    STORE(model, push.first + n, now);
+    int at = push.density * kBinCount + n;
+    float before = LOAD(model, at), share = sum > 0.0 ? FETCH1(histogram, n) / sum : before;
+    float now = RAISE ? max(before, share) : push.rate < 1.0 ? before + push.rate * (share - before) : share;
+    STORE(model, at, now);
     top = max(top, now);
   }
   largest[lane] = top;
   barrier();
   if (lane != 0) return;
   for (int i = 1; i < stride; ++i) top = max(top, largest[i]);
-  STORE(totals, push.total, vec4(sum, top, 0.0, 0.0));
+  STORE(totals, push.density, vec4(sum, top, 0.0, 0.0));
 }

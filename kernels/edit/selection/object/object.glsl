@@ -16,13 +16,16 @@ const float kEdgeWeight = 2.0;
 const float kEdgeScale = 0.04;    // difference of Oklab colors that separates neighbors
 
 const uint kSeedAdd = 1u, kSeedSubtract = 2u;
-const uint kFullCount = 255u;     // counts of a whole cell
-const uint kBackgroundCount = 64u;
+const uint kFullCount = 255u;     // counts of a whole cell of the object
 
 // Words of `status`: the region in cells, for the next frame and for stats.
 const int kArea = 0, kSumX = 1, kSumY = 2, kLeft = 3, kTop = 4, kRight = 5, kBottom = 6;  // kLeft, kTop: from the other border
 const int kStatusWords = 8;
 const int kCoarse = 4;            // cells along a side of a block of `occupied`
+
+// Densities of color in `model`, in this order, and their largest values in `totals`.y: of the object, of the background, and under the
+// strokes that add and that subtract.
+const int kObjectDensity = 0, kBackgroundDensity = 1, kAddedDensity = 2, kSubtractedDensity = 3, kDensities = 4;
 
 int bin_of(vec3 color) {
   ivec3 bin = clamp(ivec3(floor((color - kBinLow) / (kBinHigh - kBinLow) * vec3(kBins))), ivec3(0), kBins - 1);

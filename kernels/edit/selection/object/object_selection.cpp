@@ -12,7 +12,7 @@ using Count = shaders::edit_selection_object_count;
 constexpr auto kBins = static_cast<uint32_t>(Count::kBinCount);
 // Rounds of learning and segmenting in a frame with new strokes, and steps of diffusion in each.
 constexpr int kRounds = 5;
-constexpr uint32_t kSteps = 24;
+constexpr uint32_t kSteps = 48;
 // Those of a frame that follows, which starts from the frame before.
 constexpr uint32_t kFollowSteps = 8;
 constexpr float kFollowRate = .1F;
@@ -29,12 +29,10 @@ Extent blocks_of(Extent cells) {
 ObjectSelection::ObjectSelection(const std::shared_ptr<gpu::Device>& device, const CellGrid& grid)
     : grid_(grid),
       blocks_(blocks_of(grid.cells)),
-      count_seeds_(device, {.of = Count::kSeeds}),
-      count_object_(device, {.of = Count::kObject}),
-      count_background_(device, {.of = Count::kBackground}),
       smooth_counts_(device, {.counts = true}),
       smooth_again_(device, {.counts = false}),
-      learn_(device, {}, device->variant().lone_workgroup),
+      learn_(device, {.raise = false}, device->variant().lone_workgroup),
+      raise_(device, {.raise = true}, device->variant().lone_workgroup),
       start_(device),
       terms_of_(device),
       diffuse_first_(device, {.first = true}),
@@ -51,6 +49,8 @@ ObjectSelection::ObjectSelection(const std::shared_ptr<gpu::Device>& device, con
   const auto make = [&](Element element, uint64_t count) {
     return gpu::Buffer::create(device, element, count);
   };
+  for (int density = 0; density < Count::kDensities; ++density)
+    count_[density] = {device, {.density = density}};
   for (auto& alpha : alpha_) alpha = make(Element::scalar, cells);
   region_ = make(Element::word, cells);
   no_seeds_ = make(Element::word, cells);
@@ -59,8 +59,8 @@ ObjectSelection::ObjectSelection(const std::shared_ptr<gpu::Device>& device, con
   claims_ = make(Element::word, 3 * cells);
   counts_ = make(Element::word, kBins);
   for (auto& smoothed : smoothed_) smoothed = make(Element::scalar, kBins);
-  model_ = make(Element::scalar, 2 * kBins);
-  totals_ = make(Element::vec4, 2);
+  model_ = make(Element::scalar, uint64_t{kBins} * Count::kDensities);
+  totals_ = make(Element::vec4, Count::kDensities);
   occupied_ = make(Element::word, blocks_.pixels());
   near_ = make(Element::word, blocks_.pixels());
   status_ = make(Element::word, Count::kStatusWords);
@@ -72,16 +72,18 @@ void ObjectSelection::select(gpu::Commands& commands, const gpu::BufferPtr& colo
   commands.write_table(seeds_, gpu::Element::word, draw_seeds(strokes, drawn, grid_));
   if (!active_) commands.fill(no_seeds_);
   drawn_ = seeds_;
-  if (anew || !active_) {
-    // Densities of nothing, so that a frame without strokes that add selects nothing.
-    for (const auto& buffer : {model_, totals_, region_, near_, status_, last_area_, alpha_[0]})
+  const bool first = anew || !active_;
+  if (first)  // densities of nothing, so that a frame without strokes that add selects nothing
+    for (const auto& buffer :
+         {model_, totals_, region_, near_, status_, last_area_, alpha_[0], terms_})
       commands.fill(buffer);
-    count(commands, count_seeds_, colors, 1, false);
+  learn(commands, colors, Count::kAddedDensity, 1);
+  learn(commands, colors, Count::kSubtractedDensity, 1);
+  if (first) {
     commands.dispatch(
         start_,
         {.colors = colors, .model = model_, .totals = totals_, .seeds = seeds_, .alpha = alpha_[0]},
         {.cells = grid_.cells}, per_cell());
-    commands.fill(terms_);
     find_region(commands, true);
     learn(commands, colors, 1);
   }
@@ -149,15 +151,14 @@ void ObjectSelection::find_region(gpu::Commands& commands, bool seeded) {
 }
 
 void ObjectSelection::learn(gpu::Commands& commands, const gpu::BufferPtr& colors, float rate) {
-  count(commands, count_object_, colors, rate, false);
-  count(commands, count_background_, colors, rate, true);
+  learn(commands, colors, Count::kObjectDensity, rate);
+  learn(commands, colors, Count::kBackgroundDensity, rate);
 }
 
-template <typename Program>
-void ObjectSelection::count(gpu::Commands& commands, const Program& program,
-                            const gpu::BufferPtr& colors, float rate, bool background) {
+void ObjectSelection::learn(gpu::Commands& commands, const gpu::BufferPtr& colors, int density,
+                            float rate) {
   commands.fill(counts_);
-  commands.dispatch(program,
+  commands.dispatch(count_[density],
                     {.colors = colors,
                      .alpha = alpha_[0],
                      .region = region_,
@@ -173,10 +174,10 @@ void ObjectSelection::count(gpu::Commands& commands, const Program& program,
   commands.dispatch(smooth_again_,
                     {.counts = counts_, .before = smoothed_[0], .smoothed = smoothed_[1]},
                     line_of(kBins));
-  commands.dispatch(
-      learn_, {.histogram = smoothed_[1], .model = model_, .totals = totals_},
-      {.first = background ? static_cast<int32_t>(kBins) : 0, .total = background, .rate = rate},
-      {});
+  const bool strokes = density == Count::kAddedDensity || density == Count::kSubtractedDensity;
+  commands.dispatch(strokes ? raise_ : learn_,
+                    {.histogram = smoothed_[1], .model = model_, .totals = totals_},
+                    {.density = density, .rate = rate}, {});
 }
 
 ObjectSelection::Place ObjectSelection::place_of(const uint32_t* status) const {

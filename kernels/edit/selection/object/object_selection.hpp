@@ -24,8 +24,9 @@ namespace inverse {
 /// (tests/reference/edit/selection/object.hpp).
 ///
 /// Densities of color of the object and of the background tell the cells of the two apart; edges
-/// join cells whose colors are in neither. The object is what is connected to the user's strokes,
-/// later to itself in the frame before. Both densities are learned from what was selected.
+/// join cells whose colors are in neither, or in both. The object is what is connected to the
+/// user's strokes, later to itself in the frame before. Both densities are learned from what was
+/// selected.
 class ObjectSelection {
  public:
   ObjectSelection(const std::shared_ptr<gpu::Device>& device, const CellGrid& grid);
@@ -59,16 +60,16 @@ class ObjectSelection {
   void segment(gpu::Commands& commands, const gpu::BufferPtr& colors, uint32_t steps);
   void find_region(gpu::Commands& commands, bool seeded);
   void learn(gpu::Commands& commands, const gpu::BufferPtr& colors, float rate);
-  template <typename Program>
-  void count(gpu::Commands& commands, const Program& program, const gpu::BufferPtr& colors,
-             float rate, bool background);
+  /// Learns one of the densities (object.glsl).
+  void learn(gpu::Commands& commands, const gpu::BufferPtr& colors, int density, float rate);
   gpu::Items per_cell() const { return {grid_.cells.width, grid_.cells.height}; }
 
   CellGrid grid_;
   Extent blocks_;
-  gpu::Program<shaders::edit_selection_object_count> count_seeds_, count_object_, count_background_;
+  gpu::Program<shaders::edit_selection_object_count>
+      count_[shaders::edit_selection_object_count::kDensities];
   gpu::Program<shaders::edit_selection_object_smooth> smooth_counts_, smooth_again_;
-  gpu::Program<shaders::edit_selection_object_learn> learn_;
+  gpu::Program<shaders::edit_selection_object_learn> learn_, raise_;
   gpu::Program<shaders::edit_selection_object_start> start_;
   gpu::Program<shaders::edit_selection_object_terms> terms_of_;
   gpu::Program<shaders::edit_selection_object_diffuse> diffuse_first_, diffuse_;

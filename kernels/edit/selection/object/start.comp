@@ -16,8 +16,8 @@ void main() {
   uvec2 cell = gl_GlobalInvocationID.xy;
   if (cell.x >= push.cells.x) return;
   uint n = cell.y * push.cells.x + cell.x;
-  float top = FETCH(totals, 0).y;
+  float top = FETCH(totals, kAddedDensity).y;
   uint seed = FETCH1(seeds, int(n));
-  bool own = top > 0.0 && FETCH1(model, bin_of(FETCH(colors, int(n)).rgb)) > kOwnColor * top;
+  bool own = top > 0.0 && FETCH1(model, kAddedDensity * kBinCount + bin_of(FETCH(colors, int(n)).rgb)) > kOwnColor * top;
   STORE(alpha, n, seed == kSeedAdd || (own && seed != kSeedSubtract) ? 1.0 : 0.0);
 }

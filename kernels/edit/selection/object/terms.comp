@@ -7,7 +7,7 @@
 // The terms of a cell in the energy of alpha: (weight x probability, weight) of its color, and the weights of the edges to its left
 // and upper neighbor.
 PLANE_IN(0, colors);
-SCALAR_IN(1, model);  // density of the object's colors, and of the background's
+SCALAR_IN(1, model);
 PLANE_IN(2, totals);
 WORD_IN(3, seeds);
 PLANE_OUT(4, terms);
@@ -25,7 +25,9 @@ void main() {
   vec3 color = FETCH(colors, n).rgb;
   int bin = bin_of(color);
   float least = kDensityFloor * FETCH(totals, 0).y + 1e-30;
-  float own = FETCH1(model, bin) + least, other = FETCH1(model, kBinCount + bin) + least;
+  // A color under both kinds of strokes tells nothing: edges decide.
+  float own = max(FETCH1(model, bin), FETCH1(model, kAddedDensity * kBinCount + bin)) + least;
+  float other = max(FETCH1(model, kBackgroundDensity * kBinCount + bin), FETCH1(model, kSubtractedDensity * kBinCount + bin)) + least;
   float certain = min(abs(log(own / other)) / 3.0, 1.0);
   float p = own / (own + other), weight = kPriorWeight * certain * certain + kPriorFloor;
   uint seed = FETCH1(seeds, n);

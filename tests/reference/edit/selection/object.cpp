@@ -74,6 +74,8 @@ ObjectSelection::ObjectSelection(int width, int height)
       height_(height),
       object_(kColorBins),
       background_(kColorBins),
+      added_(kColorBins),
+      subtracted_(kColorBins),
       p_(alpha.size()),
       weight_(alpha.size()) {}
 
@@ -83,23 +85,28 @@ int ObjectSelection::area() const {
 
 void ObjectSelection::select(const std::vector<Vec3>& colors, const std::vector<uint32_t>& seeds,
                              bool anew) {
-  if (anew || !active_) {
-    *this = ObjectSelection(width_, height_);
-    std::vector<double> counts(kColorBins);
+  const bool first = anew || !active_;
+  if (first) *this = ObjectSelection(width_, height_);
+  for (const Seed kind : {seed_add, seed_subtract}) {
+    std::vector<double> counts(kColorBins), density(kColorBins);
     for (size_t n = 0; n < seeds.size(); ++n)
-      if (seeds[n] == seed_add) counts[color_bin(colors[n])] += 255;
-    blend(object_, counts, 1);
-    const double top = max_of(object_);
+      if (seeds[n] == kind) counts[color_bin(colors[n])] += 255;
+    blend(density, counts, 1);
+    std::vector<double>& all = kind == seed_add ? added_ : subtracted_;
+    for (size_t n = 0; n < all.size(); ++n) all[n] = std::max(all[n], density[n]);
+  }
+  if (first) {
+    const double top = max_of(added_);
     for (size_t n = 0; n < seeds.size(); ++n) {
-      const bool own = top > 0 && object_[color_bin(colors[n])] > kOwnColor * top;
+      const bool own = top > 0 && added_[color_bin(colors[n])] > kOwnColor * top;
       alpha[n] = seeds[n] == seed_add || (own && seeds[n] != seed_subtract);
     }
     find_region(seeds, true);
-    learn(colors, seeds, 1);
+    learn(colors, 1);
   }
   for (int round = 0; round < 5; ++round) {
-    segment(colors, seeds, 24);
-    learn(colors, seeds, 1);
+    segment(colors, seeds, 48);
+    learn(colors, 1);
   }
   active_ = true;
 }
@@ -107,7 +114,7 @@ void ObjectSelection::select(const std::vector<Vec3>& colors, const std::vector<
 void ObjectSelection::follow(const std::vector<Vec3>& colors) {
   const std::vector<uint32_t> none(alpha.size());
   segment(colors, none, 8);
-  learn(colors, none, .1);
+  learn(colors, .1);
 }
 
 void ObjectSelection::segment(const std::vector<Vec3>& colors, const std::vector<uint32_t>& seeds,
@@ -115,7 +122,8 @@ void ObjectSelection::segment(const std::vector<Vec3>& colors, const std::vector
   const double e = kFloor * max_of(object_) + 1e-30;
   for (size_t n = 0; n < alpha.size(); ++n) {
     const int bin = color_bin(colors[n]);
-    const double own = object_[bin] + e, other = background_[bin] + e;
+    const double own = std::max(object_[bin], added_[bin]) + e,
+                 other = std::max(background_[bin], subtracted_[bin]) + e;
     p_[n] = own / (own + other);
     weight_[n] = .2 * std::pow(std::min(std::abs(std::log(own / other)) / 3, 1.), 2) + 1e-4;
     if (seeds[n] != no_seed) p_[n] = seeds[n] == seed_add, weight_[n] = 10;
@@ -203,21 +211,18 @@ std::vector<bool> ObjectSelection::near_region() const {
   return near;
 }
 
-void ObjectSelection::learn(const std::vector<Vec3>& colors, const std::vector<uint32_t>& seeds,
-                            double rate) {
+void ObjectSelection::learn(const std::vector<Vec3>& colors, double rate) {
   std::vector<double> counts(kColorBins);
   for (size_t n = 0; n < alpha.size(); ++n)
     if (region[n]) counts[color_bin(colors[n])] += std::floor(255 * alpha[n] + .5);
   blend(object_, counts, rate);
   std::fill(counts.begin(), counts.end(), 0);
   const std::vector<bool> near = near_region();
-  const double top = max_of(object_);
+  const double top = max_of(object_), top_added = max_of(added_);
   for (size_t n = 0; n < alpha.size(); ++n) {
     const int bin = color_bin(colors[n]);
-    if (seeds[n] == seed_subtract)
-      counts[bin] += 255;
-    else if (!near[n] && !(object_[bin] > kOwnColor * top))
-      counts[bin] += 64;
+    if (!near[n] && !(object_[bin] > kOwnColor * top) && !(added_[bin] > kOwnColor * top_added))
+      counts[bin] += 1;
   }
   blend(background_, counts, rate);
 }
@@ -227,10 +232,7 @@ void ObjectSelection::blend(std::vector<double>& density, const std::vector<doub
   const std::vector<double> smoothed = smooth_histogram(counts);
   const double sum = std::accumulate(smoothed.begin(), smoothed.end(), 0.);
   for (size_t n = 0; n < density.size(); ++n) {
-    if (rate >= 1)
-      density[n] = sum > 0 ? smoothed[n] / sum : 0;
-    else if (sum > 0)
-      density[n] += rate * (smoothed[n] / sum - density[n]);
+    if (sum > 0) density[n] += rate * (smoothed[n] / sum - density[n]);
   }
 }
 

@@ -15,8 +15,9 @@
 //             which have a stroke that adds
 //
 // O is learned from alpha in the region; B from cells that are away from the region and whose color
-// has O <= .1 max O, since cells of these colors elsewhere may be other objects of the same paint.
-// Colors that are in neither, e.g. paler petals of the same flower, go by their neighbors.
+// has at most a tenth of the largest density of the object and of the strokes that add, since cells
+// of these colors elsewhere may be other objects of the same paint. Colors that are in neither,
+// e.g. paler petals of the same flower, or in both, go by their neighbors.
 #pragma once
 
 #include <array>
@@ -54,13 +55,13 @@ class ObjectSelection {
  private:
   void segment(const std::vector<Vec3>& colors, const std::vector<uint32_t>& seeds, int steps);
   void find_region(const std::vector<uint32_t>& seeds, bool seeded);
-  void learn(const std::vector<Vec3>& colors, const std::vector<uint32_t>& seeds, double rate);
+  void learn(const std::vector<Vec3>& colors, double rate);
   static void blend(std::vector<double>& density, const std::vector<double>& counts, double rate);
   std::vector<bool> near_region() const;
 
   int width_, height_, last_area_ = 0;
   bool active_ = false;
-  std::vector<double> object_, background_;  // densities
+  std::vector<double> object_, background_, added_, subtracted_;  // densities
   std::vector<double> p_, weight_;
 };
 
