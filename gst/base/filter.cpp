@@ -85,6 +85,20 @@ GstStateChangeReturn change_state(GstElement* element, GstStateChange transition
   return result;
 }
 
+GstPad* request_new_pad(GstElement* element, GstPadTemplate* pad_template, const gchar*,
+                        const GstCaps*) {
+  inverse::SidePads* pads = element_of(element).filter().side_pads();
+  GstPad* pad = pads ? pads->request(element, pad_template) : nullptr;
+  if (pad) gst_element_add_pad(element, pad);
+  return pad;
+}
+
+void release_pad(GstElement* element, GstPad* pad) {
+  gst_pad_set_active(pad, FALSE);
+  element_of(element).filter().side_pads()->release(pad);
+  gst_element_remove_pad(element, pad);
+}
+
 void set_context(GstElement* element, GstContext* context) {
   element_of(element).context().set_context(context);
   GST_ELEMENT_CLASS(parent_class)->set_context(element, context);
@@ -323,6 +337,8 @@ gboolean query(GstBaseTransform* transform, GstPadDirection direction, GstQuery*
     gst_caps_unref(caps);
   }
   if (GST_QUERY_TYPE(query) == GST_QUERY_LATENCY && direction == GST_PAD_SRC) {
+    if (inverse::SidePads* pads = element_of(transform).filter().side_pads())
+      pads->add_latency(query);
     inverse::add_latency(query, element_of(transform).latency());
     const inverse::Log& log = element_of(transform).log();
     GST_CAT_DEBUG_OBJECT(log.category, log.object, "answer: %" GST_PTR_FORMAT, query);
@@ -336,6 +352,8 @@ void base_class_init(gpointer klass, gpointer) {
   object->finalize = finalize;
   auto* element = GST_ELEMENT_CLASS(klass);
   element->change_state = change_state;
+  element->request_new_pad = request_new_pad;
+  element->release_pad = release_pad;
   element->set_context = set_context;
   auto* base = GST_BASE_TRANSFORM_CLASS(klass);
   base->transform_caps = transform_caps;
@@ -363,6 +381,8 @@ void element_class_init(gpointer klass, gpointer data) {
                                         "the gst-inverse authors");
   inverse::add_pad_template(element, "sink", GST_PAD_SINK, GST_PAD_ALWAYS, info.sink_caps());
   inverse::add_pad_template(element, "src", GST_PAD_SRC, GST_PAD_ALWAYS, info.src_caps());
+  for (const char* name : info.side_sinks)
+    inverse::add_pad_template(element, name, GST_PAD_SINK, GST_PAD_REQUEST, inverse::pixel_caps());
   auto* object = G_OBJECT_CLASS(klass);
   object->get_property = get_property;  // GObject does not inherit these two
   object->set_property = set_property;
@@ -430,6 +450,8 @@ GType filter_type(GstPlugin* plugin) {
 }  // namespace
 
 namespace inverse {
+
+Filter& filter_of(GstElement* element) { return element_of(element).filter(); }
 
 gboolean register_filter(GstPlugin* plugin, const ElementInfo& element) {
   debug_category(element.factory, element.description);

@@ -16,6 +16,7 @@
 #include "kernels/image/layers.hpp"
 #include "kernels/image/tiles/tile_list.hpp"
 #include "property_table.hpp"
+#include "side_pads.hpp"
 
 namespace inverse {
 
@@ -66,6 +67,9 @@ struct MouseEvent {
   double x, y;
 };
 
+/// What Filter::process throws if a flush ends a wait of its own.
+struct Flushing {};
+
 /// What an element does with frames. The base (filter.cpp) does the rest: caps, device, upload,
 /// download, properties, events, QoS, latency, stats, errors. All calls but `parameters()`,
 /// `start()` and `navigate()` come from the streaming thread; what they throw becomes an element
@@ -89,6 +93,8 @@ class Filter {
   virtual void release() = 0;
   /// Forgets earlier frames.
   virtual void reset() {}
+  /// Its further sink pads (ElementInfo::side_sinks); null if it has none.
+  virtual SidePads* side_pads() { return nullptr; }
   /// Whether frames are to be compared with the ones before them, for FrameContext::repeated and
   /// `changed`.
   virtual bool compares_frames() const { return false; }
@@ -158,6 +164,8 @@ struct ElementInfo {
   /// other, as inverse::transform_caps does otherwise. Null: it refuses plain frames.
   GstCaps* (*plain_caps)(GstPadDirection, GstCaps* caps, GstCaps* templates,
                          GstCaps* filter) = nullptr;
+  /// Sink pads for pictures that it has on request, by name (Filter::side_pads).
+  std::vector<const char*> side_sinks = {};
 
   /// Caps of its pads. New references.
   GstCaps* sink_caps() const { return template_caps(sink, accepts); }
@@ -169,6 +177,9 @@ struct ElementInfo {
   /// Whether pictures that come in have to be frames, not pictures of layers.
   bool takes_frames() const { return takes_pixels() && layers; }
 };
+
+/// The filter of an element that is one.
+Filter& filter_of(GstElement* element);
 
 /// Registers the element; one line of the plugin's list.
 gboolean register_filter(GstPlugin* plugin, const ElementInfo& info);

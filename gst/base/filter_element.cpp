@@ -146,6 +146,11 @@ void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {
   number_ = 0;
 }
 
+void FilterElement::set_flushing(bool flushing) {
+  flushing_ = flushing;
+  if (SidePads* pads = filter_->side_pads()) pads->set_flushing(flushing);
+}
+
 void FilterElement::flush(const char* reason) {
   GST_DEBUG_OBJECT(element_, "the next frame starts a new scene: %s", reason);
   fresh_ = true;

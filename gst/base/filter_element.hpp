@@ -44,7 +44,7 @@ class FilterElement {
   /// Takes one buffer through the filter into `out`, which has memory only if pixels go out.
   GstFlowReturn transform(GstBuffer* in, GstBuffer* out);
   /// A flush began, or ended: a frame that waits for the device stops doing so. From any thread.
-  void set_flushing(bool flushing) { flushing_ = flushing; }
+  void set_flushing(bool flushing);
   /// The next frame starts afresh; `reason` is for the log.
   void flush(const char* reason);
   /// The stream ended, or will stop.
@@ -114,9 +114,8 @@ class FilterElement {
   GstClockTime stream_time(GstBuffer* in) const;
   /// Whether `in` has nothing to do with the frame before it.
   bool breaks_off(GstBuffer* in);
-  /// What `wait` throws if the pipeline flushes while a frame is transformed.
-  struct Flushing {};
-  /// Waits until a frame's work on the device is done.
+  /// Waits until a frame's work on the device is done. Throws Flushing if the pipeline flushes
+  /// while a frame is transformed.
   void wait(Slot& slot, const char* reason);
   /// Waits for a slot's frame and publishes its stats, once.
   void finish(Slot& slot);

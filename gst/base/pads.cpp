@@ -50,6 +50,21 @@ std::vector<PadPtr> pads_behind(GstPad* pad) {
 
 ElementPtr element_of_pad(GstPad* pad) { return ElementPtr(gst_pad_get_parent_element(pad)); }
 
+void sync_controlled(GstElement* element, GstPad* sink, GstBuffer* buffer) {
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  if (GstEvent* event = gst_pad_get_sticky_event(sink, GST_EVENT_SEGMENT, 0)) {
+    gst_event_copy_segment(event, &segment);
+    gst_event_unref(event);
+  }
+  // Where upstream counts in bytes, there is no time to control by.
+  const GstClockTime time =
+      segment.format == GST_FORMAT_TIME
+          ? gst_segment_to_stream_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer))
+          : GST_CLOCK_TIME_NONE;
+  if (GST_CLOCK_TIME_IS_VALID(time)) gst_object_sync_values(GST_OBJECT(element), time);
+}
+
 std::string name_of(GstPad* pad) { return name_of(GST_OBJECT(pad)); }
 
 std::string label_of(GstElement* element) {

@@ -24,6 +24,10 @@ std::vector<PadPtr> pads_behind(GstPad* pad);
 /// The element of a pad; null if it has none.
 ElementPtr element_of_pad(GstPad* pad);
 
+/// Lets the properties of an element that are controlled follow the stream time of a frame that
+/// comes in at `sink`.
+void sync_controlled(GstElement* element, GstPad* sink, GstBuffer* buffer);
+
 /// The name of a pad.
 std::string name_of(GstPad* pad);
 

@@ -89,12 +89,6 @@ Primaries primaries_of(GstVideoColorPrimaries primaries) {
   return {{p.Rx, p.Ry}, {p.Gx, p.Gy}, {p.Bx, p.By}, {p.Wx, p.Wy}};
 }
 
-Gamut gamut_of(GstVideoColorPrimaries from, GstVideoColorPrimaries to) {
-  constexpr auto kUnknown = GST_VIDEO_COLOR_PRIMARIES_UNKNOWN;
-  if (from == kUnknown || to == kUnknown || (!is_wide(from) && !is_wide(to))) return {};
-  return gamut_between(primaries_of(from), primaries_of(to));
-}
-
 /// Whether the buffer's GstVideoMeta, if it has one, describes a frame of these caps.
 bool suits(const GstVideoInfo& info, GstBuffer* buffer) {
   const GstVideoMeta* meta = gst_buffer_get_video_meta(buffer);
@@ -194,6 +188,12 @@ class MappedFrame {
 };
 
 }  // namespace
+
+Gamut gamut_of(GstVideoColorPrimaries from, GstVideoColorPrimaries to) {
+  constexpr auto kUnknown = GST_VIDEO_COLOR_PRIMARIES_UNKNOWN;
+  if (from == kUnknown || to == kUnknown || (!is_wide(from) && !is_wide(to))) return {};
+  return gamut_between(primaries_of(from), primaries_of(to));
+}
 
 FrameFormat frame_format(const GstVideoInfo& info) {
   FrameFormat format;

@@ -13,6 +13,10 @@
 
 namespace inverse {
 
+/// Between colors of these primaries: the identity if one is unknown, or neither is wider than
+/// BT.709.
+Gamut gamut_of(GstVideoColorPrimaries from, GstVideoColorPrimaries to);
+
 /// The layout of a frame in memory, as kernels/image describes it. Throws Error(unsupported), which
 /// names the format or colorimetry, if it cannot be handled.
 FrameFormat frame_format(const GstVideoInfo& info);
