@@ -11,6 +11,7 @@ extern const ElementInfo kIntrinsicCompose;
 extern const ElementInfo kIntrinsicDecomp;
 extern const ElementInfo kIntrinsicDecompThesis;
 extern const ElementInfo kIntrinsicDespill;
+extern const ElementInfo kIntrinsicMerge;
 extern const ElementInfo kIntrinsicRecolor;
 extern const ElementInfo kIntrinsicSelect;
 extern const ElementInfo kIntrinsicStylize;
@@ -33,6 +34,7 @@ static gboolean plugin_init(GstPlugin* plugin) {
            &inverse::kIntrinsicDespill,
            &inverse::kIntrinsicTone,
            &inverse::kIntrinsicStylize,
+           &inverse::kIntrinsicMerge,
            &inverse::kIntrinsicCompose,
        })
     if (!inverse::register_filter(plugin, *element)) return FALSE;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "gst/base/filter.hpp"
+#include "effects/returns.hpp"
 #include "gst/base/missing_layers.hpp"
 #include "gst/decompose/light_pictures.hpp"
 #include "kernels/edit/compose.hpp"
@@ -28,6 +28,7 @@ enum class Show {
 };
 
 struct Params : ComposeParams {
+  bool use_mask = true;
   Show show = Show::composed;
   int layer = 0;               ///< of Show::layer
   float shading_scale = 0.5F;  ///< of all kinds of light
@@ -73,11 +74,14 @@ const PropertyTable<Params>& table() {
           "none"),
       number<P>("strength", &P::strength, 0, 1,
                 "Share of the edits to show: 0 = the input, 1 = all of them"),
+      flag<P>("use-mask", &P::use_mask,
+              "Take what pictures that came back have changed by the mask layer only, if the frame "
+              "has one"),
   };
   return table;
 }
 
-class ComposeElement final : public Filter {
+class ComposeElement final : public ReturningFilter {
  public:
   PropertyStore& parameters() override { return parameters_; }
   std::span<const char* const> shows_frame() const override {
@@ -88,12 +92,14 @@ class ComposeElement final : public Filter {
     compose_.emplace(device, extent);
   }
   void release() override {
+    ReturningFilter::release();
     compose_.reset();
     pictures_ = {};
   }
 
   void process(FrameContext& frame) override {
     const Params params = parameters_.snapshot();
+    apply_returned(frame, {.use_mask = params.use_mask});
     const uint32_t before = frame.commands.dispatches();
     frame.picture = draw(frame, params);
     if (frame.commands.dispatches() > before) frame.commands.stage("compose");
@@ -177,6 +183,8 @@ const ElementInfo kIntrinsicCompose{"intrinsiccompose",
                                     [] { return std::unique_ptr<Filter>(new ComposeElement); },
                                     {},
                                     false,
-                                    kAllLayers};
+                                    kAllLayers,
+                                    nullptr,
+                                    Returns::pad_names()};
 
 }  // namespace inverse

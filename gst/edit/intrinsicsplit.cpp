@@ -7,6 +7,7 @@
 
 #include "gst/base/caps.hpp"
 #include "gst/base/element_class.hpp"
+#include "gst/base/pads.hpp"
 #include "split_element.hpp"
 
 using inverse::SplitBranch;
@@ -103,21 +104,8 @@ void class_init(GstElementClass* element) {
                             SplitElement::table());
 }
 
-GstFlowReturn chain(GstPad*, GstObject* parent, GstBuffer* buffer) {
-  auto* element = GST_ELEMENT(parent);
-  GstSegment segment;
-  gst_segment_init(&segment, GST_FORMAT_TIME);
-  if (GstEvent* event =
-          gst_pad_get_sticky_event(GST_PAD(element->sinkpads->data), GST_EVENT_SEGMENT, 0)) {
-    gst_event_copy_segment(event, &segment);
-    gst_event_unref(event);
-  }
-  // Where upstream counts in bytes, there is no time to control by.
-  const GstClockTime time =
-      segment.format == GST_FORMAT_TIME
-          ? gst_segment_to_stream_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer))
-          : GST_CLOCK_TIME_NONE;
-  if (GST_CLOCK_TIME_IS_VALID(time)) gst_object_sync_values(parent, time);
+GstFlowReturn chain(GstPad* sink, GstObject* parent, GstBuffer* buffer) {
+  inverse::sync_controlled(GST_ELEMENT(parent), sink, buffer);
   return split_of(parent).chain(buffer);
 }
 

@@ -129,9 +129,8 @@ void SplitBranch::negotiate(const GstCaps* layers, const SplitParams& params) {
                                               "video format");
     GstVideoInfo of_layers;
     const bool known = gst_video_info_from_caps(&of_layers, layers);
-    output_.emplace(info_,
-                    known ? of_layers.colorimetry.primaries : GST_VIDEO_COLOR_PRIMARIES_UNKNOWN,
-                    params.encoding == SplitParams::Encoding::linear);
+    primaries_ = known ? of_layers.colorimetry.primaries : GST_VIDEO_COLOR_PRIMARIES_UNKNOWN;
+    output_.emplace(info_, primaries_, params.encoding == SplitParams::Encoding::linear);
     GstCaps* current = gst_pad_get_current_caps(pad_);
     if (!current || !gst_caps_is_equal(current, caps))
       gst_pad_push_event(pad_, gst_event_new_caps(caps));
@@ -184,60 +183,27 @@ void SplitBranch::forget() {
   drop_pool();
   readback_.reset();
   output_.reset();
+  announced_.reset();
 }
 
-void SplitBranch::record(gpu::Commands& commands, const Layers& layers, Tools& tools,
+void SplitBranch::record(gpu::Commands& commands, const Layers& layers, LayerPictures& pictures,
                          const SplitParams& params) {
   if (!readback_ || readback_->device() != commands.device()) {
     output_->configure(commands.device());
     readback_ = output_->make_buffer(commands.device());
   }
-  Picture picture{layers[Role::intrinsic]};
-  switch (layer_) {
-    case SplitLayer::reflectance:
-      picture.gain = params.reflectance_scale;
-      break;
-    case SplitLayer::shading:
-      picture = tools.light.shading(commands, layers);
-      picture.gain = params.shading_scale;
-      break;
-    case SplitLayer::direct:
-    case SplitLayer::indirect:
-    case SplitLayer::bounced: {
-      using What = LightPicture::What;
-      const What what = layer_ == SplitLayer::direct     ? What::direct
-                        : layer_ == SplitLayer::indirect ? What::indirect
-                                                         : What::layer;
-      picture = tools.light.draw(commands, layers, what, "intrinsicsplit", base_);
-      picture.gain = params.shading_scale;
-      break;
-    }
-    case SplitLayer::diffuse:
-      picture = {layers[Role::diffuse]};
-      break;
-    case SplitLayer::specular:
-      picture = {layers[Role::specular]};
-      break;
-    case SplitLayer::mirror:
-      picture = {layers[Role::specular], true, params.mirror_scale};
-      break;
-    case SplitLayer::mask:
-      if (layers.material()) {
-        picture = {layers[Role::diffuse], true};
-        break;
-      }
-      if (!layers[Role::mask])
-        throw Error(ErrorKind::unsupported,
-                    "these layers have no mask for pad mask of intrinsicsplit; set "
-                    "write-mask=true on an editor before it");
-      picture.plane = tools.compose->record_mask(commands, layers);
-      break;
-    default:
-      picture.plane = layers[Role::input];
-      break;
-  }
+  const Picture picture = pictures.draw(commands, layers, layer_, params, "intrinsicsplit", base_);
   output_->record(commands, picture, layers, readback_, nullptr);
   commands.count_download(readback_->bytes());
+}
+
+void SplitBranch::announce(const SplitParams& params, bool edited) {
+  if (layer_ == SplitLayer::input || layer_ == SplitLayer::bounced || layer_ >= SplitLayer::diffuse)
+    return;
+  SentPicture sent{layer_, info_, primaries_, params, edited};
+  if (announced_ && *announced_ == sent) return;
+  gst_pad_push_event(pad_, sent.event());
+  announced_ = sent;
 }
 
 GstFlowReturn SplitBranch::take(GstBuffer* source, GstBuffer** buffer) {

@@ -6,35 +6,11 @@
 #include <optional>
 #include <string>
 
+#include "effects/sent_picture.hpp"
 #include "gst/base/frames/frame_io.hpp"
-#include "gst/decompose/light_pictures.hpp"
-#include "kernels/edit/compose.hpp"
+#include "layer_pictures.hpp"
 
 namespace inverse {
-
-/// What a pad of intrinsicsplit sends.
-enum class SplitLayer : uint8_t {
-  reflectance,
-  shading,
-  mask,
-  input,
-  direct,
-  indirect,
-  bounced,  ///< off surfaces of one base color
-  diffuse,
-  specular,
-  mirror,
-  count
-};
-
-/// How layers become video.
-struct SplitParams {
-  enum class Encoding : uint8_t { linear, srgb };
-  Encoding encoding = Encoding::srgb;
-  float reflectance_scale = 1.0f;  ///< multiplied before clipping at 1
-  float shading_scale = 0.5f;
-  float mirror_scale = 1.0f;
-};
 
 /// One pad of intrinsicsplit with all that it takes to send a layer through it. Apart from
 /// `released`, everything is the streaming thread's.
@@ -63,14 +39,12 @@ class SplitBranch {
   /// Forgets what was agreed on.
   void forget();
 
-  /// What branches draw with; `compose` belongs to the layers' device and size.
-  struct Tools {
-    std::optional<Compose> compose;  // only needed for masks
-    LightPictures light;
-  };
   /// Records drawing the layer. Throws Error(unsupported) if the frame has no such layer.
-  void record(gpu::Commands& commands, const Layers& layers, Tools& tools,
+  void record(gpu::Commands& commands, const Layers& layers, LayerPictures& pictures,
               const SplitParams& params);
+  /// Tells intrinsiccompose ahead of a frame how its picture was made (SentPicture), if that
+  /// changed. `edited`: an editor before had changed the layers.
+  void announce(const SplitParams& params, bool edited);
   /// Once the commands are done: the drawn frame as a buffer with the times, flags and descriptions
   /// of `source`. `buffer` is set only if GST_FLOW_OK is returned.
   GstFlowReturn take(GstBuffer* source, GstBuffer** buffer);
@@ -89,6 +63,8 @@ class SplitBranch {
   SplitLayer layer_;
   uint32_t base_;
   GstVideoInfo info_;
+  GstVideoColorPrimaries primaries_ = GST_VIDEO_COLOR_PRIMARIES_UNKNOWN;  // of the layers
+  std::optional<SentPicture> announced_;
   std::optional<FrameOutput> output_;
   gpu::BufferPtr readback_;  // null until the device is known
   GstBufferPool* pool_ = nullptr;

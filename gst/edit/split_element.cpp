@@ -90,7 +90,7 @@ void SplitElement::stop() {
     branch->flow = GST_FLOW_OK;
   }
   commands_.reset();
-  tools_ = {};
+  pictures_ = {};
   frames_ = 0;
 }
 
@@ -287,10 +287,9 @@ void SplitElement::draw(GstBuffer* buffer, const std::vector<BranchPtr>& all,
                 "layers meta");
   const Layers& layers = *found;
   const auto& device = layers[Role::input]->buffer->device();
-  if (!commands_ || commands_->device() != device || extent_ != layers.extent) {
+  if (!commands_ || commands_->device() != device) {
     commands_ = std::make_unique<gpu::Commands>(device);
-    tools_ = {};
-    extent_ = layers.extent;
+    pictures_ = {};
   }
   const SplitParams params = parameters_.snapshot();
   commands_->begin();
@@ -300,16 +299,17 @@ void SplitElement::draw(GstBuffer* buffer, const std::vector<BranchPtr>& all,
     if (branch.flow == GST_FLOW_EOS) continue;  // its downstream is finished
     branch.flow = gst_pad_is_linked(branch.pad()) ? GST_FLOW_OK : GST_FLOW_NOT_LINKED;
     if (branch.flow != GST_FLOW_OK) continue;
-    if (branch.layer() == SplitLayer::mask && !layers.material() && !tools_.compose)
-      tools_.compose.emplace(device, layers.extent);
-    branch.record(*commands_, layers, tools_, params);
+    branch.record(*commands_, layers, pictures_, params);
     drawn[i] = true;
   }
   commands_->stage("pack");
   commands_->submit();
   commands_->wait();
-  for (size_t i = 0; i < all.size(); ++i)
-    if (drawn[i]) all[i]->flow = all[i]->take(buffer, &frames[i]);
+  for (size_t i = 0; i < all.size(); ++i) {
+    if (!drawn[i]) continue;
+    all[i]->announce(params, layers.edited());
+    all[i]->flow = all[i]->take(buffer, &frames[i]);
+  }
 }
 
 GstFlowReturn SplitElement::chain(GstBuffer* buffer) {

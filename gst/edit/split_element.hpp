@@ -62,8 +62,7 @@ class SplitElement {
 
   GstCaps* caps_ = nullptr;  // of the layers that come in; under mutex_
   std::unique_ptr<gpu::Commands> commands_;
-  SplitBranch::Tools tools_;  // made when a mask is first asked for
-  Extent extent_;
+  LayerPictures pictures_;
   uint64_t frames_ = 0;
 
   mutable std::mutex mutex_;  // branches_, combiner_, caps_, stats_

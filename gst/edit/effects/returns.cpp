@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "returns.hpp"
+
+#include <gst/base/gstbasetransform.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "gst/base/pads.hpp"
+#include "gst/base/report.hpp"
+
+namespace inverse {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// In the order in which they are applied.
+constexpr std::array kLayers{SplitLayer::mask, SplitLayer::reflectance, SplitLayer::shading,
+                             SplitLayer::direct, SplitLayer::indirect};
+constexpr std::array kNames{"mask", "reflectance", "shading", "direct", "indirect"};
+
+const char* name_of(SplitLayer layer) {
+  return kNames[static_cast<size_t>(std::ranges::find(kLayers, layer) - kLayers.begin())];
+}
+
+/// Of frames without a duration.
+constexpr GstClockTime kUsualDuration = GST_SECOND / 25;
+
+/// How long frames wait for a branch that did not deliver within kPatience.
+constexpr auto kStalledPatience = std::chrono::milliseconds(100);
+
+struct Latency {
+  bool live = false;
+  GstClockTime min = 0, max = GST_CLOCK_TIME_NONE;
+};
+
+/// Of what is upstream of a sink pad.
+Latency latency_of(GstPad* sink) {
+  Latency latency;
+  GstQuery* query = gst_query_new_latency();
+  gboolean live = FALSE;
+  GstClockTime min = 0, max = 0;
+  if (gst_pad_peer_query(sink, query)) {
+    gst_query_parse_latency(query, &live, &min, &max);
+    if (live) latency = {true, min, max};
+  }
+  gst_query_unref(query);
+  return latency;
+}
+
+GstClockTime duration_of(GstBuffer* in, GstPad* sink) {
+  if (GST_BUFFER_DURATION_IS_VALID(in) && GST_BUFFER_DURATION(in) > 0)
+    return GST_BUFFER_DURATION(in);
+  GstClockTime duration = 0;
+  if (GstCaps* caps = gst_pad_get_current_caps(sink)) {
+    GstVideoInfo info;
+    if (gst_video_info_from_caps(&info, caps)) duration = frame_latency(info);
+    gst_caps_unref(caps);
+  }
+  return duration > 0 ? duration : kUsualDuration;
+}
+
+ReturnPad::Time running_time(GstElement* element, GstBuffer* in) {
+  const GstSegment& segment = GST_BASE_TRANSFORM(element)->segment;
+  if (segment.format != GST_FORMAT_TIME || !GST_BUFFER_PTS_IS_VALID(in)) return {};
+  guint64 running = 0;
+  const int sign =
+      gst_segment_to_running_time_full(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(in), &running);
+  if (sign == 0) return {};
+  return sign * static_cast<GstClockTimeDiff>(running);
+}
+
+}  // namespace
+
+std::vector<const char*> Returns::pad_names() { return {kNames.begin(), kNames.end()}; }
+
+GstPad* Returns::request(GstElement*, GstPadTemplate* pad_template) {
+  const std::string name = GST_PAD_TEMPLATE_NAME_TEMPLATE(pad_template);
+  const auto at = std::ranges::find(kNames, name);
+  if (at == kNames.end()) return nullptr;
+  const SplitLayer layer = kLayers[static_cast<size_t>(at - kNames.begin())];
+  {
+    const std::lock_guard lock(shared_->mutex);
+    for (const PadPtr& pad : pads_)
+      if (pad->layer() == layer) return nullptr;
+  }
+  const PadPtr made = ReturnPad::create(pad_template, layer, shared_);
+  gst_pad_set_active(made->pad(), TRUE);
+  const std::lock_guard lock(shared_->mutex);
+  pads_.push_back(made);
+  std::ranges::sort(pads_, {},
+                    [](const PadPtr& pad) { return std::ranges::find(kLayers, pad->layer()); });
+  return made->pad();
+}
+
+void Returns::release(GstPad* pad) {
+  const std::lock_guard lock(shared_->mutex);
+  std::erase_if(pads_, [&](const PadPtr& own) { return own->pad() == pad; });
+  shared_->changed.notify_all();
+}
+
+std::vector<Returns::PadPtr> Returns::pads() const {
+  const std::lock_guard lock(shared_->mutex);
+  return pads_;
+}
+
+void Returns::set_flushing(bool flushing) {
+  const std::lock_guard lock(shared_->mutex);
+  shared_->flushing = flushing;
+  // No branch has sent on yet: what comes before `sink` has sent both ends of the flush by then.
+  if (flushing)
+    for (const PadPtr& pad : pads_) pad->clear();
+  shared_->changed.notify_all();
+}
+
+void Returns::start() {
+  const std::lock_guard lock(shared_->mutex);
+  shared_->ended = false;
+  shared_->missing = shared_->late = 0;
+}
+
+void Returns::set_ended(bool ended) {
+  const std::lock_guard lock(shared_->mutex);
+  shared_->ended = ended;
+  if (ended)
+    for (const PadPtr& pad : pads_) pad->clear();
+  shared_->changed.notify_all();
+}
+
+void Returns::forget_device() {
+  readers_.clear();
+  edit_.reset();
+  device_.reset();
+}
+
+void Returns::describe(GstStructure* stats) const {
+  const std::lock_guard lock(shared_->mutex);
+  if (!pads_.empty())
+    gst_structure_set(stats, "returned-missing", G_TYPE_UINT64, shared_->missing, "returned-late",
+                      G_TYPE_UINT64, shared_->late, nullptr);
+}
+
+void Returns::add_latency(GstQuery* query) {
+  gboolean live = FALSE;
+  GstClockTime min = 0, max = 0;
+  gst_query_parse_latency(query, &live, &min, &max);
+  for (const PadPtr& pad : pads()) {
+    const Latency branch = latency_of(pad->pad());
+    if (!branch.live) continue;
+    live = TRUE;
+    min = std::max(min, branch.min);
+    max = std::min(max, branch.max);  // GST_CLOCK_TIME_NONE, no limit, is the largest
+  }
+  gst_query_set_latency(query, live, min, max);
+}
+
+Returns::Limits Returns::limits(GstElement* element, ReturnPad::Time time,
+                                GstClockTime duration) const {
+  const Clock::time_point now = Clock::now();
+  const Latency main = latency_of(GST_BASE_TRANSFORM_SINK_PAD(element));
+  Latency all = main;
+  for (const PadPtr& pad : pads()) {
+    const Latency branch = latency_of(pad->pad());
+    all.live |= branch.live;
+    all.min = std::max(all.min, branch.min);
+  }
+  if (!all.live) return {false, now + std::chrono::nanoseconds(kPatience)};
+  // How much later than this frame its pictures may come.
+  auto wait = static_cast<GstClockTimeDiff>(all.min - main.min + duration);
+  if (GstClock* clock = time ? gst_element_get_clock(element) : nullptr) {
+    const auto due =
+        static_cast<GstClockTimeDiff>(gst_element_get_base_time(element) + all.min) + *time;
+    wait = std::max(wait, due - static_cast<GstClockTimeDiff>(gst_clock_get_time(clock)));
+    gst_object_unref(clock);
+  }
+  return {true, now + std::chrono::nanoseconds(std::min<GstClockTimeDiff>(wait, kPatience))};
+}
+
+std::vector<Returns::Arrival> Returns::collect(GstElement* element, GstBuffer* in) {
+  std::vector<Arrival> arrivals;
+  for (PadPtr& pad : pads()) arrivals.push_back({std::move(pad)});
+  const ReturnPad::Time time = running_time(element, in);
+  const GstClockTime duration = duration_of(in, GST_BASE_TRANSFORM_SINK_PAD(element));
+  const auto tolerance = static_cast<GstClockTimeDiff>(duration / 2);
+  const auto look = [&](Arrival& arrival) {
+    if (arrival.found == ReturnPad::Found::nothing_yet)
+      arrival.found = arrival.pad->take(time, tolerance, arrival.picture);
+    return arrival.found != ReturnPad::Found::nothing_yet;
+  };
+  const auto all_found = [&] {
+    return std::ranges::count_if(arrivals, look) == std::ssize(arrivals);
+  };
+  std::unique_lock lock(shared_->mutex);
+  bool complete = all_found();
+  Limits limit;
+  if (!complete) {
+    lock.unlock();
+    limit = limits(element, time, duration);
+    on_wait_(true);
+    lock.lock();
+    const auto stalled = [](const Arrival& arrival) {
+      return arrival.found == ReturnPad::Found::nothing_yet && arrival.pad->stalled;
+    };
+    if (!limit.live && std::ranges::any_of(arrivals, stalled))
+      limit.deadline = Clock::now() + kStalledPatience;
+    shared_->changed.wait_until(lock, limit.deadline,
+                                [&] { return (complete = all_found()) || shared_->flushing; });
+    lock.unlock();
+    on_wait_(false);
+    lock.lock();
+  }
+  if (shared_->flushing) throw Flushing{};
+  for (Arrival& arrival : arrivals) {
+    if (arrival.found == ReturnPad::Found::picture)
+      arrival.pad->stalled = false;
+    else
+      ++shared_->missing;
+    if (arrival.found == ReturnPad::Found::nothing_yet && !limit.live) arrival.pad->stalled = true;
+  }
+  return arrivals;
+}
+
+void Returns::apply(GstElement* element, FrameContext& frame, const ReturnParams& params) {
+  if (pads().empty()) return;
+  Layers& layers = frame.layers;
+  if (layers.material())
+    throw Error(ErrorKind::unsupported,
+                label_of(element) +
+                    " takes back pictures of reflectance, shading and light, and these layers are "
+                    "those of limematerial; put intrinsicdecomp in its place");
+  const std::string label = label_of(element);
+  std::vector<std::pair<const Arrival*, ReturnedPicture>> pictures;
+  const std::vector<Arrival> arrivals = collect(element, frame.in);
+  for (const Arrival& arrival : arrivals) {
+    const SplitLayer layer = arrival.pad->layer();
+    if (arrival.found == ReturnPad::Found::nothing_yet && arrival.pad->stalled &&
+        !std::exchange(arrival.pad->warned, true))
+      frame.warnings.push_back(
+          "no picture came to pad " + std::string(name_of(layer)) + " of " + label + " in " +
+          std::to_string(kPatience / GST_SECOND) +
+          " s; frames go on without: if the effect holds frames back, put a queue of as many "
+          "before pad sink of " +
+          label);
+    if (arrival.found != ReturnPad::Found::picture || !(params.strength > 0)) continue;
+    const SplitLayer shown = arrival.picture.format->sent.layer;
+    if (shown != layer)
+      throw Error(ErrorKind::unsupported,
+                  std::string("pad ") + name_of(layer) + " of " + label + " gets pictures of " +
+                      name_of(shown) +
+                      "; link the pads of intrinsicsplit to those of the same names");
+    pictures.emplace_back(&arrival, readers_[layer].record(frame.commands, layers, arrival.picture,
+                                                           frame.number, label.c_str()));
+  }
+  if (pictures.empty()) return;
+  if (!edit_ || device_ != frame.commands.device() || extent_ != layers.extent) {
+    device_ = frame.commands.device();
+    extent_ = layers.extent;
+    edit_.emplace(device_, extent_);
+  }
+  for (const auto& [arrival, picture] : pictures) {
+    const bool mask = picture.layer == ReturnedPicture::Layer::mask;
+    edit_->record(frame.commands, layers, picture, params.strength,
+                  params.use_mask && !mask ? layers[Role::mask] : nullptr);
+  }
+  frame.commands.stage("returned");
+}
+
+}  // namespace inverse
