@@ -17,6 +17,7 @@ extern const ElementInfo kIntrinsicSelect;
 extern const ElementInfo kIntrinsicStylize;
 extern const ElementInfo kIntrinsicTone;
 extern const ElementInfo kLimeMaterial;
+gboolean register_intrinsicedit(GstPlugin* plugin);
 gboolean register_intrinsicsplit(GstPlugin* plugin);
 }  // namespace inverse
 
@@ -38,7 +39,7 @@ static gboolean plugin_init(GstPlugin* plugin) {
            &inverse::kIntrinsicCompose,
        })
     if (!inverse::register_filter(plugin, *element)) return FALSE;
-  return inverse::register_intrinsicsplit(plugin);
+  return inverse::register_intrinsicsplit(plugin) && inverse::register_intrinsicedit(plugin);
 }
 
 GST_PLUGIN_DEFINE(
