@@ -18,7 +18,7 @@ constexpr const char* kLayerNames[] = {"reflectance", "shading", "direct", "indi
 
 /// A bin of a piece of a launch line with one pad in and one out. Throws Error(unsupported);
 /// `property` is where the text came from. New floating reference.
-GstElement* parsed(const char* property, const std::string& text) {
+GstElement* parsed(const char* property, const std::string& text, const char* example) {
   const std::string what = std::string(property) + "=\"" + text + "\"";
   GError* error = nullptr;
   GstElement* bin = gst_parse_bin_from_description_full(text.c_str(), TRUE, nullptr,
@@ -26,9 +26,9 @@ GstElement* parsed(const char* property, const std::string& text) {
   if (!bin) {
     const std::string why = error ? error->message : "no reason is known";
     g_clear_error(&error);
-    throw Error(ErrorKind::unsupported,
-                what + " cannot be built: " + why +
-                    "; it must be a piece of a gst-launch-1.0 line, as \"gaussianblur sigma=4\"");
+    throw Error(ErrorKind::unsupported, what + " cannot be built: " + why +
+                                            "; it must be a piece of a gst-launch-1.0 line, as \"" +
+                                            example + "\"");
   }
   g_clear_error(&error);
   for (const char* name : {"sink", "src"}) {
@@ -40,6 +40,29 @@ GstElement* parsed(const char* property, const std::string& text) {
                                             " pad; it must take one stream of video and send one");
   }
   return bin;
+}
+
+/// Whether raw video in system memory can go through a ghost pad of a parsed bin, by the template
+/// of its target: elements that do not run, as those of GL without a display, take nothing.
+bool takes_video(GstPad* ghost) {
+  const PadPtr target(gst_ghost_pad_get_target(GST_GHOST_PAD(ghost)));
+  GstCaps* theirs = gst_pad_get_pad_template_caps(target.get());
+  GstCaps* ours = pixel_caps();
+  const bool fits = gst_caps_can_intersect(theirs, ours);
+  gst_caps_unref(ours);
+  gst_caps_unref(theirs);
+  return fits;
+}
+
+/// Pushes frames through a pad of a tee whose branch may end before the others do: the tee would
+/// end them all.
+GstPadProbeReturn outlive(GstPad* pad, GstPadProbeInfo* info, gpointer) {
+  const PadPtr next(gst_pad_get_peer(pad));
+  if (!next) return GST_PAD_PROBE_OK;
+  const GstFlowReturn flow = gst_pad_chain(next.get(), GST_PAD_PROBE_INFO_BUFFER(info));
+  GST_PAD_PROBE_INFO_DATA(info) = nullptr;
+  GST_PAD_PROBE_INFO_FLOW_RETURN(info) = flow == GST_FLOW_EOS ? GST_FLOW_OK : flow;
+  return GST_PAD_PROBE_HANDLED;
 }
 
 }  // namespace
@@ -99,6 +122,7 @@ EffectBin::EffectBin(GstBin* bin)
   gst_element_add_pad(GST_ELEMENT(bin), src_);
   if (!tee_ || !split_ || !queue_ || !merge_) return;  // assemble() says so
   gst_bin_add_many(bin, tee_, split_, queue_, merge_, nullptr);
+  gst_element_link_pads(queue_, "src", merge_, "sink");
   g_object_set(queue_, "max-size-buffers", kQueued, "max-size-bytes", kMaxQueuedBytes,
                "max-size-time", guint64{0}, nullptr);
   // An effect may need later frames before it sends one.
@@ -144,7 +168,7 @@ void EffectBin::parse_effect() {
   const std::string text = parameters_.snapshot().effect;
   if (text.find_first_not_of(' ') == std::string::npos) return;
   try {
-    effect_ = parsed("effect", text);
+    effect_ = parsed("effect", text, "gaussianblur sigma=4");
     gst_bin_add(bin_, effect_);
     gst_element_sync_state_with_parent(effect_);
   } catch (const Error& error) {
@@ -171,27 +195,32 @@ bool EffectBin::assemble() {
 void EffectBin::link_effect() {
   const EffectParams params = parameters_.snapshot();
   const char* layer = kLayerNames[static_cast<size_t>(params.layer)];
-  const auto link = [&](GstPad* from, GstElement* to, const char* name) {
-    const PadPtr sink(gst_element_get_static_pad(to, name));
-    return gst_pad_link(from, sink.get()) == GST_PAD_LINK_OK;
-  };
-  link(requested_.front().get(), split_, "sink");
-  requested_.emplace_back(gst_element_request_pad_simple(tee_, "src_%u"));
-  link(requested_.back().get(), queue_, "sink");
-  gst_element_link_pads(queue_, "src", merge_, "sink");
-  requested_.emplace_back(gst_element_request_pad_simple(split_, layer));
-  if (!link(requested_.back().get(), effect_, "sink"))
+  const PadPtr in(gst_element_get_static_pad(effect_, "sink")),
+      out(gst_element_get_static_pad(effect_, "src"));
+  if (!takes_video(in.get()))
     throw Error(ErrorKind::unsupported,
                 "effect=\"" + params.effect +
                     "\" takes no raw video in system memory; begin it with what converts, as "
                     "glupload");
-  requested_.emplace_back(gst_element_request_pad_simple(merge_, layer));
-  const PadPtr changed(gst_element_get_static_pad(effect_, "src"));
-  if (gst_pad_link(changed.get(), requested_.back().get()) != GST_PAD_LINK_OK)
+  if (!takes_video(out.get()))
     throw Error(ErrorKind::unsupported,
                 "effect=\"" + params.effect +
                     "\" sends no raw video in system memory; end it with what converts, as "
                     "gldownload or a decoder");
+  const auto request = [&](GstElement* element, const char* name) {
+    return requested_.emplace_back(gst_element_request_pad_simple(element, name)).get();
+  };
+  const auto link = [](GstPad* from, GstPad* to) {
+    gst_pad_link_full(from, to, GST_PAD_LINK_CHECK_NOTHING);
+  };
+  const PadPtr splits(gst_element_get_static_pad(split_, "sink")),
+      queued(gst_element_get_static_pad(queue_, "sink"));
+  GstPad* first = requested_.front().get();
+  link(first, splits.get());
+  gst_pad_add_probe(first, GST_PAD_PROBE_TYPE_BUFFER, outlive, nullptr, nullptr);
+  link(request(tee_, "src_%u"), queued.get());
+  link(request(split_, layer), in.get());
+  link(out.get(), request(merge_, layer));
 }
 
 void EffectBin::dismantle() {
@@ -239,7 +268,8 @@ void EffectBin::arrange(const GstCaps* caps) {
 }
 
 void EffectBin::add_frame_elements() {
-  decomposer_ = parsed("decomposer", parameters_.snapshot().decomposer);
+  decomposer_ =
+      parsed("decomposer", parameters_.snapshot().decomposer, "intrinsicdecomp quality=fast");
   compose_ = gst_element_factory_make("intrinsiccompose", "compose");
   gst_bin_add_many(bin_, decomposer_, compose_, nullptr);
   gst_ghost_pad_set_target(GST_GHOST_PAD(sink_), nullptr);

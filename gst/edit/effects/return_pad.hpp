@@ -56,8 +56,9 @@ class ReturnPad {
   /// Drops what is held. Shared::mutex held.
   void clear();
 
-  /// The branch did not deliver in time: the next frames do not wait as long. Under Shared::mutex.
-  bool stalled = false;
+  /// Under Shared::mutex. The branch did not deliver in time: the next frames do not wait as long.
+  /// `silent`: nor since.
+  bool stalled = false, silent = false;
   bool warned = false;  ///< of that
 
  private:

@@ -79,6 +79,10 @@ void ReturnedReader::configure(const std::shared_ptr<gpu::Device>& device, Exten
     sent_info_.colorimetry = like.colorimetry;
     sent_info_.chroma_site = like.chroma_site;
   }
+  // What converters insist on, and pictures do not depend on.
+  sent_info_.fps_n = info_.fps_n;
+  sent_info_.fps_d = info_.fps_d;
+  sent_info_.interlace_mode = info_.interlace_mode;
   // Whatever curve the caps name.
   if (format->sent.linear())
     info_.colorimetry.transfer = sent_info_.colorimetry.transfer = GST_VIDEO_TRANSFER_GAMMA10;

@@ -166,7 +166,7 @@ Returns::Limits Returns::limits(GstElement* element, ReturnPad::Time time,
     all.min = std::max(all.min, branch.min);
   }
   if (!all.live) return {false, now + std::chrono::nanoseconds(kPatience)};
-  // How much later than this frame its pictures may come.
+  // How much later than this frame its pictures may come, however late the frame is.
   auto wait = static_cast<GstClockTimeDiff>(all.min - main.min + duration);
   if (GstClock* clock = time ? gst_element_get_clock(element) : nullptr) {
     const auto due =
@@ -178,45 +178,56 @@ Returns::Limits Returns::limits(GstElement* element, ReturnPad::Time time,
 }
 
 std::vector<Returns::Arrival> Returns::collect(GstElement* element, GstBuffer* in) {
+  using Found = ReturnPad::Found;
   std::vector<Arrival> arrivals;
   for (PadPtr& pad : pads()) arrivals.push_back({std::move(pad)});
   const ReturnPad::Time time = running_time(element, in);
   const GstClockTime duration = duration_of(in, GST_BASE_TRANSFORM_SINK_PAD(element));
-  const auto tolerance = static_cast<GstClockTimeDiff>(duration / 2);
-  const auto look = [&](Arrival& arrival) {
-    if (arrival.found == ReturnPad::Found::nothing_yet)
-      arrival.found = arrival.pad->take(time, tolerance, arrival.picture);
-    return arrival.found != ReturnPad::Found::nothing_yet;
-  };
-  const auto all_found = [&] {
-    return std::ranges::count_if(arrivals, look) == std::ssize(arrivals);
+  const auto complete = [&](auto counts) {
+    bool all = true;
+    for (Arrival& arrival : arrivals) {
+      if (arrival.found == Found::nothing_yet)
+        arrival.found =
+            arrival.pad->take(time, static_cast<GstClockTimeDiff>(duration / 2), arrival.picture);
+      all &= arrival.found != Found::nothing_yet || !counts(arrival);
+    }
+    return all;
   };
   std::unique_lock lock(shared_->mutex);
-  bool complete = all_found();
-  Limits limit;
-  if (!complete) {
+  if (!complete([](const Arrival&) { return true; })) {
     lock.unlock();
-    limit = limits(element, time, duration);
+    const Limits limit = limits(element, time, duration);
     on_wait_(true);
     lock.lock();
-    const auto stalled = [](const Arrival& arrival) {
-      return arrival.found == ReturnPad::Found::nothing_yet && arrival.pad->stalled;
+    // A branch that is silent is looked at; one that sends again, but not in time, gets little.
+    const auto silent = [](const Arrival& arrival) {
+      return arrival.pad->stalled && arrival.pad->silent;
     };
-    if (!limit.live && std::ranges::any_of(arrivals, stalled))
-      limit.deadline = Clock::now() + kStalledPatience;
-    shared_->changed.wait_until(lock, limit.deadline,
-                                [&] { return (complete = all_found()) || shared_->flushing; });
+    const auto hurried = [&](const Arrival& arrival) {
+      return arrival.pad->stalled && !arrival.pad->silent && !limit.live;
+    };
+    const auto wait = [&](Deadline deadline, auto counts) {
+      shared_->changed.wait_until(lock, deadline,
+                                  [&] { return complete(counts) || shared_->flushing; });
+    };
+    wait(Clock::now() + kStalledPatience, hurried);
+    wait(limit.deadline,
+         [&](const Arrival& arrival) { return !silent(arrival) && !hurried(arrival); });
+    for (Arrival& arrival : arrivals)
+      if (arrival.found == Found::nothing_yet && !shared_->flushing) {
+        arrival.gave_up = !limit.live && !std::exchange(arrival.pad->warned, true);
+        arrival.pad->stalled = arrival.pad->silent = true;
+      }
     lock.unlock();
     on_wait_(false);
     lock.lock();
   }
   if (shared_->flushing) throw Flushing{};
-  for (Arrival& arrival : arrivals) {
-    if (arrival.found == ReturnPad::Found::picture)
+  for (const Arrival& arrival : arrivals) {
+    if (arrival.found == Found::picture)
       arrival.pad->stalled = false;
     else
       ++shared_->missing;
-    if (arrival.found == ReturnPad::Found::nothing_yet && !limit.live) arrival.pad->stalled = true;
   }
   return arrivals;
 }
@@ -234,8 +245,7 @@ void Returns::apply(GstElement* element, FrameContext& frame, const ReturnParams
   const std::vector<Arrival> arrivals = collect(element, frame.in);
   for (const Arrival& arrival : arrivals) {
     const SplitLayer layer = arrival.pad->layer();
-    if (arrival.found == ReturnPad::Found::nothing_yet && arrival.pad->stalled &&
-        !std::exchange(arrival.pad->warned, true))
+    if (arrival.gave_up)
       frame.warnings.push_back(
           "no picture came to pad " + std::string(name_of(layer)) + " of " + label + " in " +
           std::to_string(kPatience / GST_SECOND) +

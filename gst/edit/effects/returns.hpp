@@ -63,6 +63,7 @@ class Returns final : public SidePads {
     PadPtr pad;
     ReturnPad::Found found = ReturnPad::Found::nothing_yet;
     ReturnPad::Picture picture;
+    bool gave_up = false;  ///< it was waited for in vain, for the first time
   };
   using Deadline = std::chrono::steady_clock::time_point;
 
