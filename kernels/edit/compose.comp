@@ -42,16 +42,22 @@ void main() {
     vec4 now = finite(FETCH(intrinsic, n));
     vec3 from = before.rgb * (SLOPE ? colored_light(FETCH(slope, 0), before.w) : before.www);
     vec3 to = now.rgb * (SLOPE ? colored_light(FETCH(slope, 0), now.w) : now.www);
+    bool same = now == before;
     if (LIGHT) {
-      from *= finite(FETCH(model_light, n)).rgb;
-      to *= finite(FETCH(light, n)).rgb;
+      vec3 was = finite(FETCH(model_light, n)).rgb, is = finite(FETCH(light, n)).rgb;
+      same = same && is == was;
+      from *= was;
+      to *= is;
     }
     vec3 edited = MODE == kMask         ? now.xxx
                   : MODE == kDifference ? kMiddleGray + 0.5 * (to - from)
                   : MODE == kNone       ? to
                   : MODE == kRatio      ? seen.rgb * ((to + kRatioFloor) / (from + kRatioFloor))
                                         : seen.rgb + (to - from);
-    vec3 drawn = MODE >= kDifference ? edited : seen.rgb + push.strength * (edited - seen.rgb);
+    // Both products may be rounded in different ways: what was not edited is taken as it came.
+    vec3 drawn = MODE >= kDifference                ? edited
+                 : same && MODE != kNone ? seen.rgb
+                                         : seen.rgb + push.strength * (edited - seen.rgb);
     STORE(picture, BY_ROWS(n), vec4(clamp(drawn, vec3(0.0), vec3(kLargest)), min(seen.w, 1.0)));
   }
 }
