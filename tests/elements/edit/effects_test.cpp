@@ -78,6 +78,20 @@ TEST(Effects, OneThatDoesNothingReturnsTheFrameBitForBit) {
     }
 }
 
+TEST(Effects, SoItDoesInDeepAndWideFormats) {
+  for (const std::string format :
+       {"RGBA64_LE", "I420_10LE, colorimetry=bt2020", "P010_10LE, colorimetry=bt2100-pq"}) {
+    const std::string from = source(format, 160, 90);
+    const auto plain =
+        run_line(from + "intrinsicdecomp ! intrinsiccompose" + sink("RGBA64_LE")).frames;
+    for (const char* layer : {"reflectance", "shading"}) {
+      const auto line = run_line(from + edit(layer, "identity") + sink("RGBA64_LE"));
+      expect_frames(line);
+      EXPECT_EQ(line.frames, plain) << format << " " << layer;
+    }
+  }
+}
+
 TEST(Effects, SoItDoesWithLayersOfLightAndInFormatsOfTheEffect) {
   const std::string decomposer = "globalintrinsic ! ";
   const auto plain = run_line(source() + decomposer + "intrinsiccompose" + sink()).frames;

@@ -206,7 +206,7 @@ TEST_F(Split, APadThatNothingSuitsIsOneErrorThatNamesIt) {
   expect_one(errors(), "pad shading of intrinsicsplit");
 }
 
-TEST_F(Split, ALatePadReceivesStreamStartCapsAndSegment) {
+TEST_F(Split, ALatePadReceivesAllThatComesBeforeFrames) {
   decompose(16, 8);
   pad("shading");
   ASSERT_EQ(push(random_frame(caps_, 1)), GST_FLOW_OK);
@@ -218,7 +218,8 @@ TEST_F(Split, ALatePadReceivesStreamStartCapsAndSegment) {
     types.push_back(GST_EVENT_TYPE(event));
     gst_event_unref(event);
   }
-  EXPECT_EQ(types, (std::vector{GST_EVENT_STREAM_START, GST_EVENT_CAPS, GST_EVENT_SEGMENT}));
+  EXPECT_EQ(types, (std::vector{GST_EVENT_STREAM_START, GST_EVENT_CAPS, GST_EVENT_SEGMENT,
+                                GST_EVENT_CUSTOM_DOWNSTREAM_STICKY}));  // how pictures are made
   const auto first = pull("shading"), second = pull("shading");
   EXPECT_EQ(first.size(), 4U * 16 * 8);
   EXPECT_EQ(second.size(), first.size());
