@@ -42,8 +42,8 @@ void ReturnedEdit::record(gpu::Commands& commands, Layers& layers, const Returne
   const PlanePtr tinted = tint ? plane_to_edit(layers[Role::light], planes_) : edited;
   const gpu::BufferPtr& before = layers[role]->buffer;
   const std::array<float, 9>& m = picture.gamut.matrix;
-  const auto buffer_or_before = [&](bool used, const PlanePtr& plane) {
-    return used ? plane->buffer : before;
+  const auto buffer_or_before = [&](const PlanePtr& plane) {
+    return plane ? plane->buffer : before;
   };
   commands.dispatch_rows(
       gpu::Program<Shader>(device_, {.layer = static_cast<uint32_t>(picture.layer),
@@ -57,10 +57,10 @@ void ReturnedEdit::record(gpu::Commands& commands, Layers& layers, const Returne
       {.sent = picture.sent.buffer,
        .returned = picture.returned.buffer,
        .before = before,
-       .light = buffer_or_before(has_light, layers[Role::light]),
-       .lamp = buffer_or_before(lamp != nullptr, lamp),
-       .slope = buffer_or_before(slope != nullptr, slope),
-       .matte = buffer_or_before(matte != nullptr, matte),
+       .light = buffer_or_before(layers[Role::light]),
+       .lamp = buffer_or_before(lamp),
+       .slope = buffer_or_before(slope),
+       .matte = buffer_or_before(matte),
        .edited = gpu::by_rows(gpu::aliased(edited->buffer)),
        .tinted = gpu::by_rows(gpu::aliased(tinted->buffer))},
       {.red = {m[0], m[1], m[2], 0},

@@ -21,7 +21,8 @@ constexpr std::array kLayers{SplitLayer::mask, SplitLayer::reflectance, SplitLay
 constexpr std::array kNames{"mask", "reflectance", "shading", "direct", "indirect"};
 
 const char* name_of(SplitLayer layer) {
-  return kNames[static_cast<size_t>(std::ranges::find(kLayers, layer) - kLayers.begin())];
+  const auto at = std::ranges::find(kLayers, layer);
+  return at == kLayers.end() ? "another layer" : kNames[static_cast<size_t>(at - kLayers.begin())];
 }
 
 /// Of frames without a duration.
@@ -69,6 +70,21 @@ ReturnPad::Time running_time(GstElement* element, GstBuffer* in) {
       gst_segment_to_running_time_full(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(in), &running);
   if (sign == 0) return {};
   return sign * static_cast<GstClockTimeDiff>(running);
+}
+
+/// The warning of a branch that was waited for in vain; `element` is how messages name it.
+std::string no_picture(SplitLayer layer, const std::string& element) {
+  return std::string("no picture came to pad ") + name_of(layer) + " of " + element + " in " +
+         std::to_string(Returns::kPatience / GST_SECOND) +
+         " s; frames go on without: if the effect holds frames back, put a queue of as many before "
+         "pad sink of " +
+         element;
+}
+
+Error wrong_layer(SplitLayer layer, const std::string& element, SplitLayer shown) {
+  return {ErrorKind::unsupported,
+          std::string("pad ") + name_of(layer) + " of " + element + " gets pictures of " +
+              name_of(shown) + "; link the pads of intrinsicsplit to those of the same names"};
 }
 
 }  // namespace
@@ -241,26 +257,16 @@ void Returns::apply(GstElement* element, FrameContext& frame, const ReturnParams
                     " takes back pictures of reflectance, shading and light, and these layers are "
                     "those of limematerial; put intrinsicdecomp in its place");
   const std::string label = label_of(element);
-  std::vector<std::pair<const Arrival*, ReturnedPicture>> pictures;
+  std::vector<ReturnedPicture> pictures;
   const std::vector<Arrival> arrivals = collect(element, frame.in);
   for (const Arrival& arrival : arrivals) {
     const SplitLayer layer = arrival.pad->layer();
-    if (arrival.gave_up)
-      frame.warnings.push_back(
-          "no picture came to pad " + std::string(name_of(layer)) + " of " + label + " in " +
-          std::to_string(kPatience / GST_SECOND) +
-          " s; frames go on without: if the effect holds frames back, put a queue of as many "
-          "before pad sink of " +
-          label);
+    if (arrival.gave_up) frame.warnings.push_back(no_picture(layer, label));
     if (arrival.found != ReturnPad::Found::picture || !(params.strength > 0)) continue;
     const SplitLayer shown = arrival.picture.format->sent.layer;
-    if (shown != layer)
-      throw Error(ErrorKind::unsupported,
-                  std::string("pad ") + name_of(layer) + " of " + label + " gets pictures of " +
-                      name_of(shown) +
-                      "; link the pads of intrinsicsplit to those of the same names");
-    pictures.emplace_back(&arrival, readers_[layer].record(frame.commands, layers, arrival.picture,
-                                                           frame.number, label.c_str()));
+    if (shown != layer) throw wrong_layer(layer, label, shown);
+    pictures.push_back(readers_[layer].record(frame.commands, layers, arrival.picture, frame.number,
+                                              label.c_str()));
   }
   if (pictures.empty()) return;
   if (!edit_ || device_ != frame.commands.device() || extent_ != layers.extent) {
@@ -268,7 +274,7 @@ void Returns::apply(GstElement* element, FrameContext& frame, const ReturnParams
     extent_ = layers.extent;
     edit_.emplace(device_, extent_);
   }
-  for (const auto& [arrival, picture] : pictures) {
+  for (const ReturnedPicture& picture : pictures) {
     const bool mask = picture.layer == ReturnedPicture::Layer::mask;
     edit_->record(frame.commands, layers, picture, params.strength,
                   params.use_mask && !mask ? layers[Role::mask] : nullptr);
