@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Elements that this installation has, and their properties: found at run time, none is named here."""
+import dataclasses
+import functools
+
+from gi.repository import GObject, Gst
+
+LAYERS = "meta:InverseLayers"
+BASE_PROPERTIES = {"name", "parent", "qos", "stats"}
+
+
+class ElementError(Exception):
+    """An element or a property that does not exist, or a value that does not fit. Says what to do."""
+
+
+def _takes_layers(factory, direction):
+    """(whether pads of that direction take layers, whether they take anything else)."""
+    layers = other = False
+    for template in factory.get_static_pad_templates():
+        if template.direction != direction or template.presence != Gst.PadPresence.ALWAYS:
+            continue
+        caps = template.get_caps()
+        for i in range(caps.get_size()):
+            features = caps.get_features(i) if not caps.is_any() else None
+            has = features is not None and not features.is_any() and features.contains(LAYERS)
+            layers, other = layers or has, other or not has
+    return layers, other
+
+
+def _video_factories():
+    factories = Gst.Registry.get().get_feature_list(Gst.ElementFactory)
+    return sorted((f for f in factories if "Video" in (f.get_metadata("klass") or "")), key=lambda f: f.get_name())
+
+
+@functools.cache
+def editors():
+    """Names of the elements that take layers and output only layers."""
+    return [f.get_name() for f in _video_factories()
+            if _takes_layers(f, Gst.PadDirection.SINK)[0] and _takes_layers(f, Gst.PadDirection.SRC) == (True, False)]
+
+
+@functools.cache
+def decomposers():
+    """Names of the elements that make layers of pictures."""
+    return [f.get_name() for f in _video_factories()
+            if not _takes_layers(f, Gst.PadDirection.SINK)[0] and _takes_layers(f, Gst.PadDirection.SRC)[0]]
+
+
+def title(factory):
+    """The element's name for people: "Recolor" for "Intrinsic recolor"."""
+    found = Gst.ElementFactory.find(factory)
+    words = (found.get_metadata("long-name") if found else factory).split()
+    if len(words) > 1 and words[0] == "Intrinsic":
+        words = words[1:]
+    return " ".join([words[0].capitalize()] + words[1:])
+
+
+def description(factory):
+    """What the element does, in a sentence."""
+    found = Gst.ElementFactory.find(factory)
+    return found.get_metadata("description") if found else ""
+
+
+def make(factory, name):
+    """A new element."""
+    element = Gst.ElementFactory.make(factory, name)
+    if not element:
+        raise ElementError(f"there is no element {factory}; install the plugin that has it "
+                           f"(gst-inspect-1.0 {factory}), or remove it from the project")
+    return element
+
+
+@dataclasses.dataclass(frozen=True)
+class Property:
+    """What a panel needs of a property. `kind`: bool, enum, color, int, float, text or file."""
+    name: str
+    kind: str
+    blurb: str
+    default: object
+    minimum: float = 0
+    maximum: float = 0
+    choices: tuple = ()  # (nick, meaning)
+    live: bool = True  # takes effect while playing; otherwise the element is made anew
+
+
+NUMBERS = {"gint": "int", "guint": "int", "gint64": "int", "guint64": "int", "gfloat": "float", "gdouble": "float"}
+
+
+def _color_text(value):
+    return f"0x{value:08x}"
+
+
+def _number(spec, kind, live):
+    values = [spec.default_value, spec.minimum, spec.maximum]
+    if kind == "float":
+        values = [rounded(v) for v in values]
+    return Property(spec.name, kind, spec.blurb or spec.name, *values, live=live)
+
+
+def _describe(spec):
+    """The Property of a GParamSpec; None if a panel cannot show it."""
+    live = bool(spec.flags & Gst.PARAM_MUTABLE_PLAYING)
+    name, blurb, type_name = spec.name, spec.blurb or spec.name, spec.value_type.name
+    if type_name == "gboolean":
+        return Property(name, "bool", blurb, spec.default_value, live=live)
+    if type_name in NUMBERS:
+        if "0xAARRGGBB" in blurb:
+            return Property(name, "color", blurb, _color_text(spec.default_value), live=live)
+        return _number(spec, NUMBERS[type_name], live)
+    if spec.value_type.is_a(GObject.TYPE_ENUM):
+        values = spec.enum_class.__enum_values__.values()
+        choices = tuple((v.value_nick, v.value_name) for v in values)
+        return Property(name, "enum", blurb, spec.default_value.value_nick, choices=choices, live=live)
+    if type_name == "gchararray":
+        kind = "file" if name == "location" or name.endswith("-location") else "text"
+        return Property(name, kind, blurb, spec.default_value or "", live=live)
+    return None
+
+
+@functools.cache
+def properties(factory):
+    """The writable properties of an element, by name, in the element's order."""
+    element = make(factory, None)
+    found = {}
+    for spec in element.list_properties():
+        writable = spec.flags & GObject.ParamFlags.WRITABLE and spec.flags & GObject.ParamFlags.READABLE
+        if writable and spec.name not in BASE_PROPERTIES:
+            described = _describe(spec)
+            if described:
+                found[spec.name] = described
+    return found
+
+
+def property_of(factory, name):
+    """The Property; raises ElementError where the element has none of that name."""
+    found = properties(factory).get(name)
+    if not found:
+        raise ElementError(f"{factory} has no property {name}; it has {', '.join(properties(factory))}")
+    return found
+
+
+def read(element, name):
+    """A property's value as plain data: bool, number or text (colors as 0xAARRGGBB, enums by nick)."""
+    described = property_of(element.get_factory().get_name(), name)
+    value = element.get_property(name)
+    if described.kind == "color":
+        return _color_text(value)
+    if described.kind == "enum":
+        return value.value_nick
+    if described.kind in ("text", "file"):
+        return value or ""
+    return rounded(value) if described.kind == "float" else value
+
+
+def rounded(value):
+    """A float of single precision, without the digits that it does not have."""
+    return float(f"{value:.7g}")
+
+
+def checked(factory, name, value):
+    """The value as `read` would return it; raises ElementError if it does not fit the property."""
+    described = property_of(factory, name)
+    try:
+        return _converted(described, value)
+    except (TypeError, ValueError):
+        raise ElementError(f"{name} of {factory} cannot be {value!r}: {described.blurb}") from None
+
+
+def _converted(described, value):
+    if described.kind == "bool":
+        words = {"true": True, "1": True, "false": False, "0": False}
+        return words[value.lower()] if isinstance(value, str) and value.lower() in words else _only(bool, value)
+    if described.kind == "color":
+        number = int(value, 0) if isinstance(value, str) else _only(int, value)
+        return _color_text(number) if 0 <= number <= 0xffffffff else _refuse()
+    if described.kind in ("int", "float"):
+        number = int(value) if described.kind == "int" else float(value)
+        return number if described.minimum <= number <= described.maximum else _refuse()
+    if described.kind == "enum":
+        return value if value in (nick for nick, _ in described.choices) else _refuse()
+    return _only(str, value)
+
+
+def _only(kind, value):
+    return value if isinstance(value, kind) else _refuse()
+
+
+def _refuse():
+    raise ValueError
+
+
+def write(element, name, value):
+    """Sets a property from plain data."""
+    described = property_of(element.get_factory().get_name(), name)
+    if described.kind in ("text", "file"):
+        element.set_property(name, value)
+    else:
+        Gst.util_set_object_arg(element, name, str(value).lower() if described.kind == "bool" else str(value))

@@ -1,0 +1,259 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Plays a source through a project's elements: states, seeks, the end, and what goes wrong."""
+from gi.repository import GLib, Gst
+
+from . import messages, source
+from .messages import Trouble
+from .stage import Stage
+
+CLOSED, PLAYING, PAUSED, ENDED, FAILED = "closed", "playing", "paused", "ended", "failed"
+DRAIN_MS = 400  # between looks at whether frames still come after an error
+CUT_OFF_SECONDS, CUT_OFF_SHARE = 1.0, 0.05  # a file that ends so much before its duration is cut off
+
+
+class Playback:
+    """One source at a time. `make_sink()` returns the element that shows pictures. Calls of `listener`, in the main
+    thread: on_state(), on_trouble(Trouble), on_stopping() before frames end, on_finished() after the last one,
+    on_property(element, name, value).
+    `on_mouse`(kind, x, y) gets the mouse over the picture, in pixels of the frame, in the thread of the sink's
+    events; elements get it as well unless it returns True."""
+
+    def __init__(self, make_sink, listener):
+        self._make_sink, self._listener = make_sink, listener
+        self.on_mouse = lambda kind, x, y: False
+        self.source, self.stage, self.state = None, None, CLOSED
+        self.seekable, self.duration, self.position = False, 0.0, 0.0
+        self.width = self.height = 0
+        self.sink = None
+        self._pipeline, self._branch = None, None
+        self._seeking, self._next_seek = False, None
+        self._branch_pad = None
+        self._shown = 0
+
+    def open(self, opened, project):
+        """Plays from the beginning. Raises SourceError or ElementError."""
+        self.close()
+        self.source = opened
+        self._pipeline = _parse(opened)
+        self.sink = self._make_sink()
+        self.sink.set_property("sync", not opened.live)
+        self._pipeline.add(self.sink)
+        entry = self._pipeline.get_by_name("inverse-entry").get_static_pad("src")
+        self.stage = Stage(self._pipeline, entry, self.sink, project, self._on_property)
+        self.sink.get_static_pad("sink").add_probe(Gst.PadProbeType.BUFFER, self._on_buffer)
+        self.stage.mouse_pad.add_probe(Gst.PadProbeType.EVENT_UPSTREAM, self._on_event)
+        bus = self._pipeline.get_bus()
+        bus.add_signal_watch()
+        bus.connect("message", self._on_message)
+        self._set_state(PLAYING)
+        self._pipeline.set_state(Gst.State.PLAYING)
+
+    def close(self):
+        """Stops and releases everything."""
+        if not self._pipeline:
+            return
+        self._listener.on_stopping()
+        self.hide_original()
+        self._pipeline.get_bus().remove_signal_watch()
+        self._pipeline.set_state(Gst.State.NULL)
+        self._pipeline = self.stage = self.sink = None
+        self._seeking, self._next_seek = False, None
+        self.seekable, self.duration, self.position, self._shown = False, 0.0, 0.0, 0
+        self.width = self.height = 0
+        self._set_state(CLOSED)
+
+    def _set_state(self, state):
+        self.state = state
+        self._listener.on_state()
+
+    def play(self):
+        """Plays on; from the beginning if the end is reached. True unless the source has to be opened again."""
+        if self.state in (CLOSED, FAILED):
+            return False
+        if self.state == ENDED:
+            if not self.seekable:
+                return False
+            self._set_state(PLAYING)
+            self.seek(0)
+        self._set_state(PLAYING)
+        self._pipeline.set_state(Gst.State.PLAYING)
+        return True
+
+    def pause(self):
+        """Stays on this frame."""
+        if self.state == PLAYING:
+            self._set_state(PAUSED)
+            self._pipeline.set_state(Gst.State.PAUSED)
+
+    def seek(self, seconds):
+        """Goes to a time of a file. While one seek runs, only the last of others is kept."""
+        if not self.seekable or self.state in (CLOSED, FAILED):
+            return
+        if self._seeking:
+            self._next_seek = seconds
+            return
+        if self.state == ENDED:
+            self._set_state(PAUSED)
+        self._seeking = True
+        self.position = min(max(seconds, 0.0), self.duration)
+        # By the element, not by the pipeline, which would seek once for each of its sinks.
+        event = Gst.Event.new_seek(1.0, Gst.Format.TIME, Gst.SeekFlags.FLUSH | Gst.SeekFlags.ACCURATE,
+                                   Gst.SeekType.SET, round(self.position * Gst.SECOND), Gst.SeekType.NONE, 0)
+        if not self.stage.compose.send_event(event):
+            self._seeking = False
+
+    def apply(self, project):
+        """Shows the project; a frame that stands still is edited again."""
+        if self.stage and self.stage.project.elements() != project.elements():
+            self.stage.apply(project)
+            self.refresh()
+
+    def refresh(self):
+        """Edits the frame again that stands still."""
+        ended = self.state == ENDED
+        if self.state in (PAUSED, ENDED) and self.seekable:
+            self.seek(self.position)
+            if ended:
+                self._set_state(ENDED)
+
+    def show_original(self, make_sink):
+        """Shows the unedited frames as well, in another sink."""
+        if self._branch or not self._pipeline:
+            return
+        sink = make_sink()
+        self._branch = Gst.parse_bin_from_description(
+            "queue name=in max-size-buffers=2 max-size-bytes=0 max-size-time=0 leaky=downstream ! "
+            "intrinsiccompose show=input ! videoconvert name=out", False)
+        self._branch.add_pad(Gst.GhostPad.new("sink", self._branch.get_by_name("in").get_static_pad("sink")))
+        self._branch.add(sink)
+        self._branch.get_by_name("out").link(sink)
+        sink.get_static_pad("sink").get_peer().add_probe(Gst.PadProbeType.EVENT_UPSTREAM, self._on_event)
+        for name, value in (("async", False), ("qos", False), ("sync", not self.source.live)):
+            sink.set_property(name, value)
+        self._pipeline.add(self._branch)
+        self._branch.sync_state_with_parent()
+        self._branch_pad = self.stage.layers.request_pad_simple("src_%u")
+        self._branch_pad.link(self._branch.get_static_pad("sink"))
+        self.refresh()
+
+    def hide_original(self):
+        """Ends `show_original`."""
+        if not self._branch:
+            return
+        branch, pad, layers = self._branch, self._branch_pad, self.stage.layers
+        self._branch = self._branch_pad = None
+        pad.add_probe(Gst.PadProbeType.IDLE, self._unlink, branch, layers)
+
+    def _unlink(self, pad, _info, branch, layers):
+        pad.unlink(branch.get_static_pad("sink"))
+        GLib.idle_add(self._drop_branch, branch, layers, pad)
+        return Gst.PadProbeReturn.REMOVE
+
+    def _drop_branch(self, branch, layers, pad):
+        branch.set_locked_state(True)
+        branch.set_state(Gst.State.NULL)
+        parent = branch.get_parent()
+        if parent:
+            parent.remove(branch)
+        layers.release_request_pad(pad)
+        return GLib.SOURCE_REMOVE
+
+    def every_frame(self, wanted):
+        """Shows every frame, however late, or drops late ones. Live video always drops."""
+        if self.sink and self.sink.find_property("max-lateness"):
+            self.sink.set_property("qos", not wanted)
+
+    def _on_property(self, element, name, value):
+        GLib.idle_add(self._listener.on_property, element, name, value)
+
+    def _on_buffer(self, pad, info):
+        buffer = info.get_buffer()
+        self._shown += 1
+        segment = pad.get_sticky_event(Gst.EventType.SEGMENT, 0)
+        if segment and buffer.pts != Gst.CLOCK_TIME_NONE:
+            time = segment.parse_segment().to_stream_time(Gst.Format.TIME, buffer.pts)
+            if time != Gst.CLOCK_TIME_NONE:
+                self.position = time / Gst.SECOND
+        caps = pad.get_current_caps().get_structure(0)
+        self.width, self.height = caps.get_value("width"), caps.get_value("height")
+        return Gst.PadProbeReturn.OK
+
+    def _on_event(self, _pad, info):
+        event = info.get_event()
+        if event.type != Gst.EventType.NAVIGATION:
+            return Gst.PadProbeReturn.OK
+        fields = event.get_structure()
+        kind = fields.get_string("event") or ""
+        if not kind.startswith("mouse-button") and kind != "mouse-move":
+            return Gst.PadProbeReturn.OK
+        used = self.on_mouse(kind, fields.get_value("pointer_x"), fields.get_value("pointer_y"))
+        return Gst.PadProbeReturn.DROP if used else Gst.PadProbeReturn.OK
+
+    def _on_message(self, _bus, message):
+        handler = {Gst.MessageType.ERROR: self._on_error, Gst.MessageType.WARNING: self._on_warning,
+                   Gst.MessageType.EOS: self._on_end, Gst.MessageType.ASYNC_DONE: self._on_ready,
+                   Gst.MessageType.LATENCY: self._on_latency}.get(message.type)
+        if handler and self._pipeline:
+            handler(message)
+
+    def _on_latency(self, _message):
+        self._pipeline.recalculate_latency()
+
+    def _on_warning(self, message):
+        self._listener.on_trouble(messages.describe(message))
+
+    def _on_ready(self, _message):
+        query = Gst.Query.new_seeking(Gst.Format.TIME)
+        self.seekable = bool(not self.source.live and self._pipeline.query(query) and query.parse_seeking()[1])
+        found, duration = self._pipeline.query_duration(Gst.Format.TIME)
+        self.duration = duration / Gst.SECOND if found and duration > 0 else 0.0
+        self._seeking = False
+        if self._next_seek is not None:
+            seconds, self._next_seek = self._next_seek, None
+            self.seek(seconds)
+        self._listener.on_state()
+
+    def _on_end(self, _message):
+        """The last frame stays."""
+        if self.state == FAILED:
+            return
+        short = self.duration - self.position
+        first = self.state != ENDED
+        self._seeking = False
+        self._listener.on_stopping()
+        self._pipeline.set_state(Gst.State.PAUSED)
+        self._set_state(ENDED)
+        if first and self.duration and short > max(CUT_OFF_SECONDS, CUT_OFF_SHARE * self.duration):
+            self._listener.on_trouble(Trouble(
+                f"The file ends at {self.position:.1f} s of {self.duration:.1f} s: it is cut off.",
+                "Copy or download it again to have the rest.", True))
+        self._listener.on_finished()
+
+    def _on_error(self, message):
+        if self.state == FAILED:
+            return
+        trouble = messages.describe(message)
+        self._set_state(FAILED)
+        self._listener.on_trouble(trouble)
+        GLib.timeout_add(DRAIN_MS, self._drain, self._pipeline, self._shown)
+
+    def _drain(self, pipeline, shown):
+        """Frames that were decoded before the error are still shown and recorded; then it stops."""
+        if pipeline is not self._pipeline:
+            return GLib.SOURCE_REMOVE
+        if shown != self._shown:
+            GLib.timeout_add(DRAIN_MS, self._drain, pipeline, self._shown)
+            return GLib.SOURCE_REMOVE
+        self._listener.on_stopping()
+        self._pipeline.set_state(Gst.State.PAUSED)
+        self._listener.on_finished()
+        return GLib.SOURCE_REMOVE
+
+
+def _parse(opened):
+    size = "leaky=downstream max-size-buffers=1" if opened.live else "max-size-buffers=4"
+    try:
+        return Gst.parse_launch(f"{opened.line} ! videoconvert ! queue name=inverse-entry {size} "
+                                "max-size-bytes=0 max-size-time=0")
+    except GLib.Error as error:
+        raise source.SourceError(f"{opened.text} cannot be opened: {error.message}") from None

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Writes what a pad outputs to a file, in a pipeline of its own: if that fails, the video goes on."""
+import os
+
+from gi.repository import GLib, Gst
+
+# (encoder with settings, muxers that take it); the first one that is installed is used.
+VP8 = "vp8enc deadline=1 cpu-used=8 threads=4 end-usage=cq cq-level=10 target-bitrate=20000000 keyframe-max-dist=60"
+ENCODERS = ((VP8, ("matroskamux", "webmmux")),
+            ("x264enc speed-preset=veryfast quantizer=18 pass=qual", ("matroskamux", "mp4mux")),
+            ("openh264enc bitrate=20000000", ("matroskamux", "mp4mux")),
+            ("jpegenc quality=92", ("matroskamux",)))
+MUXERS = {".mkv": "matroskamux", ".webm": "webmmux", ".mp4": "mp4mux"}
+MAX_WAITING = 4  # frames that wait for the encoder
+LONGEST_GAP = Gst.SECOND
+
+
+class RecorderError(Exception):
+    """A file that cannot be written. Says what to do."""
+
+
+def line_for(path):
+    """The end of the launch line that writes such a file."""
+    ending = os.path.splitext(path)[1].lower() or ".mkv"
+    muxer = MUXERS.get(ending)
+    if not muxer:
+        raise RecorderError(f"{path} ends in none of {', '.join(MUXERS)}; choose another name")
+    for encoder, muxers in ENCODERS:
+        if muxer in muxers and all(Gst.ElementFactory.find(e) for e in (encoder.split()[0], muxer)):
+            return f"queue max-size-buffers={MAX_WAITING} ! videoconvert ! {encoder} ! {muxer} ! filesink name=file"
+    raise RecorderError(f"no encoder for {ending} is installed; install gstreamer1.0-plugins-good, or record .mkv")
+
+
+class Recorder:
+    """Records from the first frame after it was made until `stop`. Times are those of playing: a pause leaves no
+    gap, and a seek goes on where the recording was."""
+
+    def __init__(self, path, pad, on_failure):
+        self.path, self.failure, self.frames = path, None, 0
+        self._on_failure = on_failure
+        self._pad, self._caps, self._segment = pad, None, None
+        self._shift, self._last, self._first = 0, None, None
+        self._pipeline = Gst.parse_launch(f"appsrc name=in format=time block=true max-bytes=0 max-buffers={MAX_WAITING} "
+                                          f"! {line_for(path)}")
+        self._in = self._pipeline.get_by_name("in")
+        self._pipeline.get_by_name("file").set_property("location", path)
+        bus = self._pipeline.get_bus()
+        bus.add_signal_watch()
+        bus.connect("message::error", self._on_error)
+        if self._pipeline.set_state(Gst.State.PLAYING) == Gst.StateChangeReturn.FAILURE:
+            error = bus.pop_filtered(Gst.MessageType.ERROR)
+            self._pipeline.set_state(Gst.State.NULL)
+            bus.remove_signal_watch()
+            raise RecorderError(_reason(error, path))
+        kinds = Gst.PadProbeType.BUFFER | Gst.PadProbeType.EVENT_DOWNSTREAM
+        self._probe = pad.add_probe(kinds, self._on_data)
+
+    def _on_data(self, pad, info):
+        if info.type & Gst.PadProbeType.BUFFER:
+            self._push(pad, info.get_buffer())
+        elif info.get_event().type == Gst.EventType.SEGMENT:
+            self._segment = None
+        return Gst.PadProbeReturn.OK
+
+    def _push(self, pad, buffer):
+        if self.failure:
+            return
+        if self._segment is None:
+            self._segment = pad.get_sticky_event(Gst.EventType.SEGMENT, 0).parse_segment()
+        caps = pad.get_current_caps()
+        if self._caps is None:
+            self._caps = caps
+            self._in.set_property("caps", caps)
+        elif not caps.is_equal(self._caps):
+            self._fail("the size or format of the video changed, so the recording ended; record again for the rest")
+            return
+        copy = buffer.copy_region(Gst.BufferCopyFlags.ALL, 0, Gst.CLOCK_TIME_NONE & (2**64 - 1))
+        copy.pts = self._time(buffer)
+        copy.dts = Gst.CLOCK_TIME_NONE
+        if self._in.emit("push-buffer", copy) == Gst.FlowReturn.OK:
+            self.frames += 1
+
+    def _time(self, buffer):
+        """The frame's time in the file: that of playing, without jumps."""
+        running = self._segment.to_running_time(Gst.Format.TIME, buffer.pts)
+        duration = buffer.duration if buffer.duration != Gst.CLOCK_TIME_NONE else Gst.SECOND // 30
+        if self._last is None:
+            self._shift = -running
+        elif not self._last < running + self._shift <= self._last + LONGEST_GAP:
+            self._shift = self._last + duration - running
+        self._last = running + self._shift
+        return self._last
+
+    def _on_error(self, _bus, message):
+        self._fail(_reason(message, self.path))
+
+    def _fail(self, reason):
+        if not self.failure:
+            self.failure = reason
+            GLib.idle_add(self._on_failure, self)
+
+    def stop(self, seconds=10):
+        """Writes what was recorded to its end and closes the file. Returns whether the file is complete."""
+        self._pad.remove_probe(self._probe)
+        bus = self._pipeline.get_bus()
+        if self._caps is not None and not self._broken():
+            self._in.emit("end-of-stream")
+            done = bus.timed_pop_filtered(seconds * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR)
+            if not done or done.type == Gst.MessageType.ERROR:
+                self.failure = self.failure or _reason(done, self.path)
+        self._pipeline.set_state(Gst.State.NULL)
+        bus.remove_signal_watch()
+        if self.frames == 0 and not self.failure:
+            self.failure = f"no frame came while {self.path} was recorded; it is empty"
+        return self.failure is None
+
+    def _broken(self):
+        """Whether the pipeline itself failed, so that it cannot finish the file."""
+        return self._in.get_state(0)[0] == Gst.StateChangeReturn.FAILURE
+
+
+def _reason(message, path):
+    if not message:
+        return f"{path} could not be finished in time; its end may be missing"
+    error = message.parse_error()[0]
+    if error.matches(Gst.resource_error_quark(), Gst.ResourceError.NO_SPACE_LEFT):
+        return f"the disk is full: {path} ends here; free space, or record to another folder"
+    if error.matches(Gst.resource_error_quark(), Gst.ResourceError.OPEN_WRITE):
+        return f"{path} cannot be written; choose another folder"
+    return f"{path} could not be recorded: {error.message}"

@@ -1,0 +1,298 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What a person does: changes of the project that can be undone, recording, snapshots, files. Knows no window."""
+import dataclasses
+
+from gi.repository import GLib, Gst, GstVideo
+
+from . import elements, launch_line, layers, project, source
+from .history import History
+from .messages import Trouble
+from .playback import CLOSED, FAILED, PLAYING, Playback
+from .recorder import Recorder, RecorderError
+
+NEW_TARGET = "0xff2864c8"  # of a surface that was picked to be recolored
+
+
+class Session:
+    """`observer` is called without arguments in the main thread whenever something that a window shows changed,
+    `report` with each Trouble, `finished` after the last frame of a source."""
+
+    def __init__(self, make_sink, make_second_sink, first):
+        self._make_second_sink = make_second_sink
+        self.playback = Playback(make_sink, self)
+        self.history = History(first)
+        self.observer, self.report, self.finished = lambda: None, print, lambda: None
+        self.troubles = []  # all that were fatal
+        self.recorder = None
+        self._mouse, self._tap = "off", None
+        self.record_at_start = None
+
+    @property
+    def project(self):
+        """The project now."""
+        return self.history.state
+
+    # What Playback calls.
+    def on_state(self):
+        """Playing, pausing and so on have changed."""
+        self.observer()
+
+    def on_trouble(self, trouble):
+        """Something went wrong."""
+        if trouble.fatal:
+            self.troubles.append(trouble)
+        self.report(trouble)
+
+    def on_stopping(self):
+        """No frame comes any more: a recording is complete."""
+        self.stop_recording()
+
+    def on_finished(self):
+        """The last frame was shown."""
+        self.finished()
+
+    def on_property(self, element, name, value):
+        """An element changed its own property, by the mouse."""
+        described = self.project.element(element)
+        if described and described.get(name) != value:
+            self._add(f"{name} of {elements.title(described.factory)}",
+                      self.project.with_element(described.with_property(name, value)), (element, name))
+            self.playback.apply(self.project)
+
+    # The source.
+    def open(self, text):
+        """Opens a source by its name; the edits stay. What does not open is reported."""
+        try:
+            opened = source.parse(text)
+            if opened.text != self.project.source:
+                self._add("Open", dataclasses.replace(self.project, source=opened.text))
+            self._play(opened)
+        except (source.SourceError, elements.ElementError) as error:
+            self.on_trouble(Trouble(str(error)))
+
+    def _play(self, opened):
+        self.playback.open(opened, self.project)
+        self._use_tool()
+        if self.project.split is not None:
+            self.playback.show_original(self._make_second_sink)
+        path, self.record_at_start = self.record_at_start, None
+        if path:
+            self.start_recording(path)
+
+    def toggle_playing(self):
+        """Play or pause; opens the source again where it has to be."""
+        if self.playback.state == PLAYING:
+            self.playback.pause()
+        elif not self.playback.play() and self.project.source:
+            self.open(self.project.source)
+
+    def close(self):
+        """Ends everything; a recording is complete then."""
+        self.playback.close()
+
+    # The project.
+    def _add(self, label, changed, key=None):
+        self.history.add(label, changed, key)
+        self.observer()
+
+    def change(self, label, changed, key=None):
+        """Does what makes the project `changed`."""
+        changed = layers.corrected(changed)
+        if changed == self.project:
+            return
+        self._add(label, changed, key)
+        self._show()
+
+    def _show(self):
+        opened = self.playback.source
+        if opened and self.playback.state != CLOSED and self.project.source != opened.text:
+            self.open(self.project.source)
+            return
+        self.playback.apply(self.project)
+        if self.project.split is None:
+            self.playback.hide_original()
+        elif self.playback.state != CLOSED:
+            self.playback.show_original(self._make_second_sink)
+        self.observer()
+
+    def show_layer(self, layer):
+        """Shows a layer: a value of show of intrinsiccompose. Reports why if it is not there."""
+        missing = layers.missing(layer, self.project)
+        if missing:
+            self.report(Trouble(*missing, fatal=False))
+        else:
+            self.set_property("compose", "show", layer)
+
+    def use_tool(self, mouse="off", tap=None):
+        """What the mouse draws, and before which editor colors are read ("": behind the last; None: nowhere)."""
+        self._mouse, self._tap = mouse, tap
+        self._use_tool()
+
+    def _use_tool(self):
+        stage = self.playback.stage
+        if stage:
+            stage.mouse(self._mouse)
+            if stage.tap(self._tap):
+                self.playback.refresh()
+
+    def set_property(self, element, name, value):
+        """Sets a property of an element of the project."""
+        described = self.project.element(element)
+        changed = described.with_property(name, value)
+        self.change(f"{name} of {elements.title(described.factory)}", self.project.with_element(changed), (element, name))
+
+    def add_editor(self, factory, properties=None):
+        """Adds an editor behind the others; returns its name."""
+        name = self.project.new_name(factory)
+        editor = project.Element(name, factory)
+        for key, value in (properties or {}).items():
+            editor = editor.with_property(key, value)
+        self.change(f"Add {elements.title(factory)}", self.project.with_editors(self.project.editors + (editor,)))
+        return name
+
+    def remove_editor(self, name):
+        """Removes an editor."""
+        title = elements.title(self.project.element(name).factory)
+        self.change(f"Remove {title}", self.project.with_editors(e for e in self.project.editors if e.name != name))
+
+    def move_editor(self, name, by):
+        """Moves an editor towards the end of the chain (1) or its beginning (-1)."""
+        editors = list(self.project.editors)
+        at = self.project.index(name)
+        to = min(max(at + by, 0), len(editors) - 1)
+        editors.insert(to, editors.pop(at))
+        self.change(f"Move {elements.title(editors[to].factory)}", self.project.with_editors(editors))
+
+    def switch_editor(self, name):
+        """Switches an editor off or on."""
+        editor = self.project.element(name)
+        switched = dataclasses.replace(editor, on=not editor.on)
+        self.change(f"Switch {elements.title(editor.factory)} {'on' if switched.on else 'off'}",
+                    self.project.with_element(switched))
+
+    def set_decomposer(self, factory):
+        """Decomposes by another element."""
+        self.change(f"Decompose by {factory}",
+                    dataclasses.replace(self.project, decomposer=project.Element("decomposer", factory)))
+
+    def set_split(self, split):
+        """Places the divider of the split view; None ends it."""
+        self.change("Split view", dataclasses.replace(self.project, split=split), "split" if split else None)
+
+    def recolor_at(self, x, y):
+        """Recolors the surface at a pixel of the frame with a new editor; returns its name."""
+        key = self.playback.stage.color_at(x, y) if self.playback.stage else None
+        if key is None:
+            return None
+        return self.add_editor("intrinsicrecolor", {"key": f"0x{key:08x}", "target": NEW_TARGET})
+
+    def pick_at(self, x, y, editor):
+        """Sets the key of an editor to the reflectance at a pixel of the frame. Whether there was one."""
+        key = self.playback.stage.color_at(x, y) if self.playback.stage else None
+        if key is not None:
+            self.set_property(editor, "key", f"0x{key:08x}")
+        return key is not None
+
+    def undo(self):
+        """Takes the last action back; returns its label."""
+        label = self.history.undo()
+        if label:
+            self._show()
+        return label
+
+    def redo(self):
+        """Does it again; returns its label."""
+        label = self.history.redo()
+        if label:
+            self._show()
+        return label
+
+    # Files.
+    def load(self, path):
+        """Loads a project file; opens its source if it names another one."""
+        try:
+            loaded = project.load(path)
+        except (OSError, elements.ElementError) as error:
+            self.on_trouble(Trouble(str(error), fatal=False))
+            return
+        before = self.project.source
+        loaded = dataclasses.replace(loaded, source=loaded.source or before)
+        self.change("Load project", loaded)
+        if loaded.source != before or self.playback.state in (CLOSED, FAILED):
+            self.open(loaded.source)
+
+    def save(self, path):
+        """Saves a project file. Whether that worked."""
+        try:
+            project.save(self.project, path)
+            return True
+        except OSError as error:
+            return self._not_written(path, error)
+
+    def launch_line(self):
+        """What is shown, as a command for a shell."""
+        return launch_line.shell_text(self.project, self.playback.width)
+
+    def save_launch_line(self, path):
+        """Writes what is shown as a shell script. Whether that worked."""
+        return self._write(path, f"#!/bin/sh\n{self.launch_line()}\n".encode())
+
+    def _write(self, path, content):
+        try:
+            with open(path, "wb") as file:
+                file.write(content)
+            return True
+        except OSError as error:
+            return self._not_written(path, error)
+
+    def _not_written(self, path, error):
+        self.report(Trouble(f"{path} cannot be written: {error.strerror}.", "Choose another folder.", False))
+        return False
+
+    def snapshot(self, path):
+        """Writes the picture that is shown as PNG. Whether that worked."""
+        sample = self.playback.sink.get_property("last-sample") if self.playback.sink else None
+        if not sample:
+            self.report(Trouble("There is no picture yet.", "Open a video first.", False))
+            return False
+        try:
+            png = GstVideo.video_convert_sample(sample, Gst.Caps.from_string("image/png"), 5 * Gst.SECOND)
+        except GLib.Error as error:
+            self.report(Trouble(f"The picture cannot be made a PNG: {error.message}.",
+                                "Install gstreamer1.0-plugins-good.", False))
+            return False
+        return self._write(path, _content(png))
+
+    def start_recording(self, path):
+        """Records what is shown from now on. Whether that worked."""
+        if not self.playback.stage:
+            return False
+        try:
+            self.recorder = Recorder(path, self.playback.stage.picture_pad, self._on_recorder_failed)
+        except RecorderError as error:
+            self.on_trouble(Trouble(str(error)))
+            return False
+        self.playback.every_frame(not self.playback.source.live)
+        self.observer()
+        return True
+
+    def stop_recording(self):
+        """Ends a recording; its file is complete then."""
+        recorder, self.recorder = self.recorder, None
+        if not recorder:
+            return
+        if recorder.stop():
+            self.report(Trouble(f"Recorded {recorder.frames} frames to {recorder.path}.", fatal=False))
+        else:
+            self.on_trouble(Trouble(f"The recording failed: {recorder.failure}."))
+        self.playback.every_frame(False)
+        self.observer()
+
+    def _on_recorder_failed(self, recorder):
+        if recorder is self.recorder:
+            self.stop_recording()
+
+
+def _content(sample):
+    buffer = sample.get_buffer()
+    return buffer.extract_dup(0, buffer.get_size())

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""The elements of a project in a pipeline: decomposer, editors and intrinsiccompose, kept as the project says."""
+from gi.repository import Gst
+
+from . import elements, tap
+from .chain import Chain
+
+MOUSE_MODE = "stroke-mode"  # a tool of the window, no part of a project
+
+
+class Stage:
+    """Elements between `entry`, a source pad, and `sink`, an element that takes pictures. Layers of several
+    branches start at the tee `layers`."""
+
+    def __init__(self, pipeline, entry, sink, project, on_change):
+        self._pipeline, self._on_change = pipeline, on_change
+        self._elements = {}
+        self.project = project
+        self._tap, self._tap_place = None, None
+        self._mouse = "off"
+        self.layers = Gst.ElementFactory.make("tee", None)
+        queue = Gst.ElementFactory.make("queue", None)
+        # Counted in frames: the size of layers on the device would fill it at once.
+        for name, value in (("max-size-buffers", 1), ("max-size-bytes", 0), ("max-size-time", 0)):
+            queue.set_property(name, value)
+        self.compose = self._made(project.compose)
+        self._convert = Gst.ElementFactory.make("videoconvert", None)
+        row = (self.layers, queue, self.compose, self._convert, sink)
+        for element in row[:-1]:
+            pipeline.add(element)
+        pairs = zip(row, row[1:])
+        if not all(first.link(second) for first, second in pairs):
+            raise elements.ElementError("the sink takes no pictures")
+        self._chain = Chain(pipeline, entry, self.layers.get_static_pad("sink"))
+        for editor in (project.decomposer, *project.editors):
+            self._made(editor)
+        self._link()
+
+    @property
+    def picture_pad(self):
+        """The pad that outputs what is shown."""
+        return self.compose.get_static_pad("src")
+
+    @property
+    def mouse_pad(self):
+        """The pad that the mouse over the picture comes in by."""
+        return self._convert.get_static_pad("src")
+
+    @property
+    def pending(self):
+        """Whether elements are still to be exchanged."""
+        return self._chain.pending
+
+    def _made(self, described):
+        element = elements.make(described.factory, None)  # names of those that are going may be in use still
+        for name, value in described.properties.items():
+            elements.write(element, name, value)
+        self._elements[described.name] = element
+        if described.name == "decomposer":
+            self._set_mouse(element)
+        element.connect("notify", self._on_notify, described.name)
+        return element
+
+    def _on_notify(self, element, spec, name):
+        """An element set its own property, as the mouse draws strokes."""
+        factory = element.get_factory().get_name()
+        if spec.name == MOUSE_MODE or spec.name not in elements.properties(factory):
+            return
+        described = self.project.element(name)
+        value = elements.read(element, spec.name)
+        if described and described.factory == factory and self._elements.get(name) is element \
+                and value != described.get(spec.name):
+            self._on_change(name, spec.name, value)
+
+    def apply(self, project):
+        """Makes the pipeline as the project says."""
+        before, self.project = self.project, project
+        gone = [self._elements.pop(e.name) for e in before.elements() if not _stays(e, project.element(e.name))]
+        for described in project.elements():
+            if described.name in self._elements:
+                self._configure(before.element(described.name), described)
+            else:
+                self._made(described)
+        self._link(gone)
+
+    def _configure(self, before, now):
+        element = self._elements[now.name]
+        for name in {**before.properties, **now.properties}:
+            if before.get(name) != now.get(name) or elements.read(element, name) != now.get(name):
+                elements.write(element, name, now.get(name))
+
+    def _link(self, gone=()):
+        row = [self._elements["decomposer"]]
+        for editor in self.project.editors:
+            if self._tap and self._tap_place == editor.name:
+                row.append(self._tap)
+            if editor.on:
+                row.append(self._elements[editor.name])
+        if self._tap and self._tap not in row:
+            row.append(self._tap)
+        self._chain.set(row, gone)
+
+    def tap(self, place):
+        """Reads colors before the editor `place`, or behind the last one if that is ""; None stops. Whether colors
+        are read from now on that were not before."""
+        if place == self._tap_place:
+            return False
+        gone = [self._tap] if self._tap and place is None else []
+        if place is None:
+            self._tap = None
+        elif not self._tap:
+            self._tap = tap.make()
+        self._tap_place = place
+        self._link(gone)
+        return place is not None
+
+    def color_at(self, x, y):
+        """What the tap found there, or None."""
+        return tap.color_at(self._tap, x, y) if self._tap else None
+
+    def mouse(self, mode):
+        """What the mouse draws: a value of the decomposer's stroke-mode."""
+        self._mouse = mode
+        self._set_mouse(self._elements["decomposer"])
+
+    def _set_mouse(self, decomposer):
+        factory = decomposer.get_factory().get_name()
+        mode = elements.properties(factory).get(MOUSE_MODE)
+        if mode and self._mouse in (nick for nick, _ in mode.choices):
+            elements.write(decomposer, MOUSE_MODE, self._mouse)
+
+    def milliseconds(self):
+        """What a frame takes in all elements together."""
+        described = [e for e in self.project.elements() if e.on]
+        return sum(_stat(self._elements[e.name], "wall-ms") for e in described)
+
+    def frames(self):
+        """Frames that the decomposer has completed."""
+        return _stat(self._elements["decomposer"], "frames")
+
+
+def _stat(element, field):
+    stats = element.get_property("stats") if element.find_property("stats") else None
+    return stats.get_value(field) if stats and stats.has_field(field) else 0
+
+
+def _stays(before, now):
+    """Whether the element that there was can become the one that shall be."""
+    if not now or now.factory != before.factory:
+        return False
+    changed = {n for n in {**before.properties, **now.properties} if before.get(n) != now.get(n)}
+    return all(elements.property_of(now.factory, name).live for name in changed)

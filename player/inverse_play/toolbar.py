@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""The column at the left: tools of the mouse, and editors to add."""
+from gi.repository import Gtk
+
+from . import keys, tools
+from .style import add_class, label
+
+
+def button_content(text, key):
+    """A button's words with its key."""
+    box = Gtk.Box(spacing=8)
+    box.pack_start(label(text), True, True, 0)
+    box.pack_end(label(keys.words(key), "key"), False, False, 0)
+    return box
+
+
+class Toolbar(Gtk.Box):
+    """`choose`(Tool) and `add`(factory) are called for what is pressed."""
+
+    def __init__(self, project, choose, add):
+        super().__init__(orientation=Gtk.Orientation.VERTICAL, spacing=3, width_request=150)
+        add_class(self, "panel")
+        self._choose, self._showing = choose, False
+        self._box = Gtk.Box(orientation=Gtk.Orientation.VERTICAL, spacing=3)
+        self.tools, self.buttons, self.adders = [], {}, {}
+        self.add(label("Tools", "heading"))
+        self.add(self._box)
+        self.add(label("Add an editor", "heading"))
+        for factory, title, key, meaning in tools.editors():
+            button = Gtk.Button(tooltip_text=meaning, can_focus=False)
+            button.add(button_content(title, key))
+            button.connect("clicked", lambda _, factory=factory: add(factory))
+            self.adders[factory] = button
+            self.add(button)
+        self.update(project, tools.LOOK)
+
+    def update(self, project, active):
+        """Offers the tools of the project's elements."""
+        offered = tools.offered(project)
+        self._showing = True
+        if offered != self.tools:
+            self._fill(offered)
+        if active.name in self.buttons:
+            self.buttons[active.name].set_active(True)
+        self._showing = False
+
+    def _fill(self, offered):
+        for child in self._box.get_children():
+            child.destroy()
+        self.tools, self.buttons, first = offered, {}, None
+        for tool in offered:
+            button = Gtk.RadioButton.new_from_widget(first)
+            button.set_mode(False)
+            button.set_can_focus(False)
+            button.set_tooltip_text(tool.hint)
+            button.add(button_content(tool.label, tool.key))
+            button.connect("toggled", lambda b, tool=tool: b.get_active() and self._chosen(tool))
+            first = first or button
+            self.buttons[tool.name] = button
+            self._box.add(button)
+        self._box.show_all()
+
+    def _chosen(self, tool):
+        if not self._showing:
+            self._choose(tool)
