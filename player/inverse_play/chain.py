@@ -13,14 +13,16 @@ class Chain:
     def __init__(self, parent, entry, leave):
         self._parent, self._entry, self._exit = parent, entry, leave
         self._lock = threading.Lock()
-        self._linked, self._wanted, self._gone = [], [], []
-        self._waiting = False
+        self._linked, self._wanted, self._gone, self._then = [], [], [], []
+        self._waiting = False  # for a probe, of which there is never more than one
 
-    def set(self, wanted, gone=()):
-        """Links these elements, in this order. `gone` are stopped and removed once they are out of the chain."""
+    def set(self, wanted, gone=(), then=lambda: None):
+        """Links these elements, in this order, and calls `then`, both between two frames. `gone` are stopped and
+        removed once they are out of the chain."""
         with self._lock:
             self._wanted = list(wanted)
             self._gone.extend(gone)
+            self._then.append(then)
             if self._waiting:
                 return
             self._waiting = True
@@ -33,14 +35,19 @@ class Chain:
             return self._waiting
 
     def _exchange(self, _pad, _info):
-        with self._lock:
-            wanted, gone = self._wanted, self._gone
-            self._gone, self._waiting = [], False
-        if wanted != self._linked:
+        """Called while the entry pushes nothing, by its thread or by that of `set`."""
+        while True:
+            with self._lock:
+                wanted, gone, then = self._wanted, self._gone, self._then
+                self._gone, self._then = [], []
+                if wanted == self._linked and not then:
+                    self._waiting = False
+                    return Gst.PadProbeReturn.REMOVE
             self._relink(wanted)
-        for element in gone:
-            GLib.idle_add(self._dispose, element)
-        return Gst.PadProbeReturn.REMOVE
+            for call in then:
+                call()
+            for element in gone:
+                GLib.idle_add(self._dispose, element)
 
     def _links(self, elements):
         sources = [self._entry] + [e.get_static_pad("src") for e in elements]
@@ -48,6 +55,8 @@ class Chain:
         return zip(sources, sinks)
 
     def _relink(self, wanted):
+        if wanted == self._linked:
+            return
         for source, sink in self._links(self._linked):
             source.unlink(sink)
         fresh = [e for e in wanted if e not in self._linked]

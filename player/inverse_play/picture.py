@@ -24,8 +24,9 @@ class Picture(Gtk.Overlay):
         self._video = self._original = None
         self._base = add_class(Gtk.EventBox(), "picture")
         self.add(self._base)
-        # A Layout cuts off what is wider than itself: so the original ends at the divider.
+        # A Layout may be narrower than its child: so the original ends at the divider.
         self._left = Gtk.Layout(no_show_all=True)
+        self._left.connect("draw", _cut_off)
         self.add_overlay(self._left)
         self._divider = self._make_divider()
         self.add_overlay(self._divider)
@@ -111,3 +112,11 @@ class Picture(Gtk.Overlay):
             x = self.translate_coordinates(self, 0, 0)[0] + event.x + self._divider.get_allocation().x
             self._on_split(min(max((x - self.get_allocation().x - left) / width, 0.0), 1.0))
         return True
+
+
+def _cut_off(widget, context):
+    """Draws nothing beyond the widget."""
+    area = widget.get_allocation()
+    context.rectangle(0, 0, area.width, area.height)
+    context.clip()
+    return False

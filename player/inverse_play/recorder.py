@@ -13,6 +13,8 @@ ENCODERS = ((VP8, ("matroskamux", "webmmux")),
 MUXERS = {".mkv": "matroskamux", ".webm": "webmmux", ".mp4": "mp4mux"}
 MAX_WAITING = 4  # frames that wait for the encoder
 LONGEST_GAP = Gst.SECOND
+COPY_ALL = (Gst.BufferCopyFlags.FLAGS | Gst.BufferCopyFlags.TIMESTAMPS | Gst.BufferCopyFlags.META |
+            Gst.BufferCopyFlags.MEMORY)  # the memory is shared
 
 
 class RecorderError(Exception):
@@ -74,7 +76,7 @@ class Recorder:
         elif not caps.is_equal(self._caps):
             self._fail("the size or format of the video changed, so the recording ended; record again for the rest")
             return
-        copy = buffer.copy_region(Gst.BufferCopyFlags.ALL, 0, Gst.CLOCK_TIME_NONE & (2**64 - 1))
+        copy = buffer.copy_region(COPY_ALL, 0, buffer.get_size())
         copy.pts = self._time(buffer)
         copy.dts = Gst.CLOCK_TIME_NONE
         if self._in.emit("push-buffer", copy) == Gst.FlowReturn.OK:

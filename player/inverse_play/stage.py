@@ -9,8 +9,9 @@ MOUSE_MODE = "stroke-mode"  # a tool of the window, no part of a project
 
 
 class Stage:
-    """Elements between `entry`, a source pad, and `sink`, an element that takes pictures. Layers of several
-    branches start at the tee `layers`."""
+    """Elements between `entry`, a source pad, and `sink`, an element that takes pictures. Other branches start at
+    the tee `layers`, with a queue each. There is none up to intrinsiccompose: so no frame is under way while the
+    project changes, and each frame is edited by one project."""
 
     def __init__(self, pipeline, entry, sink, project, on_change):
         self._pipeline, self._on_change = pipeline, on_change
@@ -19,13 +20,9 @@ class Stage:
         self._tap, self._tap_place = None, None
         self._mouse = "off"
         self.layers = Gst.ElementFactory.make("tee", None)
-        queue = Gst.ElementFactory.make("queue", None)
-        # Counted in frames: the size of layers on the device would fill it at once.
-        for name, value in (("max-size-buffers", 1), ("max-size-bytes", 0), ("max-size-time", 0)):
-            queue.set_property(name, value)
         self.compose = self._made(project.compose)
         self._convert = Gst.ElementFactory.make("videoconvert", None)
-        row = (self.layers, queue, self.compose, self._convert, sink)
+        row = (self.layers, self.compose, self._convert, sink)
         for element in row[:-1]:
             pipeline.add(element)
         pairs = zip(row, row[1:])
@@ -76,20 +73,15 @@ class Stage:
         """Makes the pipeline as the project says."""
         before, self.project = self.project, project
         gone = [self._elements.pop(e.name) for e in before.elements() if not _stays(e, project.element(e.name))]
+        changes = []
         for described in project.elements():
             if described.name in self._elements:
-                self._configure(before.element(described.name), described)
+                changes.append((self._elements[described.name], before.element(described.name), described))
             else:
                 self._made(described)
-        self._link(gone)
+        self._link(gone, lambda: [_configure(*change) for change in changes])
 
-    def _configure(self, before, now):
-        element = self._elements[now.name]
-        for name in {**before.properties, **now.properties}:
-            if before.get(name) != now.get(name) or elements.read(element, name) != now.get(name):
-                elements.write(element, name, now.get(name))
-
-    def _link(self, gone=()):
+    def _link(self, gone=(), then=lambda: None):
         row = [self._elements["decomposer"]]
         for editor in self.project.editors:
             if self._tap and self._tap_place == editor.name:
@@ -98,7 +90,7 @@ class Stage:
                 row.append(self._elements[editor.name])
         if self._tap and self._tap not in row:
             row.append(self._tap)
-        self._chain.set(row, gone)
+        self._chain.set(row, gone, then)
 
     def tap(self, place):
         """Reads colors before the editor `place`, or behind the last one if that is ""; None stops. Whether colors
@@ -137,6 +129,13 @@ class Stage:
     def frames(self):
         """Frames that the decomposer has completed."""
         return _stat(self._elements["decomposer"], "frames")
+
+
+def _configure(element, before, now):
+    """Sets what differs between two states of an element."""
+    for name in {**before.properties, **now.properties}:
+        if elements.read(element, name) != now.get(name):
+            elements.write(element, name, now.get(name))
 
 
 def _stat(element, field):
