@@ -7,10 +7,11 @@ from gi.repository import Gst
 
 @dataclasses.dataclass(frozen=True)
 class Trouble:
-    """What is shown to the user. `fatal`: the video cannot go on."""
+    """What is shown to the user. `fatal`: the video cannot go on. `of_edits`: because of how it is edited."""
     text: str
     advice: str = ""
     fatal: bool = True
+    of_edits: bool = False
 
 
 RESOURCE, STREAM, CORE = "gst-resource-error-quark", "gst-stream-error-quark", "gst-core-error-quark"
@@ -46,9 +47,9 @@ def describe(message):
     fatal = message.type == Gst.MessageType.ERROR
     error, debug = message.parse_error() if fatal else message.parse_warning()
     if _is_ours(message):
-        return Trouble(f"{_source_of(message)}: {error.message}", "", fatal)
+        return Trouble(f"{_source_of(message)}: {error.message}", "", fatal, of_edits=True)
     if "elayed linking failed" in error.message + (debug or ""):
-        return Trouble("There is no video in it.", "Choose a file that has one.", fatal)
+        return Trouble("There is no video in it.", "Choose a file that has one.")  # a warning, then nothing comes
     advice = ADVICE.get((error.domain, error.code), "")
     if not advice and fatal:
         advice = "Try again; GST_DEBUG=3 in the environment prints more."

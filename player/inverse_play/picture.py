@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The place where the video is shown: edited, and at the left of a divider the original."""
-from gi.repository import Gdk, Gst, Gtk
+from gi.repository import Gdk, GLib, Gst, Gtk
 
 from .style import add_class
 
@@ -31,7 +31,7 @@ class Picture(Gtk.Overlay):
         self._divider = self._make_divider()
         self.add_overlay(self._divider)
         self.connect("get-child-position", self._place)
-        self.connect("size-allocate", lambda *_: self._resize_original())
+        self.connect("size-allocate", lambda *_: GLib.idle_add(self._resize_original))
 
     def _make_divider(self):
         divider = Gtk.EventBox(no_show_all=True)
@@ -109,8 +109,8 @@ class Picture(Gtk.Overlay):
     def _on_drag(self, _divider, event):
         if event.state & Gdk.ModifierType.BUTTON1_MASK:
             left, width = self._across()
-            x = self.translate_coordinates(self, 0, 0)[0] + event.x + self._divider.get_allocation().x
-            self._on_split(min(max((x - self.get_allocation().x - left) / width, 0.0), 1.0))
+            x = event.x_root - self.get_window().get_origin()[1] - self.get_allocation().x
+            self._on_split(min(max((x - left) / width, 0.0), 1.0))
         return True
 
 

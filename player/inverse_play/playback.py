@@ -24,6 +24,7 @@ class Playback:
         self.source, self.stage, self.state = None, None, CLOSED
         self.seekable, self.duration, self.position = False, 0.0, 0.0
         self.width = self.height = 0
+        self.presses = 0  # of the mouse so far
         self.sink = None
         self._pipeline, self._branch = None, None
         self._seeking, self._next_seek = False, None
@@ -186,11 +187,12 @@ class Playback:
         kind = fields.get_string("event") or ""
         if not kind.startswith("mouse-button") and kind != "mouse-move":
             return Gst.PadProbeReturn.OK
+        self.presses += kind == "mouse-button-press"
         used = self.on_mouse(kind, fields.get_value("pointer_x"), fields.get_value("pointer_y"))
         return Gst.PadProbeReturn.DROP if used else Gst.PadProbeReturn.OK
 
     def _on_message(self, _bus, message):
-        handler = {Gst.MessageType.ERROR: self._on_error, Gst.MessageType.WARNING: self._on_warning,
+        handler = {Gst.MessageType.ERROR: self._on_failure, Gst.MessageType.WARNING: self._on_failure,
                    Gst.MessageType.EOS: self._on_end, Gst.MessageType.ASYNC_DONE: self._on_ready,
                    Gst.MessageType.LATENCY: self._on_latency}.get(message.type)
         if handler and self._pipeline:
@@ -198,9 +200,6 @@ class Playback:
 
     def _on_latency(self, _message):
         self._pipeline.recalculate_latency()
-
-    def _on_warning(self, message):
-        self._listener.on_trouble(messages.describe(message))
 
     def _on_ready(self, _message):
         query = Gst.Query.new_seeking(Gst.Format.TIME)
@@ -229,13 +228,14 @@ class Playback:
                 "Copy or download it again to have the rest.", True))
         self._listener.on_finished()
 
-    def _on_error(self, message):
+    def _on_failure(self, message):
         if self.state == FAILED:
             return
         trouble = messages.describe(message)
-        self._set_state(FAILED)
+        if trouble.fatal:
+            self._set_state(FAILED)
+            GLib.timeout_add(DRAIN_MS, self._drain, self._pipeline, self._shown)
         self._listener.on_trouble(trouble)
-        GLib.timeout_add(DRAIN_MS, self._drain, self._pipeline, self._shown)
 
     def _drain(self, pipeline, shown):
         """Frames that were decoded before the error are still shown and recorded; then it stops."""

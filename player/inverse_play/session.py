@@ -56,7 +56,8 @@ class Session:
         described = self.project.element(element)
         if described and described.get(name) != value:
             self._add(f"{name} of {elements.title(described.factory)}",
-                      self.project.with_element(described.with_property(name, value)), (element, name))
+                      self.project.with_element(described.with_property(name, value)),
+                      (element, name, self.playback.presses))
             self.playback.apply(self.project)
 
     # The source.
@@ -105,7 +106,10 @@ class Session:
 
     def _show(self):
         opened = self.playback.source
-        if opened and self.playback.state != CLOSED and self.project.source != opened.text:
+        moved = opened and self.playback.state != CLOSED and self.project.source != opened.text
+        edits_failed = self.playback.state == FAILED and any(t.of_edits for t in self.troubles)
+        if moved or edits_failed:
+            self.troubles = [t for t in self.troubles if not t.of_edits]
             self.open(self.project.source)
             return
         self.playback.apply(self.project)

@@ -34,8 +34,8 @@ class Window(Gtk.Window):
                                [(key, f"add-{factory}") for factory, _, key, _ in tools.editors()])
         self.connect("key-press-event", self._on_key)
         self.connect("delete-event", lambda *_: self.quit())
-        GLib.timeout_add(200, self._tick)
-        GLib.timeout_add(1000, self._tick_rate)
+        timers = [GLib.timeout_add(200, self._tick), GLib.timeout_add(1000, self._tick_rate)]
+        self.connect("destroy", lambda _: [GLib.source_remove(t) for t in (*timers, self._info_timer) if t])
         self.update()
 
     def all_tools(self):
@@ -73,7 +73,7 @@ class Window(Gtk.Window):
         self._info_text = label("", wrap=True, selectable=False)
         self._info_text.show()
         bar.get_content_area().add(self._info_text)
-        self._again = bar.add_button("Try again", 1)
+        self._undo, self._again = bar.add_button("Undo", 2), bar.add_button("Try again", 1)
         bar.connect("response", self._on_info)
         return bar
 
@@ -137,6 +137,7 @@ class Window(Gtk.Window):
         self._info_text.set_text(f"{trouble.text} {trouble.advice}".strip())
         self.info.set_message_type(Gtk.MessageType.ERROR if trouble.fatal else Gtk.MessageType.INFO)
         self._again.set_visible(self.session.playback.state in (CLOSED, FAILED) and bool(self.session.project.source))
+        self._undo.set_visible(trouble.fatal and trouble.of_edits)
         self.info.show()
 
     def note(self, text):
@@ -152,6 +153,8 @@ class Window(Gtk.Window):
         bar.hide()
         if response == 1:
             self.session.open(self.session.project.source)
+        elif response == 2:
+            self.session.undo()
 
     # Tools.
     def choose_tool(self, tool):

@@ -1,0 +1,359 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Playing, exchanging elements, recording, and what goes wrong: with a sink in place of the window."""
+import json
+import os
+import unittest
+
+import support
+from gi.repository import Gst, GstVideo
+from inverse_play import playback, project
+from inverse_play.project import Project
+from inverse_play.session import Session
+
+RED, MAGENTA, YELLOW = (125, 40), (100, 40), (30, 40)  # bars of a test picture of 160 x 120 pixels
+SMALL = "video/x-raw,width=160,height=120,framerate=30/1"
+
+
+class Viewer:
+    """A Session, and the times of the frames that it showed."""
+
+    def __init__(self, case, made=None, every_frame=False):
+        self.times, self.told, self._every_frame = [], [], every_frame
+        self.session = Session(self._sink, lambda: Gst.ElementFactory.make("fakesink", None), made or Project())
+        self.session.report = self.told.append
+        case.addCleanup(self.session.close)
+
+    def _sink(self):
+        sink = Gst.ElementFactory.make("fakesink", None)
+        for name, value in (("signal-handoffs", True), ("qos", not self._every_frame)):
+            sink.set_property(name, value)
+        sink.connect("handoff", lambda _, buffer, pad: self.times.append(buffer.pts))
+        return sink
+
+    @property
+    def player(self):
+        return self.session.playback
+
+    def wait(self, until, seconds=30):
+        """Runs until something is true."""
+        if not support.pump(seconds, until):
+            raise AssertionError(f"waited in vain: {self.player.state}, {self.told}")
+
+    def open(self, text):
+        """Opens a source and waits for its first frame."""
+        self.session.open(text)
+        self.wait(lambda: self.player.width > 0)
+        return self
+
+    def ends(self):
+        """Waits for the end."""
+        self.wait(lambda: self.player.state in (playback.ENDED, playback.FAILED))
+
+    def color(self, at):
+        """The color of a pixel of what is shown; None before the first frame."""
+        sample = self.player.sink.get_property("last-sample")
+        if not sample:
+            return None
+        sample = GstVideo.video_convert_sample(sample, Gst.Caps.from_string("video/x-raw,format=RGB"), Gst.SECOND)
+        buffer = sample.get_buffer()
+        return support.color((0, sample.get_caps().get_structure(0), buffer.extract_dup(0, buffer.get_size())), *at)
+
+    def is_green(self, at):
+        """Whether the pixel was painted green."""
+        red, green, blue = self.color(at) or (0, 0, 0)
+        return green > red + 60 and green > blue + 60
+
+
+GREEN = {"key": "0xffc00000", "target": "0xff00c000", "tolerance": 0.9}
+
+
+class Chain(support.Case):
+    def test_no_frame_is_lost_while_editors_change(self):
+        frames = 100
+        viewer = Viewer(self, every_frame=True)
+        viewer.open(f"videotestsrc num-buffers={frames} ! {SMALL}")
+        session, count = viewer.session, 0
+        while viewer.player.state == playback.PLAYING:
+            self.change(session, count)
+            count += 1
+            support.pump(0.03)
+        self.assertEqual(len(viewer.times), frames, viewer.told)
+        self.assertEqual(viewer.times, sorted(set(viewer.times)))
+        self.assertGreater(count, 20)
+        self.assertEqual(viewer.told, [])
+
+    @staticmethod
+    def change(session, count):
+        """Adds, reorders, switches, removes, or undoes."""
+        editors = session.project.editors
+        if len(editors) < 2 or count % 6 == 0:
+            session.add_editor("intrinsicrecolor")
+        elif len(editors) > 4:
+            session.remove_editor(editors[1].name)
+        elif count % 6 == 2:
+            session.move_editor(editors[-1].name, -1)
+        elif count % 6 == 3:
+            session.switch_editor(editors[0].name)
+        elif count % 6 == 4:
+            session.remove_editor(editors[0].name)
+        else:
+            session.undo()
+            session.use_tool(tap="" if count % 4 else None)
+
+    def test_editors_do_what_they_say(self):
+        viewer = Viewer(self).open("test")
+        viewer.wait(lambda: viewer.color((500, 100)))
+        name = viewer.session.add_editor("intrinsicrecolor", GREEN)
+        red = (500, 100)
+        viewer.wait(lambda: viewer.is_green(red))
+        viewer.session.switch_editor(name)
+        viewer.wait(lambda: not viewer.is_green(red))
+        viewer.session.switch_editor(name)
+        viewer.wait(lambda: viewer.is_green(red))
+        viewer.session.remove_editor(name)
+        viewer.wait(lambda: not viewer.is_green(red))
+        viewer.session.undo()
+        viewer.wait(lambda: viewer.is_green(red))
+
+    def test_the_order_counts(self):
+        viewer = Viewer(self).open("test")
+        first = viewer.session.add_editor("intrinsicrecolor", {**GREEN, "target": "0xff0000c0"})
+        viewer.session.add_editor("intrinsicrecolor", {**GREEN, "key": "0xff0000c0"})
+        red = (500, 100)
+        viewer.wait(lambda: viewer.is_green(red))  # red to blue, blue to green
+        viewer.session.move_editor(first, 1)
+        viewer.wait(lambda: (viewer.color(red) or (0, 0, 0))[2] > 100)
+        viewer.session.undo()
+        viewer.wait(lambda: viewer.is_green(red))
+
+    def test_another_decomposer(self):
+        viewer = Viewer(self).open("test")
+        viewer.session.set_decomposer("globalintrinsic")
+        viewer.session.show_layer("indirect")
+        viewer.wait(lambda: (viewer.color((500, 100)) or (255,))[0] < 128)
+        viewer.session.undo()
+        viewer.session.undo()
+        viewer.wait(lambda: viewer.color((500, 100))[0] > 128)
+        self.assertEqual(viewer.told, [])
+
+    def test_a_property_that_needs_a_new_element(self):
+        viewer = Viewer(self).open("test")
+        before = viewer.player.stage.frames()
+        viewer.session.set_property("decomposer", "device", "llvmpipe")
+        viewer.wait(lambda: 0 < viewer.player.stage.frames() < before + 1000)
+        self.assertEqual(viewer.told, [])
+
+    def test_picks_the_reflectance(self):
+        viewer = Viewer(self).open("test")
+        self.assertIsNone(viewer.session.recolor_at(500, 100))
+        viewer.session.use_tool(tap="")
+        viewer.wait(lambda: viewer.session.recolor_at(500, 100))
+        key = int(viewer.session.project.editors[0].get("key"), 0)
+        self.assertGreater(key >> 16 & 255, 100)
+        self.assertLess(key & 0xffff, 0x2020)
+        blue = viewer.session.playback.stage.color_at(500, 100)  # behind that editor
+        viewer.wait(lambda: viewer.session.playback.stage.color_at(500, 100) & 255 > 100)
+        self.assertIsNotNone(blue)
+        for beyond in ((-9, -9), (10 ** 6, 10 ** 6)):
+            self.assertIsNotNone(viewer.session.playback.stage.color_at(*beyond))
+
+
+class Files(support.Case):
+    def test_stays_on_the_last_frame_and_plays_again(self):
+        viewer = Viewer(self).open(self.clip(10))
+        viewer.ends()
+        self.assertAlmostEqual(viewer.player.position, 0.9, delta=0.11)
+        self.assertIsNotNone(viewer.color(RED))
+        viewer.session.add_editor("intrinsicrecolor", GREEN)  # edits the frame that stands still
+        viewer.wait(lambda: viewer.is_green(RED))
+        self.assertEqual(viewer.player.state, playback.ENDED)
+        shown = len(viewer.times)
+        viewer.session.toggle_playing()
+        viewer.wait(lambda: len(viewer.times) > shown + 3)
+        viewer.ends()
+        self.assertEqual(viewer.told, [])
+
+    def test_a_frame_that_stands_still_is_edited(self):
+        viewer = Viewer(self).open(self.clip(60))
+        viewer.wait(lambda: viewer.player.seekable)
+        viewer.session.toggle_playing()
+        support.pump(0.3)
+        at = viewer.player.position
+        name = viewer.session.add_editor("intrinsicrecolor", GREEN)
+        viewer.wait(lambda: viewer.is_green(RED))
+        viewer.session.switch_editor(name)
+        viewer.wait(lambda: not viewer.is_green(RED))
+        self.assertAlmostEqual(viewer.player.position, at, delta=0.11)
+        self.assertEqual(viewer.player.state, playback.PAUSED)
+
+    def test_seeks(self):
+        viewer = Viewer(self).open(self.clip(80))
+        viewer.wait(lambda: viewer.player.seekable)
+        self.assertAlmostEqual(viewer.player.duration, 8, delta=0.2)
+        viewer.session.toggle_playing()
+        for seconds in (1, 7, 3, 99, -5, 5):  # the last one counts
+            viewer.player.seek(seconds)
+        viewer.wait(lambda: abs(viewer.player.position - 5) < 0.11)
+        self.assertEqual(viewer.told, [])
+
+    def test_a_file_that_is_cut_off(self):
+        path = self.clip(60, pattern="snow")
+        with open(path, "r+b") as file:
+            file.truncate(os.path.getsize(path) // 2)
+        viewer = Viewer(self)
+        viewer.session.record_at_start = self.path("out.mkv")
+        viewer.open(path).ends()
+        viewer.wait(lambda: viewer.session.troubles)
+        viewer.wait(lambda: viewer.session.recorder is None)
+        self.assertIn("cut off", viewer.session.troubles[0].text + viewer.session.troubles[0].advice)
+        times = [frame[0] for frame in support.read_video(self.path("out.mkv"))]
+        self.assertGreater(len(times), 20)
+        self.assertLess(len(times), 40)
+
+    def test_what_is_no_video(self):
+        with open(self.path("text.mp4"), "w", encoding="utf-8") as file:
+            file.write("this is no video")
+        support.run_line(f"audiotestsrc num-buffers=20 ! vorbisenc ! matroskamux ! filesink location={self.path('a.mkv')}")
+        for name, advice in (("text.mp4", "another file"), ("a.mkv", "a file that has one")):
+            viewer = Viewer(self)
+            viewer.session.open(self.path(name))
+            viewer.wait(lambda viewer=viewer: viewer.told)
+            self.assertTrue(viewer.told[0].fatal, viewer.told)
+            self.assertIn(advice, viewer.told[0].advice, viewer.told[0])
+
+    def test_a_camera_that_vanishes_and_comes_again(self):
+        line = f"videotestsrc is-live=true ! {SMALL} ! identity error-after=%d"
+        viewer = Viewer(self).open(line % 20)
+        viewer.wait(lambda: viewer.player.state == playback.FAILED)
+        self.assertIsNotNone(viewer.color(RED))  # its last picture stays
+        self.assertEqual(len(viewer.told), 1)
+        self.assertTrue(viewer.told[0].advice)
+        viewer.session.add_editor("intrinsicrecolor", GREEN)  # nothing hangs
+        viewer.open(line % 100000)
+        viewer.wait(lambda: viewer.is_green(RED))
+
+
+class Recording(support.Case):
+    def test_all_frames_without_jumps(self):
+        viewer = Viewer(self)
+        viewer.session.record_at_start = self.path("out.mkv")
+        viewer.open(self.clip(40))
+        viewer.wait(lambda: viewer.player.position > 1)
+        viewer.session.add_editor("intrinsicrecolor", GREEN)
+        viewer.wait(lambda: viewer.player.position > 2)
+        viewer.session.toggle_playing()  # a pause leaves no gap
+        support.pump(0.5)
+        viewer.session.toggle_playing()
+        viewer.ends()
+        frames = support.read_video(self.path("out.mkv"))
+        steps = [later[0] - sooner[0] for sooner, later in zip(frames, frames[1:])]
+        self.assertGreaterEqual(len(frames), 40)
+        self.assertTrue(all(0.09 < step < 0.111 for step in steps), steps)
+        self.assertGreater(support.color(frames[0], *RED)[0], 150)
+        self.assertGreater(support.color(frames[-1], *RED)[1], 100)
+        self.assertEqual(viewer.session.troubles, [])
+
+    def test_a_seek_goes_on_in_the_file(self):
+        viewer = Viewer(self).open(self.clip(80))
+        viewer.wait(lambda: viewer.player.seekable)
+        viewer.session.start_recording(self.path("out.mkv"))
+        support.pump(0.5)
+        for seconds in (6, 1, 7):
+            viewer.player.seek(seconds)
+            support.pump(0.5)
+        viewer.ends()
+        times = [frame[0] for frame in support.read_video(self.path("out.mkv"))]
+        self.assertTrue(all(0 < later - sooner < 1.01 for sooner, later in zip(times, times[1:])), times)
+
+    def test_a_window_that_closes_closes_the_file(self):
+        for ending in (".mkv", ".webm"):
+            viewer = Viewer(self).open("test")
+            self.assertTrue(viewer.session.start_recording(self.path("out" + ending)))
+            recorder = viewer.session.recorder
+            viewer.wait(lambda recorder=recorder: recorder.frames > 3)
+            viewer.session.close()
+            self.assertEqual(len(support.read_video(self.path("out" + ending))), recorder.frames)
+
+    def test_a_full_disk_and_folders_that_are_missing(self):
+        viewer = Viewer(self).open("test")
+        self.assertFalse(viewer.session.start_recording(self.path("none/out.mkv")))
+        self.assertFalse(viewer.session.start_recording(self.path("out.xyz")))
+        self.assertIn("another folder", viewer.told[0].text)
+        self.assertIn(".mkv", viewer.told[1].text)
+        os.symlink("/dev/full", self.path("full.mkv"))
+        viewer.session.start_recording(self.path("full.mkv"))
+        viewer.wait(lambda: len(viewer.session.troubles) == 3)
+        self.assertIn("disk is full", viewer.session.troubles[-1].text)
+        shown = len(viewer.times)
+        viewer.wait(lambda: len(viewer.times) > shown + 10)  # the video goes on
+        self.assertEqual(viewer.player.state, playback.PLAYING)
+
+    def test_snapshot(self):
+        viewer = Viewer(self)
+        self.assertFalse(viewer.session.snapshot(self.path("a.png")))
+        viewer.open(self.clip(5)).ends()
+        self.assertTrue(viewer.session.snapshot(self.path("a.png")))
+        self.assertFalse(viewer.session.snapshot(self.path("none/a.png")))
+        self.assertIn("another folder", viewer.told[-1].advice)
+        frame = support.read_video(self.path("a.png"))[0]
+        self.assertEqual((frame[1].get_value("width"), frame[1].get_value("height")), (160, 120))
+
+
+class Projects(support.Case):
+    def test_everything_that_was_done_comes_again(self):
+        path = self.clip(20)
+        viewer = Viewer(self).open(path)
+        viewer.session.add_editor("intrinsicrecolor", GREEN)
+        viewer.session.set_split(0.25)
+        self.assertTrue(viewer.session.save(self.path("p.json")))
+        self.assertFalse(viewer.session.save(self.path("none/p.json")))
+        other = Viewer(self)
+        other.session.load(self.path("p.json"))
+        other.wait(lambda: other.is_green(RED))
+        self.assertEqual(other.session.project, viewer.session.project)
+        with open(self.path("p.json"), "w", encoding="utf-8") as file:
+            json.dump({"version": 9}, file)
+        before = other.session.project
+        other.session.load(self.path("p.json"))
+        self.assertEqual(other.session.project, before)
+        self.assertIn("version", other.told[-1].text)
+
+    def test_undo_opens_the_source_before(self):
+        first, second = self.clip(10, "a.mkv"), self.clip(10, "b.mkv", size=(80, 60))
+        viewer = Viewer(self).open(first)
+        viewer.open(second)
+        viewer.wait(lambda: viewer.player.width == 80)
+        viewer.session.undo()
+        viewer.wait(lambda: viewer.player.width == 160)
+        viewer.session.redo()
+        viewer.wait(lambda: viewer.player.width == 80)
+
+    def test_the_split_view_while_playing(self):
+        viewer = Viewer(self).open("test")
+        for _ in range(10):
+            viewer.session.set_split(0.5)
+            support.pump(0.1)
+            viewer.session.set_split(None)
+            support.pump(0.05)
+        shown = len(viewer.times)
+        viewer.wait(lambda: len(viewer.times) > shown + 5)
+        self.assertEqual(viewer.told, [])
+
+    def test_strokes_that_an_element_drew_can_be_undone(self):
+        viewer = Viewer(self).open("test")
+        viewer.session.use_tool(mouse="shading")
+        pad = viewer.player.stage.mouse_pad
+        for kind, x in (("mouse-button-press", 100.0), ("mouse-move", 150.0), ("mouse-button-release", 150.0)):
+            fields = f'application/x-gst-navigation, event=(string){kind}, button=(int)1, pointer_x=(double){x}, ' \
+                     'pointer_y=(double)80.0'
+            event = Gst.Event.new_navigation(Gst.Structure.from_string(fields)[0])
+            pad.send_event(event)
+        viewer.wait(lambda: viewer.session.project.decomposer.get("strokes"))
+        stroke = json.loads(viewer.session.project.decomposer.get("strokes"))
+        self.assertIn("shading", str(stroke))
+        viewer.session.undo()
+        self.assertEqual(project.to_data(viewer.session.project)["decomposer"]["properties"], {})
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Projects, undo, launch lines and the command line: without a display."""
+import dataclasses
+import json
+import os
+import shlex
+import subprocess
+import sys
+import unittest
+
+import support
+from inverse_play import arguments, elements, launch_line, layers, project, source
+from inverse_play.elements import ElementError
+from inverse_play.history import History
+from inverse_play.project import Element, Project
+
+STROKES = '[{"kind":"shading","radius":12,"points":[[100,80],[120,80]]}]'
+
+
+def painted(**properties):
+    """A project with one editor."""
+    editor = Element("recolor1", "intrinsicrecolor")
+    for name, value in properties.items():
+        editor = editor.with_property(name.replace("_", "-"), value)
+    return Project(source="test", editors=(editor,))
+
+
+class Elements(support.Case):
+    def test_finds_editors_and_decomposers_by_their_pads(self):
+        self.assertLessEqual({"intrinsicrecolor", "intrinsicdespill"}, set(elements.editors()))
+        self.assertLessEqual({"intrinsicdecomp", "globalintrinsic"}, set(elements.decomposers()))
+        for name in ("intrinsiccompose", "intrinsicsplit", "videoconvert", "videorate", "materialclone"):
+            self.assertNotIn(name, elements.editors() + elements.decomposers())
+
+    def test_describes_properties(self):
+        found = elements.properties("intrinsicrecolor")
+        self.assertEqual((found["key"].kind, found["key"].default), ("color", "0xffc83c28"))
+        self.assertEqual((found["tolerance"].minimum, found["tolerance"].maximum), (0, 4.25))
+        self.assertEqual(found["write-mask"].kind, "bool")
+        self.assertTrue(found["key"].live)
+        self.assertFalse(elements.properties("intrinsicdecomp")["device"].live)
+        modes = dict(elements.properties("intrinsicdecomp")["stroke-mode"].choices)
+        self.assertIn("strokes of constant shading", modes["shading"])
+        self.assertNotIn("stats", found)
+
+    def test_sets_what_it_reads(self):
+        for factory in elements.editors() + elements.decomposers() + ["intrinsiccompose"]:
+            element = elements.make(factory, None)
+            for name in elements.properties(factory):
+                value = elements.read(element, name)
+                elements.write(element, name, elements.checked(factory, name, value))
+                self.assertEqual(elements.read(element, name), value, f"{factory} {name}")
+
+    def test_refuses_what_does_not_fit(self):
+        for name, value in (("key", "red"), ("tolerance", 9), ("tolerance", "x"), ("use-mask", "perhaps"),
+                            ("base-color", 16), ("nothing", 1)):
+            with self.assertRaises(ElementError, msg=f"{name}={value}"):
+                elements.checked("intrinsicrecolor", name, value)
+        with self.assertRaisesRegex(ElementError, "install the plugin"):
+            elements.make("intrinsicnothing", None)
+
+
+class Files(support.Case):
+    def test_saves_and_loads(self):
+        made = dataclasses.replace(painted(key="0xff102030", tolerance=0.7, use_mask=False), split=0.25)
+        made = made.with_element(made.decomposer.with_property("strokes", STROKES))
+        made = made.with_element(dataclasses.replace(made.editors[0], on=False))
+        made = made.with_element(made.compose.with_property("show", "shading"))
+        project.save(made, self.path("p.json"))
+        self.assertEqual(project.load(self.path("p.json")), made)
+        self.assertEqual(os.listdir(self.folder), ["p.json"])
+
+    def test_refuses_broken_files(self):
+        good = project.to_data(painted(key="0xff102030"))
+        broken = ["", "[]", "{}", '{"version": 2}', json.dumps({**good, "split": 2}),
+                  json.dumps({**good, "editors": [{"element": "intrinsicnothing"}]}),
+                  json.dumps({**good, "editors": [{"element": "intrinsiccompose"}]}),
+                  json.dumps({**good, "editors": [{"element": "intrinsicrecolor", "properties": {"key": "x"}}]}),
+                  json.dumps({**good, "editors": [{"element": "intrinsicrecolor", "properties": []}]}),
+                  json.dumps({**good, "decomposer": {"element": "videoconvert"}}), json.dumps({**good, "source": 3})]
+        for text in broken:
+            with open(self.path("p.json"), "w", encoding="utf-8") as file:
+                file.write(text)
+            with self.assertRaises(ElementError, msg=text) as caught:
+                project.load(self.path("p.json"))
+            self.assertIn("p.json", str(caught.exception))
+
+    def test_a_file_that_cannot_be_written_leaves_nothing(self):
+        with self.assertRaises(OSError):
+            project.save(painted(), self.path("none/p.json"))
+
+    def test_names_of_editors_are_used_again(self):
+        made = project.parse_editor("intrinsicrecolor", project.parse_editor("intrinsicrecolor", Project()))
+        self.assertEqual([e.name for e in made.editors], ["recolor1", "recolor2"])
+        self.assertEqual(made.with_editors(made.editors[1:]).new_name("intrinsicrecolor"), "recolor1")
+
+
+class Undo(support.Case):
+    def test_steps_and_their_labels(self):
+        now = [0.0]
+        history = History("a", lambda: now[0])
+        history.add("one", "b")
+        history.add("slide", "c", "slider")
+        now[0] = 0.5
+        history.add("slide", "d", "slider")  # joins the one before
+        now[0] = 5
+        history.add("slide", "e", "slider")  # later: another step
+        self.assertEqual([history.undo() for _ in range(4)], ["slide", "slide", "one", None])
+        self.assertEqual(history.state, "a")
+        self.assertEqual([history.redo() for _ in range(4)], ["one", "slide", "slide", None])
+        self.assertEqual(history.state, "e")
+        history.undo()
+        history.add("other", "f")
+        self.assertIsNone(history.redo())
+        self.assertEqual((history.undo(), history.state), ("other", "d"))
+
+    def test_memory_is_bounded(self):
+        history = History(0)
+        for i in range(2000):
+            history.add("", i)
+        self.assertLess(sum(1 for _ in iter(history.undo, None)), 600)
+
+
+class Layers(support.Case):
+    def test_only_those_that_are_there(self):
+        made = painted()
+        self.assertIn("globalintrinsic", layers.missing("direct", made)[1])
+        self.assertIn("write-mask", layers.missing("mask", made)[1])
+        masked = painted(write_mask=True)
+        self.assertIsNone(layers.missing("mask", masked))
+        shown = masked.with_element(masked.compose.with_property("show", "mask"))
+        self.assertEqual(layers.corrected(shown).compose.get("show"), "mask")
+        self.assertEqual(layers.corrected(shown.with_editors([])).compose.get("show"), "composed")
+
+
+class LaunchLine(support.Case):
+    def run_in_shell(self, made, width=0):
+        """Runs the command with a file in place of the window; returns its frames."""
+        command = launch_line.shell_text(made, width)
+        self.assertTrue(command.startswith("gst-launch-1.0 "))
+        out = self.path("out.mkv")
+        command = command.replace(" autovideosink", f" vp8enc deadline=1 ! matroskamux ! filesink location={out}")
+        subprocess.run(command, shell=True, check=True, timeout=60, stdout=subprocess.DEVNULL)
+        return support.read_video(out)
+
+    def test_runs_in_a_shell(self):
+        path = self.clip(5, "a clip's \"name\" $HOME \\.mkv")
+        made = dataclasses.replace(painted(key="0xffc00000", target="0xff00c000", tolerance=0.9), source=path)
+        made = made.with_element(made.decomposer.with_property("strokes", STROKES))
+        frames = self.run_in_shell(made)
+        self.assertEqual(len(frames), 5)
+        red, green, _ = support.color(frames[-1], 125, 40)  # the red bar
+        self.assertGreater(green, red + 60)
+
+    def test_editors_that_are_off_are_left_out(self):
+        made = painted()
+        self.assertIn("intrinsicrecolor", launch_line.shell_text(made))
+        off = made.with_element(dataclasses.replace(made.editors[0], on=False))
+        self.assertNotIn("intrinsicrecolor", launch_line.shell_text(off))
+
+    def test_the_split_view(self):
+        made = dataclasses.replace(painted(key="0xffc00000", target="0xff00c000", tolerance=4.25), split=0.5,
+                                   source=self.clip(3))
+        frames = self.run_in_shell(made, 160)
+        left, right = support.color(frames[-1], 30, 40), support.color(frames[-1], 100, 40)
+        self.assertGreater(left[0], 150)  # yellow
+        self.assertGreater(right[1], right[0] + 60)  # magenta was painted
+
+    def test_it_is_what_the_program_prints(self):
+        environment = {**os.environ, "PYTHONPATH": support.PLAYER}
+        words = [sys.executable, "-m", "inverse_play", "test", "--decomposer", "globalintrinsic", "--edit",
+                 "intrinsicdespill keep=0.5", "--show", "indirect", "--launch-line"]
+        done = subprocess.run(words, env=environment, capture_output=True, text=True, timeout=60, check=True)
+        line = shlex.split(done.stdout)
+        for word in ("globalintrinsic", "intrinsicdespill", "keep=0.5", "show=indirect", "autovideosink"):
+            self.assertIn(word, line)
+
+
+class CommandLine(support.Case):
+    def run_it(self, *words):
+        environment = {**os.environ, "PYTHONPATH": support.PLAYER}
+        return subprocess.run([sys.executable, "-m", "inverse_play", *words], env=environment, capture_output=True,
+                              text=True, timeout=60, check=False)
+
+    def test_errors_say_what_to_do(self):
+        open(self.path("empty.mp4"), "w", encoding="utf-8").close()
+        for words, text in ((["/none.mp4"], "there is no file"), (["/dev/video97"], "plug it in"),
+                            ([self.folder], "is a folder"), ([self.path("empty.mp4")], "is empty"),
+                            (["nosuch://x"], "nothing installed here opens"),
+                            (["videotestsrc ! nosuchelement"], "no launch line"),
+                            (["test", "--decomposer", "videoconvert"], "intrinsicdecomp"),
+                            (["test", "--edit", "intrinsicrecolor tolerance=99"], "tolerance"),
+                            (["test", "--edit", "intrinsicrecolor nothing=1"], "it has key"),
+                            (["test", "--show", "direct"], "globalintrinsic"),
+                            (["test", "--split", "7"], "from 0 to 1"), (["--project", "/none.json"], "none.json"),
+                            (["test", "--folder", "/none"], "no folder")):
+            done = self.run_it(*words)
+            self.assertEqual(done.returncode, 1, words)
+            self.assertIn(text, done.stderr, words)
+            self.assertNotIn("Traceback", done.stderr, words)
+        self.assertEqual(self.run_it("--launch-line").returncode, 2)
+        self.assertEqual(self.run_it("--nothing").returncode, 2)
+
+    def test_help_names_all_options(self):
+        text = self.run_it("--help").stdout
+        for action in arguments.parser()._actions:
+            self.assertIn((action.option_strings or [action.metavar])[-1], text)
+
+    def test_sources(self):
+        self.assertTrue(source.parse("test").live)
+        self.assertFalse(source.parse(str(support.CLIP)).live)
+        self.assertEqual(source.parse(support.CLIP.as_uri()).line, source.parse(str(support.CLIP)).line)
+        self.assertIn("imagefreeze", source.parse(str(support.ROOT / "media" / "layers.png")).line)
+        self.assertEqual(source.parse("videotestsrc pattern=ball").line, "videotestsrc pattern=ball")
+
+
+if __name__ == "__main__":
+    unittest.main()

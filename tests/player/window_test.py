@@ -1,0 +1,334 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""The window, with a real mouse and keyboard on a display without a screen."""
+import json
+import os
+import subprocess
+import unittest
+
+import support
+
+DISPLAY = support.Display()
+unittest.addModuleCleanup(DISPLAY.close)
+Gtk = support.need_gtk()
+from gi.repository import Gdk, GdkX11  # noqa: E402, F401  (GdkX11 has get_xid)
+from inverse_play import playback, style  # noqa: E402
+from inverse_play.project import Project  # noqa: E402
+from inverse_play.session import Session  # noqa: E402
+from inverse_play.window import Window  # noqa: E402
+
+style.apply()
+RED, CYAN = (500, 100), (230, 100)  # bars of the test picture of 640 x 480 pixels
+
+
+def pixel(x, y):
+    """A pixel of the display."""
+    picture = Gdk.pixbuf_get_from_window(Gdk.get_default_root_window(), x, y, 1, 1)
+    return tuple(picture.get_pixels()[:3])
+
+
+def screenshot(path):
+    """Writes what the display shows."""
+    root = Gdk.get_default_root_window()
+    Gdk.pixbuf_get_from_window(root, 0, 0, root.get_width(), root.get_height()).savev(path, "png", [], [])
+
+
+def is_green(color):
+    return color[1] > color[0] + 60 and color[1] > color[2] + 60
+
+
+class WindowCase(support.Case):
+    """A window that plays the test picture."""
+
+    def setUp(self):
+        super().setUp()
+        self.window = Window(lambda first, second: Session(first, second, Project()), self.folder)
+        self.window.show()
+        self.session, self.player = self.window.session, self.window.session.playback
+        self.focus()
+        self.open("test", 640)
+        self.addCleanup(self.end)
+
+    def focus(self):
+        """Gives the window the keyboard, as a window manager would."""
+        self.xdotool("mousemove", 700, 850, "windowfocus", "--sync", self.window.get_window().get_xid())
+
+    def open(self, text, width):
+        self.session.open(text)
+        self.wait(lambda: self.player.width == width)
+
+    def end(self):
+        self.session.close()
+        self.window.destroy()
+        support.pump(0.1)
+
+    def wait(self, until, seconds=20):
+        """Runs until something is true; else it fails with a screenshot."""
+        if not support.pump(seconds, until):
+            path = os.path.join(os.environ.get("INVERSE_SCREENSHOTS", "/tmp"), f"inverse-play-{self.id()}.png")
+            screenshot(path)
+            self.fail(f"waited in vain; the display is in {path}; {self.session.project}, {self.session.troubles}, "
+                      f"{self.window._info_text.get_text()}")
+
+    @staticmethod
+    def xdotool(*words):
+        """Real events; runs the window meanwhile."""
+        process = subprocess.Popen(["xdotool", *map(str, words)])
+        support.pump(10, lambda: process.poll() is not None)
+        support.pump(0.15)
+
+    def key(self, *names):
+        for name in names:
+            self.xdotool("key", name)
+
+    def on_display(self, x, y):
+        """Where a pixel of the frame is on the display."""
+        picture, frame = self.window.picture, (self.player.width, self.player.height)
+        area, (_, left, top) = picture.get_allocation(), picture.get_window().get_origin()
+        scale = min(area.width / frame[0], area.height / frame[1])
+        return (round(left + area.x + (area.width - scale * frame[0]) / 2 + (x + 0.5) * scale),
+                round(top + area.y + (area.height - scale * frame[1]) / 2 + (y + 0.5) * scale))
+
+    def click(self, x, y):
+        """Clicks on a pixel of the frame."""
+        self.xdotool("mousemove", *self.on_display(x, y), "click", 1)
+
+    def click_widget(self, widget):
+        self.wait(widget.get_mapped)
+        area, (_, left, top) = widget.get_allocation(), widget.get_window().get_origin()
+        own = not widget.get_has_window()
+        self.xdotool("mousemove", left + (area.x if own else 0) + area.width // 2,
+                     top + (area.y if own else 0) + area.height // 2, "click", 1)
+
+    def shown(self, at):
+        """A pixel of the frame as the display shows it."""
+        return pixel(*self.on_display(*at))
+
+    @property
+    def editors(self):
+        return [(e.factory, e.on) for e in self.session.project.editors]
+
+
+class Paint(WindowCase):
+    def test_an_object_is_painted_by_key_click_and_color(self):
+        self.wait(lambda: self.shown(RED)[0] > 150)
+        self.key("r")
+        self.click(*RED)
+        self.wait(lambda: self.editors == [("intrinsicrecolor", True)])
+        self.wait(lambda: self.shown(RED)[2] > self.shown(RED)[0] + 60)  # the color that it begins with
+        self.key("b")
+        self.click_widget(self.window.panel.settings.controls["target"].swatches[3])
+        self.wait(lambda: is_green(self.shown(RED)))
+        self.assertEqual(self.shown(CYAN)[1:], (255, 255))  # the rest stays
+        self.key("ctrl+z", "ctrl+z")
+        self.wait(lambda: self.editors == [] and self.shown(RED)[0] > 150)
+        self.key("ctrl+shift+z", "ctrl+shift+z")
+        self.wait(lambda: is_green(self.shown(RED)))
+
+    def test_buttons_do_the_same(self):
+        self.click_widget(self.window.toolbar.buttons["recolor"])
+        self.click(*RED)
+        self.wait(lambda: self.editors)
+        self.click_widget(self.window.header.layers["difference"])
+        self.wait(lambda: self.session.project.compose.get("show") == "difference")
+        self.click_widget(self.window.header.buttons["undo"])
+        self.wait(lambda: self.session.project.compose.get("show") == "composed")
+        self.click_widget(self.window.toolbar.adders["intrinsicrecolor"])
+        self.wait(lambda: len(self.editors) == 2)
+
+    def test_pick_sets_the_key_of_the_selected_editor(self):
+        self.window.add_editor("intrinsicrecolor")
+        self.key("p")
+        self.click(*RED)
+        self.wait(lambda: int(self.session.project.editors[0].get("key"), 0) & 0xffff < 0x2020)
+        self.assertEqual(len(self.editors), 1)
+
+
+class Strokes(WindowCase):
+    def strokes(self):
+        text = self.session.project.decomposer.get("strokes")
+        data = json.loads(text) if text else []
+        return data["strokes"] if isinstance(data, dict) else data
+
+    def drag(self, start, end):
+        self.xdotool("mousemove", *self.on_display(*start), "mousedown", 1)
+        self.xdotool("mousemove", *self.on_display((start[0] + end[0]) / 2, (start[1] + end[1]) / 2))
+        self.xdotool("mousemove", *self.on_display(*end), "mouseup", 1)
+
+    def test_each_kind_is_drawn_where_the_mouse_is(self):
+        kinds = [nick for nick, _ in self.modes() if nick not in ("off", "erase")]
+        self.assertLessEqual({"shading", "reflectance"}, set(kinds))
+        for count, kind in enumerate(kinds, 1):
+            self.click_widget(self.window.toolbar.buttons[f"stroke-{kind}"])
+            start, end = (60 + 10 * count, 90 * count), (500, 90 * count + 40)
+            self.drag(start, end)
+            self.wait(lambda count=count: len(self.strokes()) == count)
+            drawn = self.strokes()[-1]
+            self.assertEqual(drawn["kind"], kind)
+            for found, wanted in ((drawn["points"][0], start), (drawn["points"][-1], end)):
+                self.assertAlmostEqual(found[0], wanted[0], delta=12)  # less than the brush
+                self.assertAlmostEqual(found[1], wanted[1], delta=12)
+            self.assertAlmostEqual(drawn["points"][0][0], start[0], delta=1.5)
+        self.key("e")
+        self.click(70, 90)
+        self.wait(lambda: len(self.strokes()) == len(kinds) - 1)
+        self.key("ctrl+z")
+        self.wait(lambda: len(self.strokes()) == len(kinds))
+        self.assertEqual(self.session.troubles, [])
+
+    def modes(self):
+        from inverse_play import elements
+        return elements.properties("intrinsicdecomp")["stroke-mode"].choices
+
+    def test_over_the_original_in_another_size(self):
+        self.key("backslash", "s", "plus")
+        self.window.resize(900, 700)
+        support.pump(0.5)
+        self.drag((50, 200), (100, 200))
+        self.wait(lambda: len(self.strokes()) == 1)
+        self.assertAlmostEqual(self.strokes()[0]["points"][0][0], 50, delta=1.5)
+        self.assertAlmostEqual(self.strokes()[0]["points"][0][1], 200, delta=1.5)
+        self.assertAlmostEqual(self.strokes()[0]["radius"], 15, delta=0.01)
+
+
+class Keys(WindowCase):
+    def show(self):
+        return self.session.project.compose.get("show")
+
+    def test_layers(self):
+        for key, layer in zip("234651", ("reflectance", "shading", "input", "difference", "difference", "composed")):
+            self.key(key)
+            self.wait(lambda layer=layer: self.show() == layer)
+        self.key("5")
+        self.assertIn("write-mask", self.window._info_text.get_text())
+        self.session.add_editor("intrinsicrecolor", {"write-mask": True})
+        self.key("5")
+        self.wait(lambda: self.show() == "mask")
+        self.key("Up", "Down", "Delete")  # which made the mask
+        self.wait(lambda: self.show() == "composed" and not self.editors)
+        self.key("7")
+        self.assertIn("globalintrinsic", self.window._info_text.get_text())
+        self.assertEqual(self.session.troubles, [])
+
+    def test_the_chain(self):
+        self.session.set_decomposer("globalintrinsic")  # which intrinsicdespill needs
+        self.key("d", "d")
+        self.window.add_editor("intrinsicrecolor")
+        self.key("alt+Up", "alt+Up")
+        self.wait(lambda: [f for f, _ in self.editors] == ["intrinsicrecolor", "intrinsicdespill", "intrinsicdespill"])
+        self.key("o")
+        self.wait(lambda: self.editors[0] == ("intrinsicrecolor", False))
+        self.key("alt+Down", "Delete")
+        self.wait(lambda: len(self.editors) == 2)
+        for _ in range(9):
+            self.key("ctrl+z")
+        self.wait(lambda: not self.editors)
+        self.assertEqual(self.session.troubles, [])
+        self.key("ctrl+z", "ctrl+z")
+        self.assertIn("nothing to undo", self.window._info_text.get_text())
+
+    def test_an_editor_that_does_not_fit_is_taken_back(self):
+        self.key("d")
+        self.wait(lambda: self.player.state == playback.FAILED)
+        self.wait(self.window.info.get_mapped)
+        self.assertIn("globalintrinsic", self.window._info_text.get_text())
+        self.click_widget(self.window._undo)
+        self.wait(lambda: self.player.state == playback.PLAYING and not self.editors)
+        self.wait(lambda: self.player.stage.frames() > 2)
+        self.assertEqual(self.session.troubles, [])
+
+    def test_settings_by_keyboard(self):
+        self.window.add_editor("intrinsicrecolor")
+        self.key("Return", "Tab", "Right", "Right")
+        self.wait(lambda: self.session.project.editors[0].get("tolerance") > 0.41)
+        self.key("Escape", "ctrl+z")
+        self.wait(lambda: self.session.project.editors[0].get("tolerance") == 0.4)
+
+    def test_the_split_view(self):
+        self.window.add_editor("intrinsicrecolor")
+        for name, value in (("key", "0xffc00000"), ("target", "0xff00c000"), ("tolerance", 4.25), ("value-tolerance", 20)):
+            self.session.set_property("recolor1", name, value)
+        yellow = (140, 100)
+        self.wait(lambda: is_green(self.shown(RED)) and is_green(self.shown(yellow)))
+        self.key("backslash")
+        self.wait(lambda: is_green(self.shown(RED)) and self.shown(yellow)[0] > 200)
+        x, y = self.on_display(320, 240)
+        self.xdotool("mousemove", x, y, "mousedown", 1)
+        self.xdotool("mousemove", self.on_display(560, 240)[0], y)
+        self.xdotool("mouseup", 1)
+        self.wait(lambda: abs(self.session.project.split - 560 / 640) < 0.02)
+        self.wait(lambda: self.shown(RED)[0] > 150)
+        self.key("bracketleft", "bracketright", "bracketleft")
+        self.assertAlmostEqual(self.session.project.split, 560 / 640 - 0.05, delta=0.02)
+        self.key("backslash")
+        self.wait(lambda: is_green(self.shown(RED)))
+
+    def test_help_and_panels(self):
+        self.key("F1")
+        self.wait(self.window.help.get_mapped)
+        self.key("Escape")
+        self.wait(lambda: not self.window.help.get_mapped())
+        self.key("question")
+        self.wait(self.window.help.get_mapped)
+        self.key("F1", "F9")
+        self.wait(lambda: not self.window.panel.get_mapped())
+        self.key("F9")
+        self.wait(self.window.panel.get_mapped)
+
+    def test_play_and_seek(self):
+        self.open(self.clip(300), 160)
+        self.wait(lambda: self.player.seekable)
+        self.key("space")
+        self.wait(lambda: self.player.state == playback.PAUSED)
+        self.key("Home", "Right", "Right")
+        self.wait(lambda: abs(self.player.position - 10) < 0.5)
+        self.key("Left")
+        self.wait(lambda: abs(self.player.position - 5) < 0.5)
+        area = self.window.timeline.scale.get_allocation()
+        self.click_widget(self.window.timeline.scale)  # its middle
+        self.assertGreater(area.width, 100)
+        self.wait(lambda: self.player.position > 6)
+        self.key("End", "space")
+        self.wait(lambda: self.player.state == playback.ENDED)
+        self.wait(lambda: self.window.timeline.play.get_label() == "Again")
+        self.key("space")
+        self.wait(lambda: self.player.state == playback.PLAYING and 0 < self.player.position < 20)
+
+    def test_record_and_snapshot(self):
+        self.key("ctrl+r")
+        self.wait(lambda: self.session.recorder and self.session.recorder.frames > 3)
+        self.key("ctrl+r", "ctrl+p")
+        self.wait(lambda: not self.session.recorder)
+        names = sorted(os.listdir(self.folder))
+        self.assertEqual([name[-4:] for name in names], [".mkv", ".png"])
+        for name in names:
+            self.assertTrue(support.read_video(self.path(name)))
+
+    def test_files_by_dialogs(self):
+        self.session.set_decomposer("globalintrinsic")
+        self.key("d")
+        self.type_into("Save the project", "ctrl+s", self.path("p"))  # the ending stays
+        self.wait(lambda: os.path.exists(self.path("p.json")))
+        self.type_into("Save the launch line", "ctrl+shift+s", self.path("play"))
+        self.wait(lambda: os.path.exists(self.path("play.sh")))
+        with open(self.path("play.sh"), encoding="utf-8") as file:
+            self.assertIn("! intrinsicdespill !", file.read())
+        self.key("Delete")
+        self.wait(lambda: not self.editors)
+        self.type_into("Load a project", "ctrl+l", self.path("p.json"))
+        self.wait(lambda: len(self.editors) == 1)
+        self.key("ctrl+shift+c")
+        self.wait(lambda: "intrinsicdespill" in (Gtk.Clipboard.get(Gdk.SELECTION_CLIPBOARD).wait_for_text() or ""))
+
+    def type_into(self, title, key, text):
+        """Opens a dialog by a key and types into it: from outside, as the dialog waits in a loop of its own."""
+        script = f'''xdotool search --sync --name "^{title}$" windowfocus --sync
+                     sleep 1; xdotool type --delay 20 '{text}'; sleep 0.5; xdotool key Return'''
+        process = subprocess.Popen(["sh", "-c", script], stdout=subprocess.DEVNULL)
+        self.key(key)
+        support.pump(20, lambda: process.poll() is not None)
+        support.pump(0.5)
+        self.focus()
+
+
+if __name__ == "__main__":
+    unittest.main()
