@@ -30,9 +30,9 @@ def _gtk():
 
 def _show(made, options):
     gtk = _gtk()
-    from . import style
     from .session import Session
-    from .window import Window
+    from .ui import style
+    from .ui.window import Window
     style.apply()
     window = Window(lambda sink, second: Session(sink, second, made), options.folder)
     window.exit_at_end = options.close_at_end

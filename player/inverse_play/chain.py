@@ -5,16 +5,22 @@ import threading
 from gi.repository import GLib, Gst
 
 
+DRAIN = "inverse-play-drain"
+DRAIN_SECONDS = 2  # of waiting for a queue whose frames stand still, as those of a pipeline that is paused
+
+
 class Chain:
-    """The elements between the source pad `entry` and the sink pad `exit` of a pipeline's bin. Each has the pads
-    sink and src, and hands on what it gets in the thread that brought it: so while `entry` pushes nothing,
-    nothing is under way in the chain, and it can be linked in another order."""
+    """The elements between the source pad `entry` and the sink pad `leave` of a pipeline's bin. Each has the pads
+    sink and src. They are linked in another order while `entry` pushes nothing and nothing is under way in the
+    chain: an event follows the last frame through it, also through queues."""
 
     def __init__(self, parent, entry, leave):
         self._parent, self._entry, self._exit = parent, entry, leave
         self._lock = threading.Lock()
         self._linked, self._wanted, self._gone, self._then = [], [], [], []
         self._waiting = False  # for a probe, of which there is never more than one
+        self._drained = threading.Event()
+        leave.add_probe(Gst.PadProbeType.EVENT_DOWNSTREAM, self._on_event)
 
     def set(self, wanted, gone=(), then=lambda: None):
         """Links these elements, in this order, and calls `then`, both between two frames. `gone` are stopped and
@@ -43,11 +49,27 @@ class Chain:
                 if wanted == self._linked and not then:
                     self._waiting = False
                     return Gst.PadProbeReturn.REMOVE
+            self._drain()
             self._relink(wanted)
             for call in then:
                 call()
             for element in gone:
                 GLib.idle_add(self._dispose, element)
+
+    def _drain(self):
+        """Waits until all frames have left the chain."""
+        first = self._entry.get_peer()
+        self._drained.clear()
+        if first and first.send_event(Gst.Event.new_custom(Gst.EventType.CUSTOM_DOWNSTREAM,
+                                                           Gst.Structure.new_empty(DRAIN))):
+            self._drained.wait(DRAIN_SECONDS)
+
+    def _on_event(self, _pad, info):
+        event = info.get_event()
+        if event.type != Gst.EventType.CUSTOM_DOWNSTREAM or not event.has_name(DRAIN):
+            return Gst.PadProbeReturn.OK
+        self._drained.set()
+        return Gst.PadProbeReturn.DROP
 
     def _links(self, elements):
         sources = [self._entry] + [e.get_static_pad("src") for e in elements]

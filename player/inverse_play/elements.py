@@ -6,7 +6,7 @@ import functools
 from gi.repository import GObject, Gst
 
 LAYERS = "meta:InverseLayers"
-BASE_PROPERTIES = {"name", "parent", "qos", "stats"}
+BASE_PROPERTIES = {"name", "parent", "qos", "stats", "async-handling", "message-forward"}
 
 
 class ElementError(Exception):
@@ -14,17 +14,16 @@ class ElementError(Exception):
 
 
 def _takes_layers(factory, direction):
-    """(whether pads of that direction take layers, whether they take anything else)."""
-    layers = other = False
+    """Whether a pad of that direction that is always there takes layers."""
     for template in factory.get_static_pad_templates():
         if template.direction != direction or template.presence != Gst.PadPresence.ALWAYS:
             continue
         caps = template.get_caps()
         for i in range(caps.get_size()):
             features = caps.get_features(i) if not caps.is_any() else None
-            has = features is not None and not features.is_any() and features.contains(LAYERS)
-            layers, other = layers or has, other or not has
-    return layers, other
+            if features is not None and not features.is_any() and features.contains(LAYERS):
+                return True
+    return False
 
 
 def _video_factories():
@@ -34,16 +33,16 @@ def _video_factories():
 
 @functools.cache
 def editors():
-    """Names of the elements that take layers and output only layers."""
+    """Names of the elements that take layers and output layers."""
     return [f.get_name() for f in _video_factories()
-            if _takes_layers(f, Gst.PadDirection.SINK)[0] and _takes_layers(f, Gst.PadDirection.SRC) == (True, False)]
+            if all(_takes_layers(f, direction) for direction in (Gst.PadDirection.SINK, Gst.PadDirection.SRC))]
 
 
 @functools.cache
 def decomposers():
     """Names of the elements that make layers of pictures."""
     return [f.get_name() for f in _video_factories()
-            if not _takes_layers(f, Gst.PadDirection.SINK)[0] and _takes_layers(f, Gst.PadDirection.SRC)[0]]
+            if not _takes_layers(f, Gst.PadDirection.SINK) and _takes_layers(f, Gst.PadDirection.SRC)]
 
 
 def title(factory):

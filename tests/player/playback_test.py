@@ -7,6 +7,7 @@ import unittest
 import support
 from gi.repository import Gst, GstVideo
 from inverse_play import playback, project
+from inverse_play.chain import Chain
 from inverse_play.project import Project
 from inverse_play.session import Session
 
@@ -64,10 +65,37 @@ class Viewer:
         return green > red + 60 and green > blue + 60
 
 
+class Rows(support.Case):
+    """Elements of any kind in a Chain: also with threads of their own."""
+
+    def test_no_frame_is_lost_in_a_queue(self):
+        frames, times = 600, []
+        pipeline = Gst.parse_launch(f"videotestsrc num-buffers={frames} ! video/x-raw,width=16,height=16 ! "
+                                    "queue name=entry fakesink name=end signal-handoffs=true")
+        end = pipeline.get_by_name("end")
+        end.connect("handoff", lambda _, buffer, pad: times.append(buffer.pts))
+        row = Chain(pipeline, pipeline.get_by_name("entry").get_static_pad("src"), end.get_static_pad("sink"))
+        small = "queue max-size-buffers=5"
+        kinds = (f"{small} ! identity sleep-time=3000 ! {small}", "identity sleep-time=1000", f"{small} ! identity")
+        parts = [Gst.parse_bin_from_description(kinds[i % 3], True) for i in range(5)]
+        row.set(parts[:2])
+        pipeline.set_state(Gst.State.PLAYING)
+        self.addCleanup(pipeline.set_state, Gst.State.NULL)
+        bus, count = pipeline.get_bus(), 0
+        while not (message := bus.pop_filtered(Gst.MessageType.EOS | Gst.MessageType.ERROR)):
+            first = count % len(parts)
+            row.set((parts + parts)[first:first + count % 4])
+            count += 1
+            support.pump(0.02)
+        self.assertEqual(message.type, Gst.MessageType.EOS, message.type == Gst.MessageType.ERROR and message.parse_error())
+        self.assertEqual((len(times), times), (frames, sorted(set(times))))
+        self.assertGreater(count, 10)
+
+
 GREEN = {"key": "0xffc00000", "target": "0xff00c000", "tolerance": 0.9}
 
 
-class Chain(support.Case):
+class Editors(support.Case):
     def test_no_frame_is_lost_while_editors_change(self):
         frames = 100
         viewer = Viewer(self, every_frame=True)

@@ -11,10 +11,11 @@ DISPLAY = support.Display()
 unittest.addModuleCleanup(DISPLAY.close)
 Gtk = support.need_gtk()
 from gi.repository import Gdk, GdkX11  # noqa: E402, F401  (GdkX11 has get_xid)
-from inverse_play import playback, style  # noqa: E402
+from inverse_play import playback  # noqa: E402
 from inverse_play.project import Project  # noqa: E402
 from inverse_play.session import Session  # noqa: E402
-from inverse_play.window import Window  # noqa: E402
+from inverse_play.ui import style  # noqa: E402
+from inverse_play.ui.window import Window  # noqa: E402
 
 style.apply()
 RED, CYAN = (500, 100), (230, 100)  # bars of the test picture of 640 x 480 pixels

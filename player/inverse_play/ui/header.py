@@ -2,7 +2,8 @@
 """The bar at the top: input, layers, and what keeps the result."""
 from gi.repository import Gtk
 
-from . import keys, layers, source
+from .. import layers, source
+from . import keys
 from .style import add_class
 
 LAYER_KEYS = ("1", "2", "3", "4", "5", "6")

@@ -2,7 +2,8 @@
 """The column at the left: tools of the mouse, and editors to add."""
 from gi.repository import Gtk
 
-from . import keys, tools
+from .. import tools
+from . import keys
 from .style import add_class, label
 
 

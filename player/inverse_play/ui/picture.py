@@ -30,7 +30,7 @@ class Picture(Gtk.Overlay):
         self.add_overlay(self._left)
         self._divider = self._make_divider()
         self.add_overlay(self._divider)
-        self.connect("get-child-position", self._place)
+        self.connect("get-child-position", self._place_child)
         self.connect("size-allocate", lambda *_: GLib.idle_add(self._resize_original))
 
     def _make_divider(self):
@@ -84,15 +84,19 @@ class Picture(Gtk.Overlay):
             widget.set_visible(split is not None)
         self.queue_resize()
 
-    def _across(self):
-        """(left edge, width) of the frame in this widget, as the sink fits it in."""
+    def frame_place(self):
+        """(left edge, top edge, scale) of the frame in this widget, as the sink fits it in."""
         area, (width, height) = self.get_allocation(), self._frame
         if not width or not height:
-            return 0, area.width
-        shown = min(area.width, round(area.height * width / height))
-        return (area.width - shown) // 2, shown
+            return 0, 0, 1
+        scale = min(area.width / width, area.height / height)
+        return (area.width - scale * width) / 2, (area.height - scale * height) / 2, scale
 
-    def _place(self, _overlay, child, place):
+    def _across(self):
+        left, _, scale = self.frame_place()
+        return round(left), max(round(scale * self._frame[0]), 1)
+
+    def _place_child(self, _overlay, child, place):
         if child not in (self._left, self._divider) or self._split is None:
             return False
         left, width = self._across()

@@ -2,12 +2,14 @@
 """The window: puts its parts together, and does what keys and buttons ask for."""
 from gi.repository import Gdk, GLib, Gtk
 
-from . import dialogs, keys, layers, tools
+from .. import layers, tools
+from ..messages import Trouble
+from ..playback import CLOSED, ENDED, FAILED
+from . import dialogs, keys
 from .header import LAYER_KEYS, Header
-from .messages import Trouble
 from .panel import Panel
 from .picture import Picture
-from .playback import CLOSED, ENDED, FAILED
+from .strokes import StrokeView
 from .style import add_class, label
 from .timeline import Timeline
 from .toolbar import Toolbar
@@ -46,6 +48,9 @@ class Window(Gtk.Window):
     def _build(self):
         self.header = Header(self.do, self.session.open, self.session.show_layer)
         self.set_titlebar(self.header)
+        self.strokes = StrokeView(self.picture.frame_place)
+        self.picture.add_overlay(self.strokes)
+        self.picture.set_overlay_pass_through(self.strokes, True)
         self.toolbar = Toolbar(self.session.project, self.choose_tool, self.add_editor)
         self.panel = Panel(self.session, self._on_selected)
         self.timeline = Timeline(self.session.playback, self.session.toggle_playing)
@@ -102,6 +107,8 @@ class Window(Gtk.Window):
         self.timeline.update()
         self._show_start(playback.state == CLOSED and not session.project.source)
         self._show_split()
+        self.strokes.show_strokes(session.project.decomposer if self.tool.mouse != "off" else None,
+                                  (playback.width, playback.height))
         if playback.source and playback.state != CLOSED:
             self.set_title(f"{playback.source.title} – inverse-play")
 
@@ -178,6 +185,7 @@ class Window(Gtk.Window):
         self.panel.select(self.session.add_editor(factory))
 
     def _on_mouse(self, kind, x, y):
+        self.strokes.mouse(kind, x, y)
         if not self.tool.reads:
             return False
         if kind == "mouse-button-press":

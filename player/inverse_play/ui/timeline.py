@@ -4,7 +4,7 @@ import time
 
 from gi.repository import Gtk
 
-from .playback import CLOSED, ENDED, PLAYING
+from ..playback import CLOSED, ENDED, PLAYING
 from .style import add_class, label
 
 
@@ -63,4 +63,6 @@ class Timeline(Gtk.Box):
         rate = new / max(now - self._time, 1e-3)
         self._frames, self._time = frames, now
         milliseconds = playback.stage.milliseconds()
-        self.rate.set_text(f"{playback.width}×{playback.height} · {rate:.1f} frames/s · {milliseconds:.0f} ms a frame")
+        size = f"{playback.width}×{playback.height}"
+        moving = f" · {rate:.1f} frames/s · {milliseconds:.0f} ms a frame" if playback.state == PLAYING else ""
+        self.rate.set_text(size + moving)

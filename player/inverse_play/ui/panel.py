@@ -2,7 +2,7 @@
 """The side panel: the chain of elements, and the settings of the one that is selected."""
 from gi.repository import GLib, Gtk, Pango
 
-from . import elements
+from .. import elements
 from .settings import Settings
 from .style import add_class, label
 

@@ -2,7 +2,7 @@
 """A panel for any element, made from its properties."""
 from gi.repository import Gdk, GObject, Gst, Gtk
 
-from . import elements
+from .. import elements
 from .style import add_class, label
 
 WIDE_RANGE = 30  # above it a number has a box instead of a slider
@@ -142,6 +142,11 @@ CONTROLS = {"bool": _bool_control, "enum": _enum_control, "int": _number_control
 HIDDEN = {"show", "strokes", "stroke-mode"}  # by layer buttons, by the mouse, by tools
 
 
+def _place(prop):
+    """Settings of the brush come first, those that make the element anew last; the rest as the element has them."""
+    return 0 if prop.name.startswith("stroke-") else 1 if prop.live else 2
+
+
 class Settings(Gtk.Grid):
     """Controls for the properties of an element of the project. `changed(name, value)` sets one."""
 
@@ -150,7 +155,7 @@ class Settings(Gtk.Grid):
         self.described, self._changed, self._showing = described, changed, False
         self.controls = {}
         self._add_presets(described.factory)
-        for prop in elements.properties(described.factory).values():
+        for prop in sorted(elements.properties(described.factory).values(), key=_place):
             if prop.name not in HIDDEN:
                 self._add_row(prop)
         self.show_values(described)
