@@ -28,7 +28,6 @@ class Playback:
         self.sink = None
         self._pipeline, self._branch = None, None
         self._seeking, self._next_seek = False, None
-        self._branch_pad = None
         self._shown = 0
 
     def open(self, opened, project):
@@ -129,34 +128,32 @@ class Playback:
         self._branch.add(sink)
         self._branch.get_by_name("out").link(sink)
         sink.get_static_pad("sink").get_peer().add_probe(Gst.PadProbeType.EVENT_UPSTREAM, self._on_event)
-        for name, value in (("async", False), ("qos", False), ("sync", not self.source.live)):
+        for name, value in (("qos", False), ("sync", not self.source.live)):
             sink.set_property(name, value)
         self._pipeline.add(self._branch)
         self._branch.sync_state_with_parent()
-        self._branch_pad = self.stage.layers.request_pad_simple("src_%u")
-        self._branch_pad.link(self._branch.get_static_pad("sink"))
+        self.stage.branch_pad.link(self._branch.get_static_pad("sink"))
+        self._seeking = False  # a seek under way does not end before the new sink has a frame: by another seek
         self.refresh()
 
     def hide_original(self):
         """Ends `show_original`."""
         if not self._branch:
             return
-        branch, pad, layers = self._branch, self._branch_pad, self.stage.layers
-        self._branch = self._branch_pad = None
-        pad.add_probe(Gst.PadProbeType.IDLE, self._unlink, branch, layers)
+        branch, self._branch = self._branch, None
+        self.stage.branch_pad.add_probe(Gst.PadProbeType.IDLE, self._unlink, branch)
 
-    def _unlink(self, pad, _info, branch, layers):
+    def _unlink(self, pad, _info, branch):
         pad.unlink(branch.get_static_pad("sink"))
-        GLib.idle_add(self._drop_branch, branch, layers, pad)
+        GLib.idle_add(self._drop_branch, branch)
         return Gst.PadProbeReturn.REMOVE
 
-    def _drop_branch(self, branch, layers, pad):
+    def _drop_branch(self, branch):
         branch.set_locked_state(True)
         branch.set_state(Gst.State.NULL)
         parent = branch.get_parent()
         if parent:
             parent.remove(branch)
-        layers.release_request_pad(pad)
         return GLib.SOURCE_REMOVE
 
     def every_frame(self, wanted):

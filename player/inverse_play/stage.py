@@ -2,16 +2,17 @@
 """The elements of a project in a pipeline: decomposer, editors and intrinsiccompose, kept as the project says."""
 from gi.repository import Gst
 
-from . import elements, tap
+from . import elements
 from .chain import Chain
+from .tap import Tap
 
 MOUSE_MODE = "stroke-mode"  # a tool of the window, no part of a project
 
 
 class Stage:
-    """Elements between `entry`, a source pad, and `sink`, an element that takes pictures. Other branches start at
-    the tee `layers`, with a queue each. There is none up to intrinsiccompose: so no frame is under way while the
-    project changes, and each frame is edited by one project."""
+    """Elements between `entry`, a source pad, and `sink`, an element that takes pictures. `branch_pad` outputs the
+    layers once more, for a branch that begins with a queue. There is none up to intrinsiccompose: so no frame is
+    under way while the project changes, and each frame is edited by one project."""
 
     def __init__(self, pipeline, entry, sink, project, on_change):
         self._pipeline, self._on_change = pipeline, on_change
@@ -19,16 +20,17 @@ class Stage:
         self.project = project
         self._tap, self._tap_place = None, None
         self._mouse = "off"
-        self.layers = Gst.ElementFactory.make("tee", None)
+        layers = Gst.ElementFactory.make("tee", None)
+        # The first one, as a tee waits for each of its pads in turn: the other one waits while the video is paused.
+        self.branch_pad = layers.request_pad_simple("src_%u")
         self.compose = self._made(project.compose)
         self._convert = Gst.ElementFactory.make("videoconvert", None)
-        row = (self.layers, self.compose, self._convert, sink)
-        for element in row[:-1]:
+        for element in (layers, self.compose, self._convert):
             pipeline.add(element)
-        pairs = zip(row, row[1:])
-        if not all(first.link(second) for first, second in pairs):
-            raise elements.ElementError("the sink takes no pictures")
-        self._chain = Chain(pipeline, entry, self.layers.get_static_pad("sink"))
+        layers.request_pad_simple("src_%u").link(self.compose.get_static_pad("sink"))
+        self.compose.link(self._convert)
+        self._convert.link(sink)
+        self._chain = Chain(pipeline, entry, layers.get_static_pad("sink"))
         for editor in (project.decomposer, *project.editors):
             self._made(editor)
         self._link()
@@ -85,11 +87,11 @@ class Stage:
         row = [self._elements["decomposer"]]
         for editor in self.project.editors:
             if self._tap and self._tap_place == editor.name:
-                row.append(self._tap)
+                row.append(self._tap.element)
             if editor.on:
                 row.append(self._elements[editor.name])
-        if self._tap and self._tap not in row:
-            row.append(self._tap)
+        if self._tap and self._tap.element not in row:
+            row.append(self._tap.element)
         self._chain.set(row, gone, then)
 
     def tap(self, place):
@@ -97,18 +99,18 @@ class Stage:
         are read from now on that were not before."""
         if place == self._tap_place:
             return False
-        gone = [self._tap] if self._tap and place is None else []
+        gone = [self._tap.element] if self._tap and place is None else []
         if place is None:
             self._tap = None
         elif not self._tap:
-            self._tap = tap.make()
+            self._tap = Tap()
         self._tap_place = place
         self._link(gone)
         return place is not None
 
     def color_at(self, x, y):
         """What the tap found there, or None."""
-        return tap.color_at(self._tap, x, y) if self._tap else None
+        return self._tap.color_at(x, y) if self._tap else None
 
     def mouse(self, mode):
         """What the mouse draws: a value of the decomposer's stroke-mode."""

@@ -4,34 +4,34 @@ from gi.repository import Gst
 
 LINE = ("tee name=tee tee. ! queue max-size-buffers=1 max-size-bytes=0 max-size-time=0 leaky=downstream ! "
         "intrinsiccompose show=reflectance ! videoconvert ! video/x-raw,format=RGB ! "
-        "fakesink name=last sync=false async=false enable-last-sample=true")
+        "fakesink name=last sync=false async=false")
 RADIUS = 2  # of the square whose median is taken, pixels
 
 
-def make():
-    """An element for a chain that passes everything on. `color_at` reads what came to it last."""
-    tap = Gst.parse_bin_from_description(LINE, False)
-    tee = tap.get_by_name("tee")
-    tap.add_pad(Gst.GhostPad.new("sink", tee.get_static_pad("sink")))
-    tap.add_pad(Gst.GhostPad.new("src", tee.request_pad_simple("src_%u")))
-    return tap
+class Tap:
+    """`element` belongs into a chain; it passes everything on."""
 
+    def __init__(self):
+        self.element = Gst.parse_bin_from_description(LINE, False)
+        tee = self.element.get_by_name("tee")
+        self.element.add_pad(Gst.GhostPad.new("sink", tee.get_static_pad("sink")))
+        self.element.add_pad(Gst.GhostPad.new("src", tee.request_pad_simple("src_%u")))
+        self._last = None
+        # Not the sink's last sample: it has none while the pipeline is paused.
+        self.element.get_by_name("last").get_static_pad("sink").add_probe(Gst.PadProbeType.BUFFER, self._on_buffer)
 
-def color_at(tap, x, y):
-    """The reflectance around a pixel of the frame as 0xffRRGGBB; None before the first frame."""
-    sample = tap.get_by_name("last").get_property("last-sample")
-    if not sample:
-        return None
-    caps = sample.get_caps().get_structure(0)
-    width, height = caps.get_value("width"), caps.get_value("height")
-    found, mapped = sample.get_buffer().map(Gst.MapFlags.READ)
-    if not found:
-        return None
-    try:
-        stride = mapped.size // height
-        return _median(mapped.data, stride, _range(x, width), _range(y, height))
-    finally:
-        sample.get_buffer().unmap(mapped)
+    def _on_buffer(self, pad, info):
+        self._last = info.get_buffer(), pad.get_current_caps().get_structure(0)
+        return Gst.PadProbeReturn.OK
+
+    def color_at(self, x, y):
+        """The reflectance around a pixel of the frame as 0xffRRGGBB; None before the first frame."""
+        if not self._last:
+            return None
+        buffer, caps = self._last
+        width, height = caps.get_value("width"), caps.get_value("height")
+        data = buffer.extract_dup(0, buffer.get_size())
+        return _median(data, len(data) // height, _range(x, width), _range(y, height))
 
 
 def _range(center, size):

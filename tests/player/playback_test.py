@@ -214,6 +214,15 @@ class Files(support.Case):
         self.assertAlmostEqual(viewer.player.position, at, delta=0.11)
         self.assertEqual(viewer.player.state, playback.PAUSED)
 
+    def test_colors_are_picked_while_it_stands_still(self):
+        viewer = Viewer(self).open(self.clip(60))
+        viewer.wait(lambda: viewer.player.seekable)
+        viewer.session.toggle_playing()
+        support.pump(0.3)
+        viewer.session.use_tool(tap="")
+        viewer.wait(lambda: viewer.session.recolor_at(*RED))
+        self.assertLess(int(viewer.session.project.editors[0].get("key"), 0) & 0xffff, 0x3030)
+
     def test_seeks(self):
         viewer = Viewer(self).open(self.clip(80))
         viewer.wait(lambda: viewer.player.seekable)

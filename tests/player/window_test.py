@@ -294,6 +294,21 @@ class Keys(WindowCase):
         self.key("space")
         self.wait(lambda: self.player.state == playback.PLAYING and 0 < self.player.position < 20)
 
+    def test_the_original_of_a_frame_that_stands_still(self):
+        self.open(self.clip(40), 160)
+        self.wait(lambda: self.player.seekable)
+        self.key("space")
+        self.session.set_property("compose", "show", "shading")
+        self.session.set_split(0.5)
+        yellow = (30, 40)
+        self.wait(lambda: self.shown(yellow)[0] > 150 and self.shown(yellow)[2] < 80)
+        self.key("2")
+        self.key("Right")
+        self.wait(lambda: self.player.position > 3)
+        self.wait(lambda: self.shown(yellow)[0] > 150 and self.shown(yellow)[2] < 80)
+        self.key("backslash", "space")
+        self.wait(lambda: self.player.state == playback.ENDED)
+
     def test_record_and_snapshot(self):
         self.key("ctrl+r")
         self.wait(lambda: self.session.recorder and self.session.recorder.frames > 3)
