@@ -6,22 +6,25 @@ import os
 
 from . import elements, layers, project, source
 
-EPILOG = """SOURCE is a file, a URI, /dev/videoN, "libcamera" or "libcamera:NAME", "test" for a test picture, or a piece of
-a launch line that outputs video ("videotestsrc pattern=ball ! video/x-raw,width=320"). Without one the window asks.
+EPILOG = """SOURCE is a file, a URI, /dev/videoN, "libcamera" or "libcamera:NAME", "test" for a test picture, or
+a piece of a launch line that outputs video ("videotestsrc pattern=ball ! video/x-raw,width=320"). Without one the
+window asks.
 Exit status: 0; 1 if something went wrong, as an input that is cut off or a full disk; 2 for wrong arguments."""
 
 
 def parser():
     """The ArgumentParser."""
-    made = argparse.ArgumentParser(prog="inverse-play", description="Shows and edits the layers of a video while it plays.",
-                                   epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter)
+    made = argparse.ArgumentParser(prog="inverse-play", epilog=EPILOG,
+                                   description="Shows and edits the layers of a video while it plays.",
+                                   formatter_class=argparse.RawDescriptionHelpFormatter)
     made.add_argument("source", metavar="SOURCE", nargs="?", help="what to play")
     made.add_argument("--project", metavar="FILE", help="load a project that was saved")
     made.add_argument("--decomposer", metavar="ELEMENT", help="decompose by it (intrinsicdecomp)")
     made.add_argument("--edit", metavar="EDITOR", action="append", default=[],
                       help='add an editor, as in "intrinsicrecolor key=0xffc03020"; several are a chain')
     made.add_argument("--show", metavar="LAYER", help="show a layer: a value of show of intrinsiccompose")
-    made.add_argument("--split", metavar="SHARE", type=float, help="show the original at the left, up to this share: 0 to 1")
+    made.add_argument("--split", metavar="SHARE", type=float,
+                      help="show the original at the left, up to this share of the width: 0 to 1")
     made.add_argument("--record", metavar="FILE", help="record from the first frame on: .mkv, .webm or .mp4")
     made.add_argument("--close-at-end", action="store_true", help="close the window after the last frame")
     made.add_argument("--folder", metavar="FOLDER", help="where recordings and snapshots go, instead of your own")

@@ -34,12 +34,6 @@ class Chain:
             self._waiting = True
         self._entry.add_probe(Gst.PadProbeType.IDLE, self._exchange)
 
-    @property
-    def pending(self):
-        """Whether the last `set` has not taken place yet: it does with the next frame."""
-        with self._lock:
-            return self._waiting
-
     def _exchange(self, _pad, _info):
         """Called while the entry pushes nothing, by its thread or by that of `set`."""
         while True:

@@ -39,11 +39,12 @@ class Recorder:
 
     def __init__(self, path, pad, on_failure):
         self.path, self.failure, self.frames = path, None, 0
+        self._broken = False  # so that the file cannot be finished
         self._on_failure = on_failure
         self._pad, self._caps, self._segment = pad, None, None
         self._shift, self._last, self._first = 0, None, None
-        self._pipeline = Gst.parse_launch(f"appsrc name=in format=time block=true max-bytes=0 max-buffers={MAX_WAITING} "
-                                          f"! {line_for(path)}")
+        self._pipeline = Gst.parse_launch(f"appsrc name=in format=time block=true max-bytes=0 "
+                                          f"max-buffers={MAX_WAITING} ! {line_for(path)}")
         self._in = self._pipeline.get_by_name("in")
         self._pipeline.get_by_name("file").set_property("location", path)
         bus = self._pipeline.get_bus()
@@ -94,6 +95,7 @@ class Recorder:
         return self._last
 
     def _on_error(self, _bus, message):
+        self._broken = True
         self._fail(_reason(message, self.path))
 
     def _fail(self, reason):
@@ -105,7 +107,7 @@ class Recorder:
         """Writes what was recorded to its end and closes the file. Returns whether the file is complete."""
         self._pad.remove_probe(self._probe)
         bus = self._pipeline.get_bus()
-        if self._caps is not None and not self._broken():
+        if self._caps is not None and not self._broken:
             self._in.emit("end-of-stream")
             done = bus.timed_pop_filtered(seconds * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR)
             if not done or done.type == Gst.MessageType.ERROR:
@@ -115,10 +117,6 @@ class Recorder:
         if self.frames == 0 and not self.failure:
             self.failure = f"no frame came while {self.path} was recorded; it is empty"
         return self.failure is None
-
-    def _broken(self):
-        """Whether the pipeline itself failed, so that it cannot finish the file."""
-        return self._in.get_state(0)[0] == Gst.StateChangeReturn.FAILURE
 
 
 def _reason(message, path):

@@ -9,6 +9,7 @@ from .history import History
 from .messages import Trouble
 from .playback import CLOSED, FAILED, PLAYING, Playback
 from .recorder import Recorder, RecorderError
+from .tools import RECOLOR_FACTORY
 
 NEW_TARGET = "0xff2864c8"  # of a surface that was picked to be recolored
 
@@ -143,7 +144,8 @@ class Session:
         """Sets a property of an element of the project."""
         described = self.project.element(element)
         changed = described.with_property(name, value)
-        self.change(f"{name} of {elements.title(described.factory)}", self.project.with_element(changed), (element, name))
+        label = f"{name} of {elements.title(described.factory)}"
+        self.change(label, self.project.with_element(changed), (element, name))
 
     def add_editor(self, factory, properties=None):
         """Adds an editor behind the others; returns its name."""
@@ -188,7 +190,7 @@ class Session:
         key = self.playback.stage.color_at(x, y) if self.playback.stage else None
         if key is None:
             return None
-        return self.add_editor("intrinsicrecolor", {"key": f"0x{key:08x}", "target": NEW_TARGET})
+        return self.add_editor(RECOLOR_FACTORY, {"key": f"0x{key:08x}", "target": NEW_TARGET})
 
     def pick_at(self, x, y, editor):
         """Sets the key of an editor to the reflectance at a pixel of the frame. Whether there was one."""

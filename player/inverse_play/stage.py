@@ -45,11 +45,6 @@ class Stage:
         """The pad that the mouse over the picture comes in by."""
         return self._convert.get_static_pad("src")
 
-    @property
-    def pending(self):
-        """Whether elements are still to be exchanged."""
-        return self._chain.pending
-
     def _made(self, described):
         element = elements.make(described.factory, None)  # names of those that are going may be in use still
         for name, value in described.properties.items():

@@ -23,8 +23,9 @@ class Tool:
 
 
 LOOK = Tool("look", "Look", "v", "Only looks; lamps and corners of editors can be dragged")
-RECOLOR = Tool("recolor", "Recolor", "r", "Click on an object to paint it, then choose the color at the right", reads=True)
+RECOLOR = Tool("recolor", "Recolor", "r", "Click on an object to paint it; choose the color at the right", reads=True)
 PICK = Tool("pick", "Pick", "p", "Click to set the key of the selected editor: the color that it edits", reads=True)
+RECOLOR_FACTORY = "intrinsicrecolor"
 
 
 def _stroke_tool(nick, meaning):
@@ -42,9 +43,6 @@ def offered(project):
     mode = elements.properties(project.decomposer.factory).get(MOUSE_MODE)
     strokes = mode.choices if mode else ()
     return found + [_stroke_tool(nick, meaning) for nick, meaning in strokes if nick != "off"]
-
-
-RECOLOR_FACTORY = "intrinsicrecolor"
 
 
 def editors():

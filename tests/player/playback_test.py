@@ -87,7 +87,8 @@ class Rows(support.Case):
             row.set((parts + parts)[first:first + count % 4])
             count += 1
             support.pump(0.02)
-        self.assertEqual(message.type, Gst.MessageType.EOS, message.type == Gst.MessageType.ERROR and message.parse_error())
+        failed = message.type == Gst.MessageType.ERROR
+        self.assertFalse(failed, failed and message.parse_error())
         self.assertEqual((len(times), times), (frames, sorted(set(times))))
         self.assertGreater(count, 10)
 
@@ -250,7 +251,8 @@ class Files(support.Case):
     def test_what_is_no_video(self):
         with open(self.path("text.mp4"), "w", encoding="utf-8") as file:
             file.write("this is no video")
-        support.run_line(f"audiotestsrc num-buffers=20 ! vorbisenc ! matroskamux ! filesink location={self.path('a.mkv')}")
+        support.run_line("audiotestsrc num-buffers=20 ! vorbisenc ! matroskamux ! "
+                         f"filesink location={self.path('a.mkv')}")
         for name, advice in (("text.mp4", "another file"), ("a.mkv", "a file that has one")):
             viewer = Viewer(self)
             viewer.session.open(self.path(name))

@@ -3,7 +3,7 @@
 from gi.repository import Gdk, GObject, Gst, Gtk
 
 from .. import elements
-from .style import add_class, label
+from .style import label
 
 WIDE_RANGE = 30  # above it a number has a box instead of a slider
 SWATCHES = ("0xffc03028", "0xffd07820", "0xffd8c030", "0xff40a040", "0xff30a0a0", "0xff2864c8", "0xff7040b0",

@@ -241,7 +241,10 @@ class Window(Gtk.Window):
             self.session.show_layer(self._layers()[int(action[6:]) - 1])
         elif action.startswith("tool-"):
             tool = next((t for t in self.all_tools() if f"tool-{t.name}" == action), None)
-            self.choose_tool(tool) if tool else self.note(f"{self.session.project.decomposer.factory} has no such tool.")
+            if tool:
+                self.choose_tool(tool)
+            else:
+                self.note(f"{self.session.project.decomposer.factory} has no such tool.")
         elif action.startswith("add-"):
             self.add_editor(action[4:])
         else:
