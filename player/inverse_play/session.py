@@ -142,10 +142,15 @@ class Session:
 
     def set_property(self, element, name, value):
         """Sets a property of an element of the project."""
-        described = self.project.element(element)
-        changed = described.with_property(name, value)
-        label = f"{name} of {elements.title(described.factory)}"
-        self.change(label, self.project.with_element(changed), (element, name))
+        self.set_properties(element, {name: value}, name)
+
+    def set_properties(self, element, values, what):
+        """Sets properties of an element of the project, in one step. `what` they are, for undo."""
+        changed = described = self.project.element(element)
+        for name, value in values.items():
+            changed = changed.with_property(name, value)
+        label = f"{what} of {elements.title(described.factory)}"
+        self.change(label, self.project.with_element(changed), (element, *values))
 
     def add_editor(self, factory, properties=None):
         """Adds an editor behind the others; returns its name."""

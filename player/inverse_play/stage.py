@@ -20,6 +20,7 @@ class Stage:
         self.project = project
         self._tap, self._tap_place = None, None
         self._mouse = "off"
+        self._setting = None  # the element that is being set to what the project says
         layers = Gst.ElementFactory.make("tee", None)
         # The first one, as a tee waits for each of its pads in turn: the other one waits while the video is paused.
         self.branch_pad = layers.request_pad_simple("src_%u")
@@ -58,7 +59,7 @@ class Stage:
     def _on_notify(self, element, spec, name):
         """An element set its own property, as the mouse draws strokes."""
         factory = element.get_factory().get_name()
-        if spec.name == MOUSE_MODE or spec.name not in elements.properties(factory):
+        if element is self._setting or spec.name == MOUSE_MODE or spec.name not in elements.properties(factory):
             return
         described = self.project.element(name)
         value = elements.read(element, spec.name)
@@ -76,7 +77,15 @@ class Stage:
                 changes.append((self._elements[described.name], before.element(described.name), described))
             else:
                 self._made(described)
-        self._link(gone, lambda: [_configure(*change) for change in changes])
+        self._link(gone, lambda: [self._configure(*change) for change in changes])
+
+    def _configure(self, element, before, now):
+        """Sets what differs between two states of an element."""
+        self._setting = element
+        for name in {**before.properties, **now.properties}:
+            if elements.read(element, name) != now.get(name):
+                elements.write(element, name, now.get(name))
+        self._setting = None
 
     def _link(self, gone=(), then=lambda: None):
         row = [self._elements["decomposer"]]
@@ -126,13 +135,6 @@ class Stage:
     def frames(self):
         """Frames that the decomposer has completed."""
         return _stat(self._elements["decomposer"], "frames")
-
-
-def _configure(element, before, now):
-    """Sets what differs between two states of an element."""
-    for name in {**before.properties, **now.properties}:
-        if elements.read(element, name) != now.get(name):
-            elements.write(element, name, now.get(name))
 
 
 def _stat(element, field):

@@ -70,8 +70,8 @@ class Rows(support.Case):
 
     def test_no_frame_is_lost_in_a_queue(self):
         frames, times = 600, []
-        pipeline = Gst.parse_launch(f"videotestsrc num-buffers={frames} ! video/x-raw,width=16,height=16 ! "
-                                    "queue name=entry fakesink name=end signal-handoffs=true")
+        pipeline = Gst.parse_launch(f"videotestsrc is-live=true num-buffers={frames} ! "
+                                    "video/x-raw,width=16,height=16,framerate=200/1 ! queue name=entry fakesink name=end signal-handoffs=true")
         end = pipeline.get_by_name("end")
         end.connect("handoff", lambda _, buffer, pad: times.append(buffer.pts))
         row = Chain(pipeline, pipeline.get_by_name("entry").get_static_pad("src"), end.get_static_pad("sink"))
@@ -171,6 +171,15 @@ class Editors(support.Case):
         viewer.session.set_property("decomposer", "device", "llvmpipe")
         viewer.wait(lambda: 0 < viewer.player.stage.frames() < before + 1000)
         self.assertEqual(viewer.told, [])
+
+    def test_the_last_of_many_changes_counts(self):
+        viewer = Viewer(self).open("test")
+        for layer in 10 * ("reflectance", "shading", "input", "difference"):
+            viewer.session.show_layer(layer)
+            support.pump(0.01)
+        support.pump(1)
+        self.assertEqual(viewer.session.project.compose.get("show"), "difference")
+        self.assertEqual(viewer.player.stage.compose.get_property("show").value_nick, "difference")
 
     def test_picks_the_reflectance(self):
         viewer = Viewer(self).open("test")

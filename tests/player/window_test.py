@@ -242,6 +242,8 @@ class Keys(WindowCase):
         self.key("Return", "Tab", "Right", "Right")
         self.wait(lambda: self.session.project.editors[0].get("tolerance") > 0.41)
         self.key("Escape", "ctrl+z")
+        if self.session.project.editors[0].get("tolerance") != 0.4:
+            self.key("ctrl+z")  # both steps came slowly
         self.wait(lambda: self.session.project.editors[0].get("tolerance") == 0.4)
 
     def test_the_split_view(self):

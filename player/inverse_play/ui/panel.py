@@ -107,8 +107,8 @@ class Panel(Gtk.Box):
         self._about.set_text(elements.description(described.factory))
         if described.name == "decomposer":
             self._place.add(self._decomposer_choice(described))
-        self.settings = Settings(described, lambda name, value:
-                                 self._session.set_property(described.name, name, value))
+        self.settings = Settings(described, lambda values, what:
+                                 self._session.set_properties(described.name, values, what))
         self._clear = None
         if "strokes" in elements.properties(described.factory):
             self._clear = Gtk.Button(label="Clear strokes", halign=Gtk.Align.START)

@@ -148,7 +148,7 @@ def _place(prop):
 
 
 class Settings(Gtk.Grid):
-    """Controls for the properties of an element of the project. `changed(name, value)` sets one."""
+    """Controls for the properties of an element of the project. `changed(values, what)` sets some, by name."""
 
     def __init__(self, described, changed):
         super().__init__(row_spacing=4, column_spacing=8)
@@ -187,13 +187,12 @@ class Settings(Gtk.Grid):
         self._attach(label("preset"), combo)
 
     def _load_preset(self, element, name):
-        if element.load_preset(name):
-            for prop in self.controls:
-                self._on_changed(prop, elements.read(element, prop))
+        if name and element.load_preset(name):
+            self._changed({prop: elements.read(element, prop) for prop in self.controls}, f"preset {name}")
 
     def _on_changed(self, name, value):
         if not self._showing and value is not None and value != self.described.get(name):
-            self._changed(name, value)
+            self._changed({name: value}, name)
 
     def show_values(self, described):
         """Shows the element's values."""
