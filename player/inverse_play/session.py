@@ -59,7 +59,9 @@ class Session:
             self._add(f"{name} of {elements.title(described.factory)}",
                       self.project.with_element(described.with_property(name, value)),
                       (element, name, self.playback.presses))
-            self.playback.apply(self.project)
+            if self.playback.stage:
+                self.playback.stage.accept(self.project)
+            self.playback.refresh()
 
     # The source.
     def open(self, text):

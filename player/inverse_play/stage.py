@@ -67,6 +67,10 @@ class Stage:
                 and value != described.get(spec.name):
             self._on_change(name, spec.name, value)
 
+    def accept(self, project):
+        """Takes a project that the elements are in accordance with, as one of them changed itself."""
+        self.project = project
+
     def apply(self, project):
         """Makes the pipeline as the project says."""
         before, self.project = self.project, project
@@ -80,10 +84,10 @@ class Stage:
         self._link(gone, lambda: [self._configure(*change) for change in changes])
 
     def _configure(self, element, before, now):
-        """Sets what differs between two states of an element."""
+        """Sets what differs between two states of an element; the mouse may have changed the rest meanwhile."""
         self._setting = element
         for name in {**before.properties, **now.properties}:
-            if elements.read(element, name) != now.get(name):
+            if before.get(name) != now.get(name):
                 elements.write(element, name, now.get(name))
         self._setting = None
 
