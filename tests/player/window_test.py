@@ -51,7 +51,9 @@ class WindowCase(support.Case):
 
     def focus(self):
         """Gives the window the keyboard, as a window manager would."""
-        self.xdotool("mousemove", 700, 850, "windowfocus", "--sync", self.window.get_window().get_xid())
+        focus = ["xdotool", "mousemove", "700", "850", "windowfocus", str(self.window.get_window().get_xid())]
+        self.wait(lambda: subprocess.run(focus, stderr=subprocess.DEVNULL, check=False).returncode == 0)
+        support.pump(0.1)
 
     def open(self, text, width):
         self.session.open(text)
