@@ -57,6 +57,10 @@ struct FrameContext {
   bool repeated = false;      ///< the picture of the frame before came again, byte by byte
   bool keep_planes = false;   ///< repeats are frequent: keep the planes of this frame for the next
   bool same_picture = false;  ///< out: the picture is the one drawn last
+
+  /// Waits until other commands of this frame are done; a flush or a stop ends the wait, and with
+  /// it the frame: what is thrown then is not for the filter.
+  std::function<void(gpu::Commands&)> wait = {};
 };
 
 /// The mouse over the picture (GstNavigation): its first button goes down, it moves, the button

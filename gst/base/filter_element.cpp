@@ -330,7 +330,10 @@ void FilterElement::run_frame(GstBuffer* in, GstBuffer* out,
                      .time = stream_time(in),
                      .fresh = fresh,
                      .draw = !out_layers_,
-                     .gray = !in_layers_ && GST_VIDEO_INFO_IS_GRAY(&in_info_)};
+                     .gray = !in_layers_ && GST_VIDEO_INFO_IS_GRAY(&in_info_),
+                     .wait = [this](gpu::Commands& commands) {
+                       if (!commands.wait([&] { return flushing_.load(); })) throw Flushing{};
+                     }};
   read_input(in, slot, frame);
   if (!in_layers_ && info_.takes_frames())
     if (auto warning = misplaced_view(element_, *filter_, in);

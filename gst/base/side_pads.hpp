@@ -15,9 +15,9 @@ class SidePads {
   virtual void release(GstPad* pad) = 0;
   /// A flush of `sink` begins, or ends; so when the element stops and starts. Meanwhile
   /// Filter::process waits for no pad (Flushing).
-  virtual void set_flushing(bool flushing) = 0;
+  virtual void set_flushing(bool /*flushing*/) {}
   /// Makes the answer of a latency query upstream of `sink` one for all pads.
-  virtual void add_latency(GstQuery* query) = 0;
+  virtual void add_latency(GstQuery* /*query*/) {}
 };
 
 }  // namespace inverse

@@ -9,9 +9,7 @@
 namespace inverse {
 namespace {
 
-using Compare = shaders::edit_texture_compare;
 using Draw = shaders::edit_texture_draw;
-using Soften = shaders::edit_texture_soften;
 constexpr float kHardestEdge = 1e-6f;
 
 /// `value` within [low, high]; `low` for NaN.
@@ -35,6 +33,8 @@ TextureEdit::TextureEdit(const std::shared_ptr<gpu::Device>& device, Extent fram
     : device_(device),
       planes_(device, frame),
       compare_(device),
+      hide_(device),
+      learn_(device),
       soften_(device),
       softened_(gpu::Buffer::create(device, gpu::Element::scalar, 1)) {
   for (uint32_t i = 0; i < draw_.size(); ++i)
@@ -52,24 +52,31 @@ Extent TextureEdit::cells_of(const Corners& corners) {
 
 void TextureEdit::compare(gpu::Commands& commands, const Layers& layers, const Corners& corners,
                           const TextureParams& params) {
-  const bool afresh = cells_.pixels() == 0;
-  if (afresh) {
+  if (cells_.pixels() == 0) {
     cells_ = cells_of(corners);
-    learned_ = gpu::Buffer::create(device_, gpu::Element::vec4, 2 * cells_.pixels());
-    hidden_ = gpu::Buffer::create(device_, gpu::Element::scalar, cells_.pixels());
-    softened_ = gpu::Buffer::create(device_, gpu::Element::scalar, cells_.pixels());
+    const uint64_t count = cells_.pixels();
+    learned_ = gpu::Buffer::create(device_, gpu::Element::vec4, 2 * count);
+    observed_ = gpu::Buffer::create(device_, gpu::Element::vec4, count);
+    for (gpu::BufferPtr* buffer : {&excess_, &hidden_, &softened_})
+      *buffer = gpu::Buffer::create(device_, gpu::Element::scalar, count);
+    commands.fill(learned_);
   }
   const gpu::Items cells(static_cast<uint32_t>(cells_.pixels()));
   constexpr float kMaxDifference = 100;
-  commands.dispatch(compare_,
-                    {.model = layers[Role::model]->buffer, .learned = learned_, .hidden = hidden_},
-                    {.to_frame = rows_of(square_to(corners)),
-                     .size = layers.extent,
-                     .cells = cells_,
+  commands.dispatch(
+      compare_,
+      {.model = layers[Role::model]->buffer,
+       .learned = learned_,
+       .observed = observed_,
+       .excess = excess_},
+      {.to_frame = rows_of(square_to(corners)), .size = layers.extent, .cells = cells_}, cells);
+  commands.dispatch(hide_, {.excess = excess_, .hidden = hidden_},
+                    {.cells = cells_,
                      .tolerance = limited(params.tolerance, 0, kMaxDifference),
-                     .fall_off = 1 / limited(params.softness, kHardestEdge, kMaxDifference),
-                     .afresh = afresh},
+                     .fall_off = 1 / limited(params.softness, kHardestEdge, kMaxDifference)},
                     cells);
+  commands.dispatch(learn_, {.observed = observed_, .hidden = hidden_, .learned = learned_},
+                    {.cells = cells_}, cells);
   commands.dispatch(soften_, {.hidden = hidden_, .softened = softened_}, {.cells = cells_}, cells);
 }
 

@@ -4,6 +4,8 @@
 
 #include "kernels/edit_texture_compare.spv.hpp"
 #include "kernels/edit_texture_draw.spv.hpp"
+#include "kernels/edit_texture_hide.spv.hpp"
+#include "kernels/edit_texture_learn.spv.hpp"
 #include "kernels/edit_texture_soften.spv.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/layers.hpp"
@@ -29,7 +31,8 @@ struct TextureParams {
 };
 
 /// Puts a picture on a plane of the reflectance (draw.comp): shading stays. Learns the reflectance
-/// of the plane, to see what stands before it (compare.comp, soften.comp).
+/// of the plane, to see what stands before it (compare.comp,
+/// hide.comp, learn.comp, soften.comp).
 class TextureEdit {
  public:
   TextureEdit(const std::shared_ptr<gpu::Device>& device, Extent frame);
@@ -58,10 +61,12 @@ class TextureEdit {
   std::shared_ptr<gpu::Device> device_;
   PlanePool planes_;
   gpu::Program<shaders::edit_texture_compare> compare_;
+  gpu::Program<shaders::edit_texture_hide> hide_;
+  gpu::Program<shaders::edit_texture_learn> learn_;
   gpu::Program<shaders::edit_texture_soften> soften_;
   std::array<gpu::Program<shaders::edit_texture_draw>, 4> draw_;  // by MATTE + 2 HIDDEN
   Extent cells_;                                                  // 0 × 0: nothing is learned
-  gpu::BufferPtr learned_, hidden_, softened_;
+  gpu::BufferPtr learned_, observed_, excess_, hidden_, softened_;
 };
 
 }  // namespace inverse

@@ -150,11 +150,17 @@ TEST_F(TextureTest, WhatStandsBeforeThePlaneAgreesWithReference) {
       Layers frame = layers(extent, now);
       run([&](gpu::Commands& commands) { edit.record(commands, frame, picture, corners, params); });
       const auto model = grid_of(extent, now);
-      Grid<double> hidden{size.width, size.height, {}};
+      Grid<double> excess{size.width, size.height, {}};
+      std::vector<reference::Observed> observed;
+      for (size_t n = 0; n < cells.size(); ++n) {
+        observed.push_back(reference::observe(model, matrix_of(square_to(corners)), n % size.width,
+                                              n / size.width, {size.width, size.height}));
+        excess.data.push_back(reference::excess(observed[n], cells[n]));
+      }
+      const auto hidden =
+          reference::hide(excess, double{params.tolerance}, double{params.softness});
       for (size_t n = 0; n < cells.size(); ++n)
-        hidden.data.push_back(reference::compare(
-            cells[n], model, matrix_of(square_to(corners)), n % size.width, n / size.width,
-            {size.width, size.height}, double{params.tolerance}, double{params.softness}));
+        reference::learn(cells[n], observed[n], hidden.data[n]);
       const auto expected = reference::soften(hidden);
       const Pixels got = download(edit.hidden());
       double sum = 0;

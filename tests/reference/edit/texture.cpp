@@ -9,6 +9,8 @@ namespace {
 
 constexpr double kCompareFloor = 0.02;
 constexpr double kMemory = 50, kStep = 0.001;
+constexpr double kNear = 0.3, kFew = 0.2, kMany = 0.5;
+constexpr int kReach = 4;
 constexpr double kNone = 0.2, kAll = 0.6;
 constexpr double kMaxTaps = 8;
 constexpr double kLargest = 65504;
@@ -17,6 +19,19 @@ constexpr double kLargest = 65504;
 double rising(double t) {
   t = std::clamp(t, 0.0, 1.0);
   return t * t * (3 - 2 * t);
+}
+
+/// at + step within [0, size).
+size_t within(size_t at, int step, size_t size) {
+  return static_cast<size_t>(
+      std::clamp(static_cast<long>(at) + step, 0L, static_cast<long>(size) - 1));
+}
+
+double difference(const Observed& now, const Cell& learned) {
+  double sum = 0;
+  for (size_t c = 0; c < 3; ++c)
+    sum += (now.mean[c] - learned.mean[c]) * (now.mean[c] - learned.mean[c]);
+  return std::sqrt(sum / 3);
 }
 
 struct Mapped {
@@ -139,16 +154,17 @@ std::vector<Grid<Rgba>> texture_levels(const Grid<Rgba>& picture) {
   return levels;
 }
 
-double compare(Cell& learned, const Grid<Rgba>& model, const Matrix& to_frame, size_t x, size_t y,
-               std::array<size_t, 2> cells, double tolerance, double softness) {
+Observed observe(const Grid<Rgba>& model, const Matrix& to_frame, size_t x, size_t y,
+                 std::array<size_t, 2> cells) {
   constexpr double kOffsets[5][2] = {{-0.5, -0.5}, {0.5, -0.5}, {-0.5, 0.5}, {0.5, 0.5}, {0, 0}};
-  Rgb sum{}, squares{};
+  Observed now;
+  Rgb squares{};
   const auto width = static_cast<double>(model.width), height = static_cast<double>(model.height);
   for (const auto& offset : kOffsets) {
     const Mapped at =
         mapped(to_frame, (static_cast<double>(x) + 0.5 + offset[0]) / static_cast<double>(cells[0]),
                (static_cast<double>(y) + 0.5 + offset[1]) / static_cast<double>(cells[1]));
-    if (!(at.depth > 0 && at.x >= 0 && at.y >= 0 && at.x <= width && at.y <= height)) return 0;
+    if (!(at.depth > 0 && at.x >= 0 && at.y >= 0 && at.x <= width && at.y <= height)) return {};
     const Rgb value =
         bilinear(at.x, at.y, model.width, model.height, [&](size_t column, size_t row) {
           const Rgba p = finite(model.at(column, row));
@@ -156,46 +172,65 @@ double compare(Cell& learned, const Grid<Rgba>& model, const Matrix& to_frame, s
                      std::log(p[2] + kCompareFloor)};
         });
     for (size_t c = 0; c < 3; ++c) {
-      sum[c] += value[c] / 5;
+      now.mean[c] += value[c] / 5;
       squares[c] += value[c] * value[c] / 5;
     }
   }
-  double variance = 0, off = 0;
-  for (size_t c = 0; c < 3; ++c) {
-    variance += (squares[c] - sum[c] * sum[c]) / 3;
-    off += (sum[c] - learned.mean[c]) * (sum[c] - learned.mean[c]) / 3;
-  }
-  const double now = std::sqrt(std::max(variance, 0.0)), difference = std::sqrt(off);
+  double variance = 0;
+  for (size_t c = 0; c < 3; ++c) variance += (squares[c] - now.mean[c] * now.mean[c]) / 3;
+  now.spread = std::sqrt(std::max(variance, 0.0));
+  return now;
+}
+
+double excess(const Observed& now, const Cell& learned) {
+  if (now.spread < 0 || learned.frames < 1) return 0;
+  return difference(now, learned) - 2 * learned.spread;
+}
+
+Grid<double> hide(const Grid<double>& excess, double tolerance, double softness) {
+  Grid<double> out{excess.width, excess.height, {}};
+  const auto over = [&](double e, double limit) { return rising((e - limit) / softness); };
+  for (size_t y = 0; y < excess.height; ++y)
+    for (size_t x = 0; x < excess.width; ++x) {
+      double sum = 0, count = 0;
+      for (int v = -kReach; v <= kReach; v += 2)
+        for (int u = -kReach; u <= kReach; u += 2, ++count)
+          sum +=
+              over(excess.at(within(x, u, excess.width), within(y, v, excess.height)), tolerance);
+      const double near = rising((sum / count - kFew) / (kMany - kFew));
+      out.data.push_back(over(excess.at(x, y), tolerance * (1 - (1 - kNear) * near)));
+    }
+  return out;
+}
+
+void learn(Cell& learned, const Observed& now, double hidden) {
+  if (now.spread < 0) return;
   if (learned.frames < 1) {
-    learned = {sum, 1, now};
-    return 0;
+    learned = {now.mean, 1, now.spread};
+    return;
   }
-  const double hidden = rising((difference - tolerance - 2 * learned.spread) / softness);
+  const double off = difference(now, learned);
   if (hidden < 0.5) {
     learned.frames = std::min(learned.frames + 1, kMemory);
-    for (size_t c = 0; c < 3; ++c) learned.mean[c] += (sum[c] - learned.mean[c]) / learned.frames;
-    learned.spread += (std::max(now, difference) - learned.spread) / learned.frames;
+    for (size_t c = 0; c < 3; ++c)
+      learned.mean[c] += (now.mean[c] - learned.mean[c]) / learned.frames;
+    learned.spread += (off - learned.spread) / learned.frames;
   } else {
     for (size_t c = 0; c < 3; ++c)
-      learned.mean[c] += std::clamp(sum[c] - learned.mean[c], -kStep, kStep);
+      learned.mean[c] += std::clamp(now.mean[c] - learned.mean[c], -kStep, kStep);
   }
-  return hidden;
 }
 
 Grid<double> soften(const Grid<double>& hidden) {
   constexpr double kBinomial[5] = {1, 4, 6, 4, 1};
   Grid<double> out{hidden.width, hidden.height, {}};
-  const auto within = [](size_t at, size_t step, size_t size) {
-    return std::clamp(static_cast<long>(at + step) - 2, 0L, static_cast<long>(size) - 1);
-  };
   for (size_t y = 0; y < hidden.height; ++y)
     for (size_t x = 0; x < hidden.width; ++x) {
       double sum = 0;
-      for (size_t v = 0; v < 5; ++v)
-        for (size_t u = 0; u < 5; ++u)
-          sum += kBinomial[u] * kBinomial[v] / 256 *
-                 hidden.at(static_cast<size_t>(within(x, u, hidden.width)),
-                           static_cast<size_t>(within(y, v, hidden.height)));
+      for (int v = -2; v <= 2; ++v)
+        for (int u = -2; u <= 2; ++u)
+          sum += kBinomial[u + 2] * kBinomial[v + 2] / 256 *
+                 hidden.at(within(x, u, hidden.width), within(y, v, hidden.height));
       out.data.push_back(rising((sum - kNone) / (kAll - kNone)));
     }
   return out;

@@ -29,10 +29,19 @@ struct Cell {
   Rgb mean{};
   double frames = 0, spread = 0;
 };
-/// 0…1: what stands before the cell at (x, y) of `cells` (columns, rows); learns it. `to_frame`
-/// maps the unit square to pixels.
-double compare(Cell& learned, const Grid<Rgba>& model, const Matrix& to_frame, size_t x, size_t y,
-               std::array<size_t, 2> cells, double tolerance, double softness);
+/// What is seen of a cell now; a spread < 0: it is not in the frame.
+struct Observed {
+  Rgb mean{};
+  double spread = -1;
+};
+/// The cell at (x, y) of `cells` (columns, rows); `to_frame` maps the unit square to pixels.
+Observed observe(const Grid<Rgba>& model, const Matrix& to_frame, size_t x, size_t y,
+                 std::array<size_t, 2> cells);
+/// By how much a cell differs from what is learned, beyond twice its spread.
+double excess(const Observed& now, const Cell& learned);
+/// 0…1: what stands before each cell.
+Grid<double> hide(const Grid<double>& excess, double tolerance, double softness);
+void learn(Cell& learned, const Observed& now, double hidden);
 Grid<double> soften(const Grid<double>& hidden);
 
 struct TextureSpec {
