@@ -188,7 +188,7 @@ int main(int count, char** arguments) {
   const std::filesystem::path output = arguments[1], intros = arguments[2];
   std::filesystem::create_directories(output);
   GList* features = nullptr;
-  for (const char* plugin : {"inverse", "inversemesh", "inversestage"}) {
+  for (const char* plugin : {"inverse", "inversemesh", "inversestage", "inversetexture"}) {
     GList* own = gst_registry_get_feature_list_by_plugin(gst_registry_get(), plugin);
     if (!own) {
       std::cerr << "the plugin " << plugin << " is not on GST_PLUGIN_PATH\n";

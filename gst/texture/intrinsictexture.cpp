@@ -65,8 +65,7 @@ const PropertyTable<Params>& table() {
   using P = Params;
   static const PropertyTable<P> table{
       text<P>("location", &P::location,
-              "Picture to hang: a PNG, JPEG, BMP, TGA, GIF, PSD or PNM file; empty = frames of the "
-              "pad texture"),
+              "Picture to hang: a PNG or JPEG file; empty = frames of the pad texture"),
       corners_property(),
       text<P>("poster", &P::poster,
               "Picture file of what hangs there now: the plane is found by it if corners is empty"),

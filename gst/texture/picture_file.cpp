@@ -16,9 +16,8 @@
 #define STB_IMAGE_STATIC
 #define STBI_MAX_DIMENSIONS 65536
 #define STBI_NO_STDIO
-#define STBI_NO_HDR
-#define STBI_NO_LINEAR
-#define STBI_NO_PIC
+#define STBI_ONLY_PNG
+#define STBI_ONLY_JPEG
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic ignored "-Wmissing-field-initializers"
@@ -64,17 +63,21 @@ int tiff_orientation(std::string_view tiff) {
   return kAsStored;
 }
 
-/// The segments of a JPEG before its pixels: segment(marker, data). Returns where those begin, npos
-/// if they are missing.
+/// The segments of a JPEG before its pixels: segment(marker, where it begins). Returns where the
+/// pixels begin, npos if they are missing, or if there is anything between segments.
 template <typename Segment>
 size_t for_segments(std::string_view jpeg, Segment segment) {
-  constexpr uint32_t kScan = 0xffda;
+  constexpr uint32_t kScan = 0xffda, kFill = 0xffff;
   const Bytes bytes(jpeg);
   for (size_t at = 2; at + 4 <= jpeg.size();) {
     const uint32_t marker = bytes.number(at, 2), length = bytes.number(at + 2, 2);
+    if (marker == kFill) {
+      ++at;
+      continue;
+    }
     if (marker == kScan) return at;
     if (marker >> 8 != 0xff || length < 2) break;
-    segment(marker, jpeg.substr(at + 4, length - 2));
+    segment(marker, at);
     at += 2 + length;
   }
   return std::string_view::npos;
@@ -84,7 +87,8 @@ int jpeg_orientation(std::string_view jpeg) {
   constexpr uint32_t kApp1 = 0xffe1;
   constexpr std::string_view kExif("Exif\0\0", 6);
   int orientation = kAsStored;
-  for_segments(jpeg, [&](uint32_t marker, std::string_view data) {
+  for_segments(jpeg, [&](uint32_t marker, size_t at) {
+    const std::string_view data = jpeg.substr(at + 4, Bytes(jpeg).number(at + 2, 2) - 2);
     if (marker == kApp1 && data.starts_with(kExif))
       orientation = tiff_orientation(data.substr(kExif.size()));
   });
@@ -107,7 +111,33 @@ bool for_chunks(std::string_view png, Chunk chunk) {
 
 constexpr std::string_view kPng("\x89PNG", 4), kJpeg("\xff\xd8", 2);
 
-/// Whether a PNG or JPEG has its end: stb reads zeros beyond that of a file.
+/// Whether the Huffman tables of a JPEG have no more codes than there are: stb writes beyond them.
+bool has_good_tables(std::string_view jpeg) {
+  constexpr uint32_t kTables = 0xffc4;
+  constexpr size_t kHead = 17;  // class and place, then how many codes of each length
+  const auto good = [&](size_t at) {
+    const Bytes bytes(jpeg);
+    auto left = static_cast<int64_t>(bytes.number(at + 2, 2)) - 2;
+    for (at += 4; left > 0;) {
+      size_t codes = 0;
+      for (size_t i = 1; i < kHead; ++i) codes += bytes.number(at + i, 1);
+      if (codes > 256) return false;
+      at += kHead + codes;
+      left -= static_cast<int64_t>(kHead + codes);
+    }
+    return true;
+  };
+  bool all = true;
+  size_t at = for_segments(jpeg, [&](uint32_t marker, size_t place) {
+    all = all && (marker != kTables || good(place));
+  });
+  // Between pixels, FF begins a marker or is followed by 0.
+  for (; all && (at = jpeg.find("\xff\xc4", at)) != jpeg.npos; at += 2) all = good(at);
+  return all;
+}
+
+/// Whether a PNG or JPEG has its end, and nothing between its segments: stb reads zeros beyond that
+/// of a file.
 bool has_its_end(std::string_view file) {
   if (file.starts_with(kPng)) return for_chunks(file, [](auto, auto) {});
   if (!file.starts_with(kJpeg)) return true;
@@ -156,10 +186,9 @@ Picture8 oriented(Picture8 picture, int orientation) {
 
 Picture8 load_picture(const std::string& path) {
   const auto refuse = [&path](const std::string& why) {
-    throw Error(ErrorKind::file,
-                path + ": " + why +
-                    "; pictures are PNG, JPEG, BMP, TGA, GIF, PSD or PNM files: convert others, "
-                    "with gst-launch-1.0 or ImageMagick for example");
+    throw Error(ErrorKind::file, path + ": " + why +
+                                     "; pictures are PNG or JPEG files: convert others, "
+                                     "with gst-launch-1.0 or ImageMagick for example");
   };
   constexpr uint64_t kMaxBytes = uint64_t{1} << 30;
   std::string fault;
@@ -168,6 +197,10 @@ Picture8 load_picture(const std::string& path) {
   const auto* bytes = reinterpret_cast<const stbi_uc*>(file.data());
   const auto size = static_cast<int>(file.size());
   int width = 0, height = 0, channels = 0;
+  if (!file.starts_with(kPng) && !file.starts_with(kJpeg)) refuse("no picture");
+  if (!has_its_end(file)) refuse("it ends too early");
+  if (file.starts_with(kJpeg) && !has_good_tables(file))
+    refuse("a damaged picture (its Huffman tables are too long)");
   if (!stbi_info_from_memory(bytes, size, &width, &height, &channels))
     refuse(std::string("no picture (") + stbi_failure_reason() + ")");
   const uint64_t pixels = static_cast<uint64_t>(width) * static_cast<uint64_t>(height);
@@ -175,9 +208,10 @@ Picture8 load_picture(const std::string& path) {
     throw Error(ErrorKind::file, path + ": a picture of " + std::to_string(width) + "x" +
                                      std::to_string(height) + " pixels; scale it to less than " +
                                      std::to_string(kMaxPixels >> 20) + " million");
+  if (pixels == 0) refuse("no picture (it has no pixels)");
   // stb takes memory for what a damaged file declares. No coding here shrinks a pixel to less.
   constexpr uint64_t kMaxRatio = 16 * 1032;
-  if (kMaxRatio * file.size() < pixels || !has_its_end(file)) refuse("it ends too early");
+  if (kMaxRatio * file.size() < pixels) refuse("it ends too early");
   const std::unique_ptr<stbi_uc, void (*)(void*)> decoded(
       stbi_load_from_memory(bytes, size, &width, &height, &channels, 4), stbi_image_free);
   if (!decoded) refuse(std::string("a damaged picture (") + stbi_failure_reason() + ")");

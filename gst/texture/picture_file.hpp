@@ -14,7 +14,7 @@ struct Picture8 {
   std::vector<uint8_t> rgba;
 };
 
-/// Reads a PNG, JPEG, BMP, TGA, GIF (its first picture), PSD or PNM file, and turns it as its EXIF
+/// Reads a PNG or JPEG file, and turns it as its EXIF
 /// tag says. Throws Error(file), which names the file, if it cannot be read, is damaged, is of
 /// another kind, or has more than kMaxPixels.
 Picture8 load_picture(const std::string& path);

@@ -85,10 +85,9 @@ TEST(PictureFile, ReadsKindsAndAlpha) {
   EXPECT_EQ(seen(rgba), "rgbw");
   EXPECT_EQ(rgba.rgba[3], 100);
   EXPECT_EQ(seen(load_picture(folder.write("c.jpg", jpeg()))), "rgbw");
-  const Picture8 pnm = load_picture(folder.write("d.ppm", "P6 2 1 255\n\1\2\3\4\5\6"));
-  EXPECT_EQ(pnm.rgba, (std::vector<uint8_t>{1, 2, 3, 255, 4, 5, 6, 255}));
-  const Picture8 gray = load_picture(folder.write("e.pgm", "P5 1 1 255\n\x07"));
-  EXPECT_EQ(gray.rgba, (std::vector<uint8_t>{7, 7, 7, 255}));
+  std::string gray;
+  stbi_write_png_to_func(append, &gray, 1, 1, 1, "\x07", 1);
+  EXPECT_EQ(load_picture(folder.write("d.png", gray)).rgba, (std::vector<uint8_t>{7, 7, 7, 255}));
 }
 
 TEST(PictureFile, TurnsAsItsTagSays) {
@@ -129,8 +128,18 @@ TEST(PictureFile, RefusesWhatIsNone) {
   refused("text.png", "this is a text", "no picture");
   refused("half.png", png(3).substr(0, png(3).size() / 2), "ends too early");
   refused("half.jpg", jpeg().substr(0, jpeg().size() / 2), "ends too early");
-  refused("large.ppm", "P6 60000 60000 255\n\1\2\3", "scale it");
-  refused("short.ppm", "P6 9000 9000 255\n\1\2\3", "ends too early");
+  refused("other.ppm", "P6 1 1 255\n\1\2\3", "no picture");
+  // A PNG's head says how wide it is.
+  for (const auto& [wide, why] :
+       {std::pair("\0\1\0\0"s, "scale it"), {"\0\0\x40\0"s, "too early"}}) {
+    std::string other = png(3);
+    other.replace(16, 4, wide).replace(20, 4, wide);
+    refused("wide.png", other, why);
+  }
+  std::string tables = jpeg();
+  const size_t at = tables.find("\xff\xc4"s) + 5;
+  tables.replace(at, 4, "\xff\xff\xff\xff");
+  refused("tables.jpg", tables, "damaged");
   std::string damaged = png(3);
   for (size_t i = 45; i < damaged.size() - 16; ++i) damaged[i] = '\x55';
   refused("damaged.png", damaged, "damaged");

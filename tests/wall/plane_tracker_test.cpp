@@ -39,7 +39,9 @@ TEST(PlaneTracker, FollowsWithoutDriftBehindAHandAndFindsAgain) {
       tracker.next(luminance(frame.picture));
     const bool away = n >= WallScene::kAwayFrom - 15 && n < WallScene::kAwayTo + 20;
     const bool found = tracker.result().state == State::found;
-    if (n == WallScene::kAwayFrom + 25) EXPECT_EQ(tracker.result().state, State::lost);
+    if (n == WallScene::kAwayFrom + 25) {
+      EXPECT_EQ(tracker.result().state, State::lost);
+    }
     if (found && found_again < 0 && n > WallScene::kAwayFrom + 25) found_again = n;
     if (away) continue;
     lost_in_view += !found;

@@ -5,6 +5,15 @@
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_STATIC
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
+#include <stb/stb_image_write.h>
+#pragma GCC diagnostic pop
 
 namespace inverse::testing {
 namespace {
@@ -51,6 +60,13 @@ cv::Point2d on_wall(double x, double y) {
 }
 
 }  // namespace
+
+std::string write_picture(const std::string& path, const cv::Mat& picture) {
+  if (!stbi_write_png(path.c_str(), picture.cols, picture.rows, 3, picture.data,
+                      static_cast<int>(picture.step)))
+    throw std::runtime_error("cannot write " + path);
+  return path;
+}
 
 double corner_error(const Corners& found, const Corners& truth) {
   double largest = 0;

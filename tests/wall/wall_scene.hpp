@@ -4,7 +4,7 @@
 // truth.
 #pragma once
 #include <opencv2/core.hpp>
-#include <vector>
+#include <string>
 
 #include "kernels/edit/texture/quad.hpp"
 
@@ -38,6 +38,9 @@ class WallScene {
   cv::Mat poster_, wall_;  // wall_: CV_32FC3, linear reflectance
   double noise_;
 };
+
+/// Writes a CV_8UC3, R G B, as PNG; returns the path.
+std::string write_picture(const std::string& path, const cv::Mat& picture);
 
 /// The largest distance of a corner from the true one, pixels.
 double corner_error(const Corners& found, const Corners& truth);

@@ -24,10 +24,8 @@
 
 #include "gst/texture/corners_text.hpp"
 #include "gst/texture/picture_file.hpp"
-#include "tests/bench/metrics/png_file.hpp"
 #include "tests/bench/support/command_line.hpp"
 #include "tests/bench/support/timing.hpp"
-#include "tests/srgb.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/wall/wall_scene.hpp"
 
@@ -95,15 +93,6 @@ struct Errors {
   }
 };
 
-void write_frame(const std::string& path, const cv::Mat& codes) {
-  inverse::bench::Image image(codes.cols, codes.rows, 3);
-  for (int y = 0; y < codes.rows; ++y)
-    for (int x = 0; x < codes.cols; ++x)
-      for (int c = 0; c < 3; ++c)
-        image.at(x, y, c) = inverse::srgb_light(codes.at<cv::Vec3b>(y, x)[c] / 255.0F);
-  inverse::bench::write_png(path, image);
-}
-
 cv::Mat poster_of(const std::string& path) {
   if (path.empty()) return {};
   const inverse::Picture8 file = inverse::load_picture(path);
@@ -137,12 +126,12 @@ int main(int count, char** arguments) try {
     return 2;
   const WallScene scene(size, poster_of(poster), noise);
   const inverse::testing::TemporaryFolder folder;
-  if (picture.empty()) picture = folder.write("plain.ppm", "P6 1 1 255\n\xd0\x20\xd0");
+  if (picture.empty())
+    picture =
+        inverse::testing::write_picture(folder / "plain.png", {1, 1, CV_8UC3, {208, 32, 208}});
   std::string plane;
   if (by_poster) {
-    const std::string file = folder / "poster.png";
-    write_frame(file, scene.poster());
-    plane = "poster=" + file;
+    plane = "poster=" + inverse::testing::write_picture(folder / "poster.png", scene.poster());
   } else {
     plane = "corners=\"" + inverse::text_of(scene.at(0).corners) + "\"";
   }
@@ -196,7 +185,7 @@ int main(int count, char** arguments) try {
       std::snprintf(name, sizeof name, "/%03d.png", n);
       cv::Mat strip;
       cv::hconcat(frame.picture, drawn, strip);
-      write_frame(png + name, strip);
+      inverse::testing::write_picture(png + name, strip);
     }
     gst_buffer_unmap(out, &map);
     gst_buffer_unref(out);

@@ -16,16 +16,13 @@
 #include <map>
 #include <stdexcept>
 
-#include "kernels/edit/compose.hpp"
+#include "frame_layers.hpp"
 #include "kernels/edit/light_edit.hpp"
 #include "kernels/edit/recolor.hpp"
-#include "kernels/global/global_intrinsic.hpp"
 #include "tests/bench/metrics/metrics.hpp"
 #include "tests/bench/metrics/png_file.hpp"
 #include "tests/bench/peers/peer_despill.hpp"
 #include "tests/bench/support/scene.hpp"
-#include "tests/lab.hpp"
-#include "tests/srgb.hpp"
 
 namespace inverse::bench {
 namespace {
@@ -85,105 +82,27 @@ Pair rendered_pair(const Scene& scene) {
   return pair;
 }
 
-/// Layers of frames of one size, and edits of them.
-class Editor {
+/// Edits of the layers of a frame.
+class Editor : public FrameLayers {
  public:
   explicit Editor(const std::shared_ptr<gpu::Device>& device, const Image& frame)
-      : device_(device),
-        extent_{uint32_t(frame.width), uint32_t(frame.height)},
-        commands_(device),
-        intrinsic_(device, extent_),
-        global_(device, extent_),
-        recolor_(device, extent_),
-        light_(device, extent_),
-        compose_(device, extent_),
-        input_(upload(frame)) {}
-
-  /// Uses a video that repeats the image `kFrames` times.
-  Layers two_layers() {
-    return watched([&](bool first) {
-      return intrinsic_.record(commands_, input_, ScaledIntrinsic::Params{}, {first});
-    });
-  }
-  /// `amount` of indirect light; 0: measured.
-  Layers all_layers(float amount = 0) {
-    GlobalIntrinsic::Params params;
-    params.amount = amount;
-    return watched([&](bool first) {
-      return global_.record(commands_, input_, params, {first, true});
-    });
-  }
-  /// The image itself as reflectance, under white light.
-  Layers no_layers() { return intrinsic_layers(input_, input_, nullptr); }
-
-  Image reflectance(const Layers& layers) { return download(layers[Role::model]); }
-  PlanePtr upload(const Image& image) {
-    const auto plane = std::make_shared<Plane>(Plane{
-        extent_,
-        gpu::Buffer::create(device_, gpu::Element::vec4, extent_.pixels(), gpu::Memory::upload)});
-    float* pixel = plane->buffer->map_as<float>();
-    const std::size_t channels = std::size_t(image.channels);
-    for (std::size_t i = 0; i < extent_.pixels(); ++i) {
-      for (std::size_t c = 0; c < 3; ++c)
-        pixel[4 * i + c] = image.data[channels * i + std::min(c, channels - 1)];
-      pixel[4 * i + 3] = 1;
-    }
-    return plane;
-  }
+      : FrameLayers(device, frame), recolor_(device, extent()), light_(device, extent()) {}
 
   Image recolored(Layers layers, const RecolorParams& params, const PlanePtr& matte) {
     layers[Role::mask] = matte;
-    return made(layers, [&](Layers& l) { recolor_.record(commands_, l, params); });
+    return made(layers,
+                [&](gpu::Commands& commands, Layers& l) { recolor_.record(commands, l, params); });
   }
   Image relit(Layers layers, const LightEdit::Key& key, const Color& target) {
-    return made(layers, [&](Layers& l) { light_.change(commands_, l, key, target, 1, nullptr); });
+    return made(layers, [&](gpu::Commands& commands, Layers& l) {
+      light_.change(commands, l, key, target, 1, nullptr);
+    });
   }
 
  private:
-  Layers watched(const std::function<Layers(bool)>& record) {
-    constexpr int kFrames = 3;
-    Layers layers;
-    for (int k = 0; k < kFrames; ++k) {
-      commands_.begin();
-      layers = record(k == 0);
-      commands_.submit();
-      commands_.wait();
-    }
-    return layers;
-  }
-  Image made(Layers& layers, const std::function<void(Layers&)>& edit) {
-    commands_.begin();
-    edit(layers);
-    const PlanePtr picture = compose_.record(commands_, layers, {});
-    commands_.submit();
-    commands_.wait();
-    return download(picture);
-  }
-  Image download(const PlanePtr& plane) {
-    const Pixels pixel = Lab(device_).download(plane->buffer);
-    Image image(int(extent_.width), int(extent_.height), 3);
-    for (std::size_t i = 0; i < extent_.pixels(); ++i)
-      for (std::size_t c = 0; c < 3; ++c) image.data[3 * i + c] = pixel[4 * i + c];
-    return image;
-  }
-
-  std::shared_ptr<gpu::Device> device_;
-  Extent extent_;
-  gpu::Commands commands_;
-  ScaledIntrinsic intrinsic_;
-  GlobalIntrinsic global_;
   Recolor recolor_;
   LightEdit light_;
-  Compose compose_;
-  PlanePtr input_;
 };
-
-/// Display codes 0…1, in which pictures are compared.
-Image displayed(const Image& linear) {
-  Image out = linear;
-  for (float& v : out.data) v = srgb_code(std::clamp(v, 0.0F, 1.0F));
-  return out;
-}
 
 /// 1 if paint is unchanged; with `spill` only where light changes by more than 2 %, too.
 Image unchanged_paint(const Pair& pair, bool spill) {
