@@ -131,7 +131,7 @@ TEST(PictureFile, RefusesWhatIsNone) {
   refused("other.ppm", "P6 1 1 255\n\1\2\3", "no picture");
   // A PNG's head says how wide it is.
   for (const auto& [wide, why] :
-       {std::pair("\0\1\0\0"s, "scale it"), {"\0\0\x40\0"s, "too early"}}) {
+       {std::pair("\0\0\x40\0"s, "scale it"), {"\0\0\x20\0"s, "too early"}}) {
     std::string other = png(3);
     other.replace(16, 4, wide).replace(20, 4, wide);
     refused("wide.png", other, why);

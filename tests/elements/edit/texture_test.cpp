@@ -355,7 +355,9 @@ TEST_F(Texture, OtherCapsAreAnotherPictureOfTheSamePlane) {
   const auto out = harness.process(bytes_of(larger), 4);
   ASSERT_EQ(out.size(), bytes_of(larger).size());
   const auto [x, y] = middle_of(wall().corners_at(0));
-  EXPECT_GT(excess(out, 2 * x, 2 * y, 0, 2 * kWidth), 40);
+  EXPECT_GT(excess(out, 2 * x, 2 * y, 0, 2 * kWidth),
+            excess(bytes_of(larger), 2 * x, 2 * y, 0, 2 * kWidth) + 10);
+  EXPECT_EQ(stat<std::string>(harness.find("intrinsictexture"), "plane"), "found");
   EXPECT_TRUE(harness.errors().empty());
 }
 
