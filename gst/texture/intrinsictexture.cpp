@@ -136,7 +136,8 @@ class TextureElement final : public Filter {
     probe_.emplace(device);
     source_.configure(device, extent);
     tracker_.cut();
-    if (extent != extent_) version_.reset();  // pixels are others
+    // Pixels are others. A plane that is followed is found in them.
+    if (extent != extent_ && tracker_.result().state != State::lost) version_.reset();
     const std::lock_guard lock(mouse_mutex_);
     extent_ = extent;
   }
