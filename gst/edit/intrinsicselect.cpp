@@ -6,6 +6,7 @@
 
 #include "gst/base/color.hpp"
 #include "gst/base/filter.hpp"
+#include "gst/base/pictures/file_loader.hpp"
 #include "kernels/edit/selection/selection.hpp"
 #include "selection_strokes.hpp"
 
@@ -16,6 +17,7 @@ struct Params : SelectionParams {
   std::string strokes;  ///< read_selection
   SelectMode mode = SelectMode::off;
   float radius = 6;
+  std::string location;
   uint32_t key_color = 0xffc83c28;
   Params() { color.base = color.cluster = 0; }
 };
@@ -41,7 +43,8 @@ const PropertyTable<Params>& table() {
                    {static_cast<int>(SelectBy::key), "key", "A reflectance"},
                    {static_cast<int>(SelectBy::cluster), "cluster", "A cluster of reflectance"},
                    {static_cast<int>(SelectBy::base_color), "base-color",
-                    "The surfaces of a base color of globalintrinsic"}},
+                    "The surfaces of a base color of globalintrinsic"},
+                   {static_cast<int>(SelectBy::picture), "picture", "What is white in a picture"}},
                   "What is selected"),
         strokes,
         choice<P>("stroke-mode", &P::mode, "GstInverseSelectMode",
@@ -55,6 +58,9 @@ const PropertyTable<Params>& table() {
                   "What the mouse draws on the picture"),
         number<P>("stroke-radius", &P::radius, 1.F, 1000.F,
                   "Radius of the brush for strokes, pixels"),
+        text<P>("location", &P::location,
+                "PNG or JPEG file of the mask, scaled to the frame: white, times its alpha, is "
+                "selected; by=picture"),
         color<P>("key", &P::key_color,
                  "Reflectance to select (0xAARRGGBB, sRGB; alpha is ignored); by=key"),
         number<P>("tolerance", of_color(&RecolorParams::tolerance), 0, 4.25F,
@@ -89,15 +95,57 @@ const PropertyTable<Params>& table() {
   return table;
 }
 
+/// The mean of a picture's channels times its alpha, scaled to `extent`: averaged over the smallest
+/// whole factor by which it is not larger, then bilinear. In x of four numbers a pixel.
+std::vector<float> mask_of(const Picture8& picture, Extent extent) {
+  const uint32_t factor = std::max({1U, picture.extent.width / extent.width,
+                                    picture.extent.height / extent.height});
+  const Extent small{(picture.extent.width + factor - 1) / factor,
+                     (picture.extent.height + factor - 1) / factor};
+  std::vector<float> means(small.pixels()), counts(small.pixels());
+  for (uint32_t y = 0; y < picture.extent.height; ++y)
+    for (uint32_t x = 0; x < picture.extent.width; ++x) {
+      const uint8_t* rgba = &picture.rgba[4 * (size_t{y} * picture.extent.width + x)];
+      const size_t to = size_t{y / factor} * small.width + x / factor;
+      means[to] += static_cast<float>((rgba[0] + rgba[1] + rgba[2]) * rgba[3]) / (3 * 255.F * 255);
+      ++counts[to];
+    }
+  const auto at = [&](uint32_t x, uint32_t y) {
+    const size_t n = size_t{std::min(y, small.height - 1)} * small.width +
+                     std::min(x, small.width - 1);
+    return means[n] / counts[n];
+  };
+  std::vector<float> mask(4 * extent.pixels());
+  const auto source = [](uint32_t to, uint32_t from_size, uint32_t to_size) {
+    const float place = (static_cast<float>(to) + .5F) * static_cast<float>(from_size) /
+                            static_cast<float>(to_size) -
+                        .5F;
+    return std::max(place, 0.F);
+  };
+  for (uint32_t y = 0; y < extent.height; ++y)
+    for (uint32_t x = 0; x < extent.width; ++x) {
+      const float u = source(x, small.width, extent.width),
+                  v = source(y, small.height, extent.height);
+      const auto left = static_cast<uint32_t>(u), top = static_cast<uint32_t>(v);
+      const float across = u - static_cast<float>(left), down = v - static_cast<float>(top);
+      mask[4 * (size_t{y} * extent.width + x)] =
+          (1 - down) * ((1 - across) * at(left, top) + across * at(left + 1, top)) +
+          down * ((1 - across) * at(left, top + 1) + across * at(left + 1, top + 1));
+    }
+  return mask;
+}
+
 class SelectElement final : public Filter {
  public:
   PropertyStore& parameters() override { return parameters_; }
+  void start() override { file_.start(parameters_.snapshot().location); }
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     selection_.emplace(device, extent);
     for (auto& copy : copies_)
       copy.words = gpu::Buffer::create(device, gpu::Element::word, ObjectSelection::kStatusWords,
                                        gpu::Memory::readback);
     taken_ = {};
+    mask_.reset();
     editor_.resize(extent);
   }
   std::vector<Setting> navigate(const MouseEvent& event) override {
@@ -109,6 +157,7 @@ class SelectElement final : public Filter {
   SelectionEditor& editor() { return editor_; }
   void release() override {
     selection_.reset();
+    mask_.reset();
     copies_ = {};
   }
   void reset() override {
@@ -134,7 +183,7 @@ class SelectElement final : public Filter {
       added.strokes = std::span(all.strokes).subspan(added.anew ? 0 : taken_.list.strokes.size());
       if (all.frame.pixels() > 0) added.drawn = all.frame;
     }
-    selection_->record(frame.commands, frame.layers, params, added, nullptr);
+    selection_->record(frame.commands, frame.layers, params, added, take_picture(frame, params));
     if (params.by == SelectBy::strokes && params.strokes != taken_.text)
       taken_ = {params.strokes, std::move(all)};
     Copy& copy = copies_[frame.number];
@@ -156,7 +205,21 @@ class SelectElement final : public Filter {
   }
 
  private:
+  /// The picture of the mask for frames of this size; null: none.
+  const Plane* take_picture(FrameContext& frame, const Params& params) {
+    if (file_.take(params.location, frame.warnings)) mask_.reset();
+    if (params.by != SelectBy::picture || !file_.file()) return nullptr;
+    if (!mask_) {
+      mask_.emplace(Plane{frame.layers.extent, nullptr});
+      frame.commands.write_table(mask_->buffer, gpu::Element::vec4,
+                                 mask_of(*file_.file(), frame.layers.extent));
+    }
+    return &*mask_;
+  }
+
   Parameters<Params> parameters_{table()};
+  FileLoader file_;
+  std::optional<Plane> mask_;  // of the file
   std::optional<Selection> selection_;
   SelectionEditor editor_;
   struct Taken {

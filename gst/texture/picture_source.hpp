@@ -8,7 +8,7 @@
 #include "gst/base/side_pads.hpp"
 #include "kernels/edit/texture/texture_pyramid.hpp"
 #include "kernels/gpu/frame_ring.hpp"
-#include "picture_file.hpp"
+#include "gst/base/pictures/picture_file.hpp"
 #include "texture_pad.hpp"
 
 namespace inverse {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "common/error.hpp"
-#include "gst/texture/picture_file.hpp"
+#include "gst/base/pictures/picture_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace inverse;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Pictures from files: their kinds, rotation tags, alpha, damage.
-#include "gst/texture/picture_file.hpp"
+#include "gst/base/pictures/picture_file.hpp"
 
 #include <gtest/gtest.h>
 

@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "gst/texture/corners_text.hpp"
-#include "gst/texture/picture_file.hpp"
+#include "gst/base/pictures/picture_file.hpp"
 #include "tests/bench/support/command_line.hpp"
 #include "tests/bench/support/timing.hpp"
 #include "tests/temporary_folder.hpp"

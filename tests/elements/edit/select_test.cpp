@@ -141,6 +141,39 @@ TEST(Select, ByKeyClusterAndBaseColor) {
   EXPECT_EQ(base.warnings().size(), 1U);
 }
 
+TEST(Select, ByAPictureOfAnySize) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "mask.png";
+  draw_png(path, 2, 1, {255, 0});
+  VideoHarness harness(chain("by=picture soft-edges=false location=" + path), kCaps, kCaps);
+  const auto mask = harness.process(discs(50, 60));
+  EXPECT_GT(pixel_at(mask, 10, 60, kWidth)[0], 250);
+  EXPECT_LT(pixel_at(mask, 150, 60, kWidth)[0], 5);
+  // Another while frames go on, larger than the frame.
+  std::vector<uint8_t> large(1000 * 600, 0);
+  std::fill_n(large.begin(), large.size() / 2, 255);
+  draw_png(folder / "large.png", 1000, 600, large);
+  g_object_set(harness.find("intrinsicselect"), "location", (folder / "large.png").c_str(), nullptr);
+  std::vector<uint8_t> next;
+  for (int n = 0; n < 200; ++n) {
+    next = harness.process(discs(50, 60));
+    if (pixel_at(next, 150, 20, kWidth)[0] > 250) break;
+    g_usleep(10000);
+  }
+  EXPECT_GT(pixel_at(next, 150, 20, kWidth)[0], 250);
+  EXPECT_LT(pixel_at(next, 10, 100, kWidth)[0], 5);
+  EXPECT_TRUE(harness.warnings().empty());
+}
+
+TEST(Select, AMissingPictureIsOneError) {
+  const auto result = run_line("videotestsrc num-buffers=2 ! " + kLight +
+                               "intrinsicselect by=picture location=/nowhere/mask.png ! "
+                               "intrinsiccompose ! fakesink");
+  ASSERT_EQ(result.errors.size(), 1U);
+  EXPECT_NE(result.first_error().find("/nowhere/mask.png"), std::string::npos)
+      << result.first_error();
+}
+
 TEST(Select, WrongStrokesAreAWarning) {
   VideoHarness harness(chain("strokes=[" + stroke_at(50, 60) + "]"), kCaps, kCaps);
   GstElement* select = harness.find("intrinsicselect");
