@@ -266,7 +266,9 @@ Layers GlobalIntrinsic::record_gray(gpu::Commands& commands, const PlanePtr& inp
   Layers layers = solve_.record(commands, input, params,
                                 {.changed = was_gray ? info.changed : std::span<const uint8_t>(),
                                  .repeated = info.repeated,
-                                 .light = colored_light()});
+                                 .light = colored_light(),
+                                 .strokes = info.strokes,
+                                 .tracker = info.tracker});
   layers[Role::light] = layers[Role::model_light] = white_light(commands);
   drawn_ = was_gray ? solve_.drawn() : nullptr;
   return layers;
@@ -366,8 +368,10 @@ Layers GlobalIntrinsic::record_light(gpu::Commands& commands, const PlanePtr& in
   }
 
   // The input of the solve changes in tiles beside changed ones, too.
-  ScaledIntrinsic::FrameInfo solve{
-      .repeated = info.repeated, .light = colored_light(), .strokes = info.strokes};
+  ScaledIntrinsic::FrameInfo solve{.repeated = info.repeated,
+                                   .light = colored_light(),
+                                   .strokes = info.strokes,
+                                   .tracker = info.tracker};
   if (plan_.reused()) solve.changed = planner_.tiles();
   Layers layers = solve_.record(commands, neutral_input, params, solve);
   const PlanePtr light = record_direct(commands, neutral_input, tau, layers);

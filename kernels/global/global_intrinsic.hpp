@@ -82,6 +82,7 @@ class GlobalIntrinsic {
     std::span<const uint8_t> changed = {};
     bool repeated = false;
     StrokesPtr strokes = {};
+    const StrokeTracker* tracker = nullptr;
   };
   struct Stats {
     ScaledIntrinsic::Stats solve;

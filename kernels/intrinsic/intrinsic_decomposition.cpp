@@ -170,7 +170,7 @@ void IntrinsicDecomposition::make_plan(const Params& params, const FrameInfo& in
 Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& input,
                                       const Params& params, const FrameInfo& info) {
   if (info.reset) reset();
-  take_strokes(commands, info);
+  take_strokes(commands, input, info);
   make_plan(params, info);
   list_tiles(commands, params);
   if (info.light) info.light->record_move(commands, plan_.tiles());
@@ -188,7 +188,8 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   commands.stage("layers");
   active_.advance(plan_.tiles());
   last_ = plan_.whole() ? nullptr : intrinsic;
-  if (strokes_.unfilled()) unfilled_ = intrinsic;
+  if (strokes_.mask().unfilled() || (strokes_.mask().fills() && strokes_.mask().tracker()))
+    before_ = {input, intrinsic};
   has_history_ = true;
   start_layers_.reset();
   commands.keep(input);
@@ -197,17 +198,33 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   return intrinsic_layers(input, intrinsic, slope);
 }
 
-void IntrinsicDecomposition::take_strokes(gpu::Commands& commands, const FrameInfo& info) {
-  other_strokes_ = info.strokes != strokes_.list();
-  if (other_strokes_) {
-    strokes_.set(commands, info.strokes);
-  } else if (unfilled_) {
-    strokes_.fill(commands, unfilled_->buffer);
-    commands.keep(unfilled_);
-    other_strokes_ = true;
+void IntrinsicDecomposition::take_strokes(gpu::Commands& commands, const PlanePtr& input,
+                                          const FrameInfo& info) {
+  const StrokeMask& mask = strokes_.mask();
+  const StrokeTracker* tracker = info.strokes ? info.tracker : nullptr;
+  StrokeMask::Reflectance reflectance;
+  if (before_.intrinsic) {
+    reflectance.reflectance = before_.intrinsic->buffer;
+    if (tracker) {
+      reflectance.frame_before = before_.input->buffer;
+      reflectance.frame = input->buffer;
+    }
   }
-  unfilled_.reset();
-  if (other_strokes_) commands.stage("strokes");
+  other_strokes_ = info.strokes != mask.list() || tracker != mask.tracker();
+  if (other_strokes_) {
+    strokes_.set(commands, info.strokes, tracker);
+  } else if (mask.unfilled()) {
+    strokes_.fill(commands, reflectance);
+    other_strokes_ = true;
+  } else if (tracker && !strokes_.empty()) {
+    strokes_.follow(commands, reflectance);
+  }
+  if (before_.intrinsic) {
+    commands.keep(before_.input);
+    commands.keep(before_.intrinsic);
+  }
+  before_ = {};
+  if (!strokes_.empty()) commands.stage("strokes");
 }
 
 EdgePrior::Target IntrinsicDecomposition::prior_target() const {
@@ -220,7 +237,8 @@ EdgePrior::Target IntrinsicDecomposition::prior_target() const {
 void IntrinsicDecomposition::list_tiles(gpu::Commands& commands, const Params& params) {
   if (!plan_.tiles()) return;
   active_.record_list(commands, multigrid_.cell_correction(),
-                      plan_.all_tiles ? kAllTiles : plan_.tile_tolerance, params.anchor.hold);
+                      plan_.all_tiles ? kAllTiles : plan_.tile_tolerance, params.anchor.hold,
+                      strokes_.changed());
   multigrid_.record_residual(commands, active_.around_before());
   commands.stage("tiles");
 }

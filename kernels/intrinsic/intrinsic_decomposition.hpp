@@ -54,6 +54,8 @@ class IntrinsicDecomposition {
     bool repeated = false;        ///< the picture is that of the frame before, bit by bit
     SceneLight* light = nullptr;  ///< what it measured of this frame; null: light is gray
     StrokesPtr strokes = {};      ///< of the user; other ones than before start the solve anew
+    /// What follows these strokes, and has found them in this frame; null: they stay as drawn.
+    const StrokeTracker* tracker = nullptr;
   };
   struct Stats {
     Plan plan;
@@ -79,7 +81,7 @@ class IntrinsicDecomposition {
     has_history_ = false;
     start_layers_.reset();
     last_.reset();
-    unfilled_.reset();
+    before_ = {};
     strokes_.forget();
   }
   /// Makes the next frame continue what `other`, of another size on the same device, has just found
@@ -88,7 +90,7 @@ class IntrinsicDecomposition {
   void continue_from(gpu::Commands& commands, const IntrinsicDecomposition& other,
                      PlanePtr intrinsic);
   /// Whether the next frame extends strokes to surroundings of similar reflectance.
-  bool fills() const { return unfilled_ != nullptr; }
+  bool fills() const { return strokes_.mask().unfilled(); }
   /// Frames recorded since construction: the last one's number is one less.
   uint64_t recorded() const { return recorded_; }
   /// Of one of the last kFramesInFlight frames.
@@ -122,7 +124,7 @@ class IntrinsicDecomposition {
   /// The list of tiles that stages run on; null: on all.
   const TileList* list() const { return plan_.tiles() ? &active_.list() : nullptr; }
   // The parts of `record`, in its order.
-  void take_strokes(gpu::Commands& commands, const FrameInfo& info);
+  void take_strokes(gpu::Commands& commands, const PlanePtr& input, const FrameInfo& info);
   void make_plan(const Params& params, const FrameInfo& info);
   void list_tiles(gpu::Commands& commands, const Params& params);
   void start_from_layers(gpu::Commands& commands, const PlanePtr& input);
@@ -161,9 +163,12 @@ class IntrinsicDecomposition {
   bool continues_ = false;      // which had one before it
   PlanePtr start_layers_;       // to start from, of another resolution
   bool other_strokes_ = false;  // than the frame before
-  PlanePtr unfilled_;           // the layers of the frame before, by which strokes are to be filled
-  Params params_;               // that the frames so far were found with
-  bool cleared_ = false;        // unused slots of sums
+  struct Frame {
+    PlanePtr input, intrinsic;
+  };
+  Frame before_;          // the frame before, if it is needed to fill strokes
+  Params params_;         // that the frames so far were found with
+  bool cleared_ = false;  // unused slots of sums
   Planner planner_;
   Plan plan_;      // of the frame being recorded
   PlanePtr last_;  // the layers of the frame before, if the next one can reuse tiles of them

@@ -18,8 +18,15 @@ TileList::TileList(const std::shared_ptr<gpu::Device>& device, Extent extent, gp
       workgroup_(device->variant().workgroup),
       limit_(device->limits().line_groups),
       list_(device, {}, device->variant().lone_workgroup),
+      merge_(device),
       flags_(gpu::Buffer::create(device, gpu::Element::word, tiles())),
       words_(gpu::Buffer::create(device, gpu::Element::word, List::LIST_TILES + tiles(), memory)) {}
+
+void TileList::record_merge(gpu::Commands& commands, const gpu::BufferPtr& others) const {
+  if (!others) return;
+  commands.dispatch(merge_, {.others = others, .flags = flags_}, {.tiles = {columns_, rows_}},
+                    {tiles()});
+}
 
 void TileList::record(gpu::Commands& commands) const {
   commands.dispatch(

@@ -7,6 +7,7 @@
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
 #include "kernels/image_tiles_list_tiles.spv.hpp"
+#include "kernels/image_tiles_merge_tiles.spv.hpp"
 
 namespace inverse {
 
@@ -30,6 +31,8 @@ class TileList {
   uint32_t rows() const { return rows_; }
   /// One word per tile, row by row: 1 to list it, else 0. Written by a kernel of the caller.
   const gpu::BufferPtr& flags() const { return flags_; }
+  /// Records flagging also the tiles that `others` flags, and those beside them; null: none.
+  void record_merge(gpu::Commands& commands, const gpu::BufferPtr& others) const;
   /// Records building the list from the flags.
   void record(gpu::Commands& commands) const;
   /// Builds the list on the host from the tiles whose `flags`, row by row, are not 0. No submitted
@@ -44,6 +47,7 @@ class TileList {
  private:
   uint32_t columns_, rows_, workgroup_, limit_;
   gpu::Program<shaders::image_tiles_list_tiles> list_;
+  gpu::Program<shaders::image_tiles_merge_tiles> merge_;
   gpu::BufferPtr flags_, words_;
 };
 

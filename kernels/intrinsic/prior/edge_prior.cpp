@@ -91,6 +91,7 @@ void EdgePrior::record_changes(gpu::Commands& commands, const Guide& guide, cons
                      .flags = changes_.flags()},
                     {.size = guide.extent1(), .tolerance = tolerance, .all = all},
                     line_of(uint64_t{tiles()} * change_.kernel()->workgroup()));
+  if (target.strokes) changes_.record_merge(commands, target.strokes->changed());
   changes_.record(commands);
   commands.dispatch(fold_biases_, {.statistics = guide.statistics(), .biases = biases_}, {});
   record_edges(commands, guide, target, params, &changes_);

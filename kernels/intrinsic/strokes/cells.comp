@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "image/pack4.glsl"
-#include "strokes.glsl"
+#include "image/strokes/strokes.glsl"
 
 // The mask of cells of 4 x 4 pixels: the stroke that covers most of a cell, and its share of it. One pack of cells an invocation.
 PLANE_IN(0, mask);

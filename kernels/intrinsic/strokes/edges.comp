@@ -3,7 +3,9 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "intrinsic/energy/energy.glsl"
-#include "strokes.glsl"
+#include "image/strokes/strokes.glsl"
+
+const float kStrokeWeight = 1000.0;  // added to the weight of an edge inside a stroke
 
 // Edges inside a stroke, with w the smaller weight of their two pixels, and W = kStrokeWeight:
 //

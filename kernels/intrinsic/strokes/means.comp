@@ -5,7 +5,7 @@
 #include "gpu/workgroup_sum.glsl"
 #include "intrinsic/energy/energy.glsl"
 #include "intrinsic/guide/guide.glsl"
-#include "strokes.glsl"
+#include "image/strokes/strokes.glsl"
 
 // The value prior's mean target in every stroke, weighted by share and v: V of a stroke of constant shading, V - M of constant
 // reflectance. A workgroup has a stroke.
@@ -21,9 +21,11 @@ void main() {
   uvec4 bounds = uvec4(FETCH(strokes, STROKE_STRIDE * stroke + STROKE_BOUNDS));
   bool reflectance = FETCH(strokes, STROKE_STRIDE * stroke + STROKE_KIND).x == float(KIND_REFLECTANCE);
   uint packs = PACK4(push.size.x), first = bounds.x / 4u, columns = PACK4(bounds.z) - first, rows = bounds.w - bounds.y;
+  uint apart = rows_apart(columns, rows);
+  rows = (rows + apart - 1u) / apart;
   vec4 sum = vec4(0.0);
   for (uint i = gl_LocalInvocationIndex; i < columns * rows; i += gl_WorkGroupSize.x) {
-    uint x = first + i % columns, y = bounds.y + i / columns;
+    uint x = first + i % columns, y = bounds.y + apart * (i / columns);
     int at = int(y * packs + x);
     vec4 mask = FETCH(cell_mask, at), w = mix(vec4(0.0), weight_of(mask), equal(number_of(mask), vec4(stroke + 1)));
     if (all(equal(w, vec4(0.0)))) continue;

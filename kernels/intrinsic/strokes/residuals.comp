@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "gpu/workgroup_sum.glsl"
 #include "image/pack4.glsl"
-#include "strokes.glsl"
+#include "image/strokes/strokes.glsl"
 
 // How far the solution is from one value in every stroke: sums of w, w v and w v^2 over its pixels, v = s in a stroke of
 // constant shading and m - s of constant reflectance, less its value at one place, so that little is lost by rounding. A workgroup
@@ -33,10 +33,12 @@ void main() {
   uvec4 bounds = uvec4(FETCH(strokes, STROKE_STRIDE * stroke + STROKE_BOUNDS));
   bool reflectance = FETCH(strokes, STROKE_STRIDE * stroke + STROKE_KIND).x == float(KIND_REFLECTANCE);
   uint packs = PACK4(push.size.x), rows = min(4u * bounds.w, push.size.y) - 4u * bounds.y, columns = bounds.z - bounds.x;
+  uint apart = rows_apart(columns, rows);
+  rows = (rows + apart - 1u) / apart;
   float place = value_at(bounds.x, 4u * bounds.y, reflectance).x;
   vec4 sum = vec4(0.0);
   for (uint i = gl_LocalInvocationIndex; i < columns * rows; i += gl_WorkGroupSize.x) {
-    uint x = bounds.x + i % columns, y = 4u * bounds.y + i / columns;  // a cell is as wide as a pack
+    uint x = bounds.x + i % columns, y = 4u * bounds.y + apart * (i / columns);  // a cell is as wide as a pack
     int at = int(y * packs + x);
     vec4 here = FETCH(mask, at), w = mix(vec4(0.0), weight_of(here), equal(number_of(here), vec4(stroke + 1)));
     if (all(equal(w, vec4(0.0)))) continue;

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "strokes.hpp"
 
-#include <array>
 #include <cmath>
-#include <utility>
 
 #include "kernels/image/pack4.hpp"
 #include "kernels/image/pyramid.hpp"
@@ -11,63 +9,42 @@
 namespace inverse {
 
 Strokes::Strokes(const std::shared_ptr<gpu::Device>& device, Extent extent)
-    : device_(device),
-      extent_(extent),
+    : extent_(extent),
       cells_(half_of(half_of(extent))),
       share_(device),
       average_(device, {}, device->variant().area_workgroup()),
       measure_(device, {}, device->variant().area_workgroup()),
       edges_(device, {}, 4, 16),
       values_(device, {}, 1, 4),
-      fill_(device, extent),
-      strokes_(gpu::Buffer::create(device, gpu::Element::vec4,
-                                   kMaxStrokes * shaders::intrinsic_strokes_edges::STROKE_STRIDE)),
+      mask_(device, extent),
       means_(gpu::Buffer::create(device, gpu::Element::vec4, kMaxStrokes)),
       residuals_(gpu::Buffer::create(device, gpu::Element::vec4, kMaxStrokes)) {}
 
-void Strokes::set(gpu::Commands& commands, const StrokesPtr& list) {
-  forget();
-  list_ = list;
-  if (!list || list->strokes.empty()) return;
-  StrokeMask mask = draw_strokes(*list, extent_);
-  bounds_ = std::move(mask.bounds);
-  count_ = static_cast<uint32_t>(bounds_.size());
-  for (size_t i = 0; i < count_; ++i) unfilled_ = unfilled_ || list->strokes[i].fill;
-  commands.write_table(mask_, gpu::Element::vec4, mask.pixels);
-  write_strokes(commands);
+void Strokes::set(gpu::Commands& commands, const StrokesPtr& list, const StrokeTracker* tracker) {
+  followed_ = false;
+  mask_.set(commands, list, tracker);
   find_shares(commands);
 }
 
-void Strokes::fill(gpu::Commands& commands, const gpu::BufferPtr& reflectance) {
-  if (!std::exchange(unfilled_, false)) return;
-  fill_.record(commands, mask_, strokes_, count_, reflectance);
-  for (size_t i = 0; i < count_; ++i)
-    if (list_->strokes[i].fill && bounds_[i].right > 0)
-      bounds_[i] = {0, 0, cells_.width, cells_.height};
-  write_strokes(commands);
+void Strokes::fill(gpu::Commands& commands, const StrokeMask::Reflectance& of) {
+  followed_ = false;
+  mask_.fill(commands, of);
   find_shares(commands);
 }
 
-void Strokes::write_strokes(gpu::Commands& commands) {
-  using Shader = shaders::intrinsic_strokes_labels;
-  std::vector<std::array<float, 4>> table(size_t{count_} * Shader::STROKE_STRIDE);
-  for (size_t i = 0; i < count_; ++i) {
-    const Stroke& stroke = list_->strokes[i];
-    table[Shader::STROKE_STRIDE * i + Shader::STROKE_BOUNDS] = {
-        static_cast<float>(bounds_[i].left), static_cast<float>(bounds_[i].top),
-        static_cast<float>(bounds_[i].right), static_cast<float>(bounds_[i].bottom)};
-    table[Shader::STROKE_STRIDE * i + Shader::STROKE_KIND] = {
-        static_cast<float>(stroke.kind == Stroke::Kind::shading ? Shader::KIND_SHADING
-                                                                : Shader::KIND_REFLECTANCE),
-        stroke.fill ? 1.0F : 0.0F};
-  }
-  commands.write_table(strokes_, gpu::Element::vec4, table);
+void Strokes::follow(gpu::Commands& commands, const StrokeMask::Reflectance& of) {
+  followed_ = true;
+  mask_.follow(commands, of);
+  using Moved = shaders::image_strokes_commit;
+  commands.when(mask_.tracker()->moved(), sizeof(uint32_t) * Moved::MOVED_STROKES,
+                [&] { find_shares(commands); });
 }
 
 void Strokes::find_shares(gpu::Commands& commands) {
+  if (empty()) return;
   if (!cell_mask_)
-    cell_mask_ = gpu::Buffer::create(device_, gpu::Element::vec4, pack4_count(cells_));
-  commands.dispatch(share_, {.mask = mask_, .cell_mask = cell_mask_}, {.size = extent_},
+    cell_mask_ = gpu::Buffer::create(commands.device(), gpu::Element::vec4, pack4_count(cells_));
+  commands.dispatch(share_, {.mask = mask_.pixels(), .cell_mask = cell_mask_}, {.size = extent_},
                     line_of(pack4_count(cells_)));
 }
 
@@ -76,8 +53,8 @@ void Strokes::record_edges(gpu::Commands& commands, const Guide& guide,
                            const TileList* listed) const {
   if (empty()) return;
   edges_.dispatch(commands, listed,
-                  {.mask = mask_,
-                   .strokes = strokes_,
+                  {.mask = mask_.pixels(),
+                   .strokes = mask_.strokes(),
                    .level0 = guide.level0(),
                    .system = system,
                    .flux = flux},
@@ -89,14 +66,14 @@ void Strokes::record_values(gpu::Commands& commands, const Guide& guide,
   if (empty()) return;
   commands.dispatch(average_,
                     {.cell_mask = cell_mask_,
-                     .strokes = strokes_,
+                     .strokes = mask_.strokes(),
                      .cells = guide.cells(),
                      .value = value,
                      .means = means_},
-                    {.size = cells_}, line_of(uint64_t{count_} * average_.kernel()->workgroup()));
+                    {.size = cells_}, line_of(uint64_t{count()} * average_.kernel()->workgroup()));
   values_.dispatch(commands, listed,
                    {.cell_mask = cell_mask_,
-                    .strokes = strokes_,
+                    .strokes = mask_.strokes(),
                     .means = means_,
                     .cells = guide.cells(),
                     .value = value},
@@ -107,12 +84,12 @@ void Strokes::record_residuals(gpu::Commands& commands, const Guide& guide,
                                const gpu::BufferPtr& shading) const {
   if (empty()) return;
   commands.dispatch(measure_,
-                    {.mask = mask_,
-                     .strokes = strokes_,
+                    {.mask = mask_.pixels(),
+                     .strokes = mask_.strokes(),
                      .level0 = guide.level0(),
                      .shading = shading,
                      .residuals = residuals_},
-                    {.size = extent_}, line_of(uint64_t{count_} * measure_.kernel()->workgroup()));
+                    {.size = extent_}, line_of(uint64_t{count()} * measure_.kernel()->workgroup()));
 }
 
 float Strokes::rms_of(std::span<const float, 4> residual) {

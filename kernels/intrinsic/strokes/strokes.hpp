@@ -2,16 +2,14 @@
 #pragma once
 #include <memory>
 #include <span>
-#include <vector>
 
+#include "kernels/image/strokes/stroke_mask.hpp"
 #include "kernels/intrinsic/guide/guide.hpp"
 #include "kernels/intrinsic_strokes_cells.spv.hpp"
 #include "kernels/intrinsic_strokes_edges.spv.hpp"
 #include "kernels/intrinsic_strokes_means.spv.hpp"
 #include "kernels/intrinsic_strokes_residuals.spv.hpp"
 #include "kernels/intrinsic_strokes_values.spv.hpp"
-#include "stroke_fill.hpp"
-#include "stroke_mask.hpp"
 
 namespace inverse {
 
@@ -21,24 +19,20 @@ class Strokes {
  public:
   Strokes(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// Draws these strokes from now on; null: none.
-  void set(gpu::Commands& commands, const StrokesPtr& list);
-  /// Those that were set last; null: none.
-  const StrokesPtr& list() const { return list_; }
+  /// Draws these strokes from now on, where `tracker` has found them; null: none, and where they
+  /// were drawn.
+  void set(gpu::Commands& commands, const StrokesPtr& list, const StrokeTracker* tracker);
   /// Forgets them, also how far they extend.
-  void forget() {
-    list_.reset();
-    count_ = 0;
-    unfilled_ = false;
-  }
-  /// Whether strokes are yet to be extended to surroundings of similar reflectance.
-  bool unfilled() const { return unfilled_; }
-  /// Extends those, by the reflectance that was found with them: RGB, a vec4 a pixel.
-  void fill(gpu::Commands& commands, const gpu::BufferPtr& reflectance);
-  bool empty() const { return count_ == 0; }
-  uint32_t count() const { return count_; }
-  /// Of every pixel, as StrokeMask::pixels; null if there never were strokes.
-  const gpu::BufferPtr& mask() const { return mask_; }
+  void forget() { mask_.forget(); }
+  /// What of the picture they cover, and where they are.
+  const StrokeMask& mask() const { return mask_; }
+  /// As those of the mask.
+  void fill(gpu::Commands& commands, const StrokeMask::Reflectance& of);
+  void follow(gpu::Commands& commands, const StrokeMask::Reflectance& of);
+  /// Of every tile, whether the mask changed there with `follow` in this frame; null if it did not.
+  const gpu::BufferPtr& changed() const { return followed_ ? mask_.changed() : nothing_; }
+  bool empty() const { return mask_.empty(); }
+  uint32_t count() const { return mask_.count(); }
 
   /// Records the change of edges that the prior has just written: those of listed tiles, or all.
   /// Buffers as in EdgePrior::Target.
@@ -56,22 +50,17 @@ class Strokes {
   static float rms_of(std::span<const float, 4> residual);
 
  private:
-  void write_strokes(gpu::Commands& commands);
   void find_shares(gpu::Commands& commands);
 
-  std::shared_ptr<gpu::Device> device_;
   Extent extent_, cells_;
   gpu::Program<shaders::intrinsic_strokes_cells> share_;
   gpu::Program<shaders::intrinsic_strokes_means> average_;
   gpu::Program<shaders::intrinsic_strokes_residuals> measure_;
   TileProgram<shaders::intrinsic_strokes_edges> edges_;
   TileProgram<shaders::intrinsic_strokes_values> values_;
-  StrokeFill fill_;
-  StrokesPtr list_;
-  std::vector<StrokeMask::Bounds> bounds_;
-  gpu::BufferPtr mask_, cell_mask_, strokes_, means_, residuals_;
-  uint32_t count_ = 0;
-  bool unfilled_ = false;
+  StrokeMask mask_;
+  gpu::BufferPtr cell_mask_, means_, residuals_, nothing_;
+  bool followed_ = false;  // in this frame
 };
 
 }  // namespace inverse

@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "intrinsic/energy/energy.glsl"
 #include "intrinsic/guide/guide.glsl"
-#include "strokes.glsl"
+#include "image/strokes/strokes.glsl"
 
 // Cells of which the share c lies in a stroke: their target is moved by c to the stroke's mean (means.comp), their chroma weight
 // becomes (1 - c) g. To be run once on cells as the prior has written them. One pack of cells an invocation.

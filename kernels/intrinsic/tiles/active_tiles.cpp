@@ -36,7 +36,7 @@ float ActiveTiles::take(std::span<const uint8_t> changed) {
 }
 
 void ActiveTiles::record_list(gpu::Commands& commands, const gpu::BufferPtr& correction,
-                              float tolerance, float hold) {
+                              float tolerance, float hold, const gpu::BufferPtr& others) {
   now_ = 1 - now_;
   const TileList& list = lists_[now_];
   const Extent cells = half_of(half_of(extent_));
@@ -50,6 +50,7 @@ void ActiveTiles::record_list(gpu::Commands& commands, const gpu::BufferPtr& cor
                      .tolerance = tolerance,
                      .hold = hold},
                     line_of(tiles()));
+  list.record_merge(commands, others);
   list.record(commands);
   commands.dispatch(
       dilate_, {.flags = list.flags(), .around = around_[now_].flags(), .drawn = drawn_.flags()},

@@ -26,9 +26,10 @@ class ActiveTiles {
   float take(std::span<const uint8_t> changed);
   /// Records the list of tiles whose input has changed, or whose estimated error exceeds
   /// `tolerance` (rms log shading; negative: all tiles). `correction` is Multigrid's, of the frame
-  /// before, `hold` TemporalAnchor's.
+  /// before, `hold` TemporalAnchor's. Also those that `others`, a word a
+  /// tile, flags, and those beside them; null: none.
   void record_list(gpu::Commands& commands, const gpu::BufferPtr& correction, float tolerance,
-                   float hold);
+                   float hold, const gpu::BufferPtr& others = nullptr);
   /// A vec4 a tile (activity.glsl).
   const gpu::BufferPtr& activity() const { return activity_; }
   /// After `record_list`: the tiles of this frame; these and all beside them; those where a drawing

@@ -4,6 +4,7 @@
 
 #include "intrinsic_fixture.hpp"
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
+#include "tests/kernels/image/strokes_fixture.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -11,17 +12,16 @@ namespace {
 using Kind = Stroke::Kind;
 
 reference::StrokeMask reference_mask(const StrokeList& list, Extent extent) {
-  const StrokeMask mask = draw_strokes(list, extent);
   reference::StrokeMask result;
   for (const Stroke& stroke : list.strokes)
     result.kinds.push_back(stroke.kind == Kind::shading ? reference::StrokeKind::shading
                                                         : reference::StrokeKind::reflectance);
-  for (uint32_t y = 0; y < extent.height; ++y)
-    for (uint32_t x = 0; x < extent.width; ++x) {
-      const double pixel = double(mask.pixels[packed(extent, x, y)]);
-      result.stroke.push_back(int(pixel) - 1);
-      result.weight.push_back(2 * (pixel - std::floor(pixel)));
-    }
+  const auto lines = reference_lines(list, extent);
+  const auto drawn =
+      reference::draw_strokes(lines, std::vector<reference::StrokeMove>(lines.size()),
+                              int(extent.width), int(extent.height));
+  result.stroke = drawn.stroke;
+  result.weight = drawn.weight;
   return result;
 }
 
@@ -51,47 +51,6 @@ class StrokesTest : public IntrinsicTest {
     return download(layers[Role::intrinsic]);
   }
 };
-
-TEST(StrokeMask, FallsOffTowardItsBorder) {
-  const Extent extent{64, 32};
-  const StrokeMask mask =
-      draw_strokes({{{Kind::shading, {{20, 16}, {40, 16}}, 8}}, extent}, extent);
-  const auto at = [&](uint32_t x, uint32_t y) { return mask.pixels[packed(extent, x, y)]; };
-  EXPECT_EQ(at(30, 16), 1.5F);  // stroke 1 with weight 1
-  EXPECT_EQ(at(30, 12), 1.5F);
-  EXPECT_NEAR(at(30, 8), 1 + .5 * .25 * .25, 1e-6);  // .5 of 2 pixels from the border
-  EXPECT_EQ(at(30, 7), 0);
-  EXPECT_EQ(at(10, 16), 0);
-  ASSERT_EQ(mask.bounds.size(), 1U);
-  EXPECT_EQ(mask.bounds[0].left, 3U);
-  EXPECT_EQ(mask.bounds[0].right, 12U);
-  EXPECT_EQ(mask.bounds[0].top, 2U);
-  EXPECT_EQ(mask.bounds[0].bottom, 6U);
-  // At half size, the same place.
-  const Extent half{32, 16};
-  const StrokeMask smaller =
-      draw_strokes({{{Kind::shading, {{20, 16}, {40, 16}}, 8}}, extent}, half);
-  EXPECT_EQ(smaller.pixels[packed(half, 15, 8)], 1.5F);
-  EXPECT_EQ(smaller.pixels[packed(half, 15, 3)], 0);
-}
-
-TEST(StrokeMask, TakesAnyNumber) {
-  const Extent extent{37, 21};
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(),
-                  kInf = std::numeric_limits<float>::infinity();
-  for (const float odd : {kNan, kInf, -kInf, 1e30F, -1e30F, 0.0F}) {
-    const StrokeMask mask = draw_strokes({{{Kind::shading, {{odd, 3}, {4, odd}}, 5},
-                                           {Kind::shading, {{odd, odd}}, 5},
-                                           {Kind::reflectance, {{5, 5}}, odd},
-                                           {Kind::reflectance, {}, 5}},
-                                          extent},
-                                         extent);
-    for (const float pixel : mask.pixels) ASSERT_TRUE(pixel >= 0 && pixel <= 4.5F) << odd;
-    EXPECT_EQ(mask.bounds.size(), 4U);
-  }
-  std::vector<Stroke> many(kMaxStrokes + 5, {Kind::shading, {{5, 5}}, 3});
-  EXPECT_EQ(draw_strokes({many, extent}, extent).bounds.size(), kMaxStrokes);
-}
 
 TEST_F(StrokesTest, WholeSolveAgreesWithReference) {
   for (const Extent extent : kOddSizes) {
@@ -241,11 +200,11 @@ TEST_F(StrokesTest, FillingAgreesWithReference) {
     reference::fill_strokes({true, true, false}, rgb.data(), int(extent.width), expected);
     const gpu::BufferPtr plane = shared_plane(extent, reflectance)->buffer;
     Strokes strokes(device, extent);
-    run([&](gpu::Commands& commands) { strokes.set(commands, list); });
-    EXPECT_TRUE(strokes.unfilled());
-    run([&](gpu::Commands& commands) { strokes.fill(commands, plane); });
-    EXPECT_FALSE(strokes.unfilled());
-    const Pixels mask = download(strokes.mask());
+    run([&](gpu::Commands& commands) { strokes.set(commands, list, nullptr); });
+    EXPECT_TRUE(strokes.mask().unfilled());
+    run([&](gpu::Commands& commands) { strokes.fill(commands, {.reflectance = plane}); });
+    EXPECT_FALSE(strokes.mask().unfilled());
+    const Pixels mask = download(strokes.mask().pixels());
     size_t filled = 0;
     for (uint32_t y = 0; y < extent.height; ++y)
       for (uint32_t x = 0; x < extent.width; ++x) {
@@ -255,7 +214,9 @@ TEST_F(StrokesTest, FillingAgreesWithReference) {
         ASSERT_NEAR(2 * (pixel - std::floor(pixel)), expected.weight[i], 1e-4);
         filled += pixel > 0;
       }
-    if (extent.width > 300) EXPECT_GT(filled, 200U) << "the picture must have what to fill";
+    if (extent.width > 300) {
+      EXPECT_GT(filled, 200U) << "the picture must have what to fill";
+    }
   }
 }
 

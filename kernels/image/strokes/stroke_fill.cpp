@@ -2,7 +2,7 @@
 #include "stroke_fill.hpp"
 
 #include "kernels/image/pack4.hpp"
-#include "stroke_mask.hpp"
+#include "stroke.hpp"
 
 namespace inverse {
 
@@ -32,10 +32,10 @@ void StrokeFill::record(gpu::Commands& commands, const gpu::BufferPtr& mask,
                      .strokes = strokes,
                      .colors = colors_,
                      .reflectance = reflectance,
-                     .labels = labels_},
+                     .labels = labels_,
+                     .claims = claims_},
                     {.size = extent_, .count = static_cast<int32_t>(count)}, pixels);
   components_.record(commands, labels_);
-  commands.fill(claims_);
   commands.dispatch(
       claim_, {.mask = mask, .labels = labels_, .roots = components_.roots(), .claims = claims_},
       {.size = extent_}, pixels);

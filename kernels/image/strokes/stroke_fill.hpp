@@ -3,10 +3,10 @@
 #include <memory>
 
 #include "kernels/image/components/components.hpp"
-#include "kernels/intrinsic_strokes_claim.spv.hpp"
-#include "kernels/intrinsic_strokes_colors.spv.hpp"
-#include "kernels/intrinsic_strokes_fill.spv.hpp"
-#include "kernels/intrinsic_strokes_labels.spv.hpp"
+#include "kernels/image_strokes_claim.spv.hpp"
+#include "kernels/image_strokes_colors.spv.hpp"
+#include "kernels/image_strokes_fill.spv.hpp"
+#include "kernels/image_strokes_labels.spv.hpp"
 
 namespace inverse {
 
@@ -24,10 +24,10 @@ class StrokeFill {
 
  private:
   Extent extent_;
-  gpu::Program<shaders::intrinsic_strokes_colors> average_;
-  gpu::Program<shaders::intrinsic_strokes_labels> label_;
-  gpu::Program<shaders::intrinsic_strokes_claim> claim_;
-  gpu::Program<shaders::intrinsic_strokes_fill> fill_;
+  gpu::Program<shaders::image_strokes_colors> average_;
+  gpu::Program<shaders::image_strokes_labels> label_;
+  gpu::Program<shaders::image_strokes_claim> claim_;
+  gpu::Program<shaders::image_strokes_fill> fill_;
   Components components_;
   gpu::BufferPtr colors_, labels_, claims_;
 };

@@ -12,6 +12,7 @@ PLANE_IN(1, strokes);
 PLANE_IN(2, colors);
 PLANE_IN(3, reflectance);
 PLANE_OUT(4, labels);
+WORD_OUT(5, claims);  // of no component
 layout(push_constant) uniform Push {
   uvec2 size;  // of the frame
   int count;   // of the strokes
@@ -24,14 +25,14 @@ void main() {
   int own = int(FETCH(mask, int(at.y * PACK4(push.size.x) + at.x / 4u))[at.x & 3u]) - 1;
   float label = -1.0, nearest = kFillDistance;
   if (own >= 0) {
-    if (FETCH(strokes, STROKE_STRIDE * own + STROKE_FILL).y > 0.0) label = float(own);
+    if (FETCH(strokes, STROKE_STRIDE * own + STROKE_KIND)[STROKE_FILL] > 0.0) label = float(own);
     nearest = 0.0;
   } else {
     vec3 color = FETCH(reflectance, int(n)).rgb;
     for (int i = 0; i < push.count; ++i) {
       vec4 mean = FETCH(colors, i);
       float apart = distance(color, mean.rgb);
-      if (mean.w > 0.0 && FETCH(strokes, STROKE_STRIDE * i + STROKE_FILL).y > 0.0 && apart < nearest) {
+      if (mean.w > 0.0 && FETCH(strokes, STROKE_STRIDE * i + STROKE_KIND)[STROKE_FILL] > 0.0 && apart < nearest) {
         label = float(i);
         nearest = apart;
       }
@@ -39,4 +40,5 @@ void main() {
   }
   float part = min(2.0 * (1.0 - nearest / kFillDistance), 1.0);
   STORE(labels, n, vec4(part * part, 0.0, 0.0, label));
+  STORE(claims, n, 0u);
 }

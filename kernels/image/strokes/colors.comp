@@ -17,9 +17,11 @@ void main() {
   int stroke = int(gl_WorkGroupID.x);
   uvec4 bounds = uvec4(FETCH(strokes, STROKE_STRIDE * stroke + STROKE_BOUNDS));
   uint packs = PACK4(push.size.x), rows = min(4u * bounds.w, push.size.y) - min(4u * bounds.y, push.size.y), columns = bounds.z - bounds.x;
+  uint apart = rows_apart(columns, rows);
+  rows = (rows + apart - 1u) / apart;
   vec4 sum = vec4(0.0);
   for (uint i = gl_LocalInvocationIndex; i < columns * rows; i += gl_WorkGroupSize.x) {
-    uint x = bounds.x + i % columns, y = 4u * bounds.y + i / columns;  // a cell is as wide as a pack
+    uint x = bounds.x + i % columns, y = 4u * bounds.y + apart * (i / columns);  // a cell is as wide as a pack
     vec4 here = FETCH(mask, int(y * packs + x)), w = mix(vec4(0.0), weight_of(here), equal(number_of(here), vec4(stroke + 1)));
     for (uint k = 0u; k < 4u; ++k)
       if (w[k] > 0.0) sum += w[k] * vec4(FETCH(reflectance, int(y * push.size.x + 4u * x + k)).rgb, 1.0);
