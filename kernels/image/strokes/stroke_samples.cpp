@@ -39,7 +39,7 @@ StrokeSamples samples_of(const Stroke& stroke, Extent frame, Extent extent) {
   const float across = width / static_cast<float>(frame.width),
               down = height / static_cast<float>(frame.height);
   const float radius = stroke.radius * std::sqrt(across * down),
-              reach = radius + std::max(radius, kMinMargin);
+              reach = radius + std::max(radius / 4, kMinMargin);
   std::vector<Stroke::Point> line;
   Box box{{width, height}, {0, 0}};
   for (const Stroke::Point& point : stroke.points) {

@@ -8,7 +8,8 @@
 namespace inverse {
 
 /// Where the surroundings of a stroke are compared to follow it: on a regular grid over the stroke
-/// and a margin of its radius, at least 8 pixels.
+/// and a margin of a quarter of its
+/// radius, at least 8 pixels.
 struct StrokeSamples {
   static constexpr uint32_t kMax = 1024, kMaxLevel = 5;
   Stroke::Point center{};  ///< their mean, in pixels of the frame

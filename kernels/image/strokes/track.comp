@@ -46,12 +46,15 @@ const float kNewFit = 0.15;      // or of the share that fits
 const float kChosen = 2.0;       // of a sample that is taken, in place of its last number
 // Samples that shifts are tried with, at most. (llvmpipe ends all loops of an invocation after 65535 rounds together.)
 const int kSearched = 256;
-const int kReach = 5;            // of the shifts tried, in pixels of the coarsest level
-const float kFar = 0.002;        // added to their variance for a shift of a pixel of that level, squared
+const int kSearchLevel = 2;      // the coarsest one on which shifts are tried,
+const int kReach = 5;            // so many of its pixels away
+const float kFar = 0.002;        // added to their variance for a shift of a pixel, squared
+const float kFitWell = 0.8;      // share of samples below which shifts are tried
+const float kEven = 0.05;        // weight of samples where the template is even
 
 int slot, count, top;
 vec2 center;
-float radius, sigma;
+float radius, sigma, contrast;
 vec2 turn, shift;
 float gain;
 
@@ -86,6 +89,11 @@ float value_at(vec2 p) {
   ivec2 at = ivec2(floor(p));
   vec2 part = p - vec2(at);
   return mix(mix(texel(at), texel(at + ivec2(1, 0)), part.x), mix(texel(at + ivec2(0, 1)), texel(at + ivec2(1, 1)), part.x), part.y);
+}
+
+// How much a sample tells of where it is: little where the template is even.
+float telling(vec4 at, vec4 known) {
+  return at.z * clamp(length(known.yz) * exp2(float(level_now)) / contrast, kEven, 1.0);
 }
 
 // One step at a level, which moves samples by how many pixels.
@@ -148,58 +156,64 @@ float step_at(int level) {
   return part * far;
 }
 
-// How many samples are inside of the frame, how many of these fit, and the variance of the template over these (log units, squared).
+// The share of samples inside of the frame, the share of these that fit, and the variance of the template over the latter.
 vec3 fit_at(int level) {
   set_level(level);
   vec4 sum = vec4(0.0);
-  float all_weights = 0.0;
+  float all_weights = 0.0, count_fits = 0.0;
   for (int i = int(gl_LocalInvocationIndex); i < count; i += int(gl_WorkGroupSize.x)) {
     vec4 at = FETCH(samples, slot * kSamples + i), known = LOAD(templates, template_of(level, i));
     vec2 p = warped(at.xy);
-    all_weights += at.z;
+    float tells = telling(at, known);
+    all_weights += tells;
     if (known.w == 0.0 || !inside(p)) continue;
-    bool fits = abs(value_at(p) - known.x - gain) < sigma;
-    sum += at.z * vec4(1.0, fits ? vec3(1.0, known.x, known.x * known.x) : vec3(0.0));
+    sum.x += tells;
+    if (!(abs(value_at(p) - known.x - gain) < sigma)) continue;
+    count_fits += tells;
+    sum.yzw += at.z * vec3(1.0, known.x, known.x * known.x);
   }
   sum = workgroup_sum(sum);
-  all_weights = workgroup_sum(vec4(all_weights)).x;
+  vec2 others = workgroup_sum(vec4(all_weights, count_fits, 0.0, 0.0)).xy;
   float mean = sum.z / max(sum.y, 1e-6);
-  return vec3(sum.x / max(all_weights, 1e-6), sum.y / max(sum.x, 1e-6), max(sum.w / max(sum.y, 1e-6) - mean * mean, 0.0));
+  return vec3(sum.x / max(others.x, 1e-6), others.y / max(sum.x, 1e-6), max(sum.w / max(sum.y, 1e-6) - mean * mean, 0.0));
 }
 
-void align() {
-  for (int level = top; level >= 0; --level)
+void align(int from) {
+  for (int level = from; level >= 0; --level)
     for (int k = 0; k < kSteps; ++k)
       if (!(step_at(level) >= kConverged * exp2(float(level)))) break;
 }
 
-// Moves to the best of the shifts around, with no regard to how bright it is there.
+// Moves to the best of the shifts around, with no regard to how bright it is there, of pixels of a level and then of finer ones.
 void search() {
-  set_level(top);
-  int every = (count + kSearched - 1) / kSearched;
-  vec2 from = shift, best = shift;
-  float least = 1e9;
-  for (int k = 0; k < (2 * kReach + 1) * (2 * kReach + 1); ++k) {
-    vec2 off = vec2(k % (2 * kReach + 1) - kReach, k / (2 * kReach + 1) - kReach);
-    shift = from + off * exp2(float(top));
-    vec4 sum = vec4(0.0);
-    for (int i = every * int(gl_LocalInvocationIndex); i < count; i += every * int(gl_WorkGroupSize.x)) {
-      vec4 at = FETCH(samples, slot * kSamples + i), known = LOAD(templates, template_of(top, i));
-      vec2 p = warped(at.xy);
-      if (known.w == 0.0) continue;
-      float apart = inside(p) ? value_at(p) - known.x : 0.0;
-      sum += at.z * vec4(inside(p) ? vec3(1.0, apart, apart * apart) : vec3(0.0), 1.0);
+  int every = (count + kSearched - 1) / kSearched, coarsest = min(top, kSearchLevel);
+  for (int level = coarsest; level >= 0; --level) {
+    set_level(level);
+    int reach = level == coarsest ? kReach : 2;
+    vec2 from = shift, best = shift;
+    float least = 1e9;
+    for (int k = 0; k < (2 * reach + 1) * (2 * reach + 1); ++k) {
+      vec2 off = vec2(k % (2 * reach + 1) - reach, k / (2 * reach + 1) - reach);
+      shift = from + off * exp2(float(level));
+      vec4 sum = vec4(0.0);
+      for (int i = every * int(gl_LocalInvocationIndex); i < count; i += every * int(gl_WorkGroupSize.x)) {
+        vec4 at = FETCH(samples, slot * kSamples + i), known = LOAD(templates, template_of(level, i));
+        vec2 p = warped(at.xy);
+        if (known.w == 0.0) continue;
+        float apart = inside(p) ? value_at(p) - known.x : 0.0;
+        sum += telling(at, known) * vec4(inside(p) ? vec3(1.0, apart, apart * apart) : vec3(0.0), 1.0);
+      }
+      sum = workgroup_sum(sum);
+      if (!(sum.x > 0.5 * sum.w)) continue;
+      float mean = sum.y / sum.x, off_by = sum.z / sum.x - mean * mean + kFar * dot(off, off);
+      if (off_by < least) {
+        least = off_by;
+        best = shift;
+        gain = mean;
+      }
     }
-    sum = workgroup_sum(sum);
-    if (!(sum.x > 0.5 * sum.w)) continue;
-    float mean = sum.y / sum.x, off_by = sum.z / sum.x - mean * mean + kFar * dot(off, off);
-    if (off_by < least) {
-      least = off_by;
-      best = shift;
-      gain = mean;
-    }
+    shift = best;
   }
-  shift = best;
 }
 
 // Takes the template of samples, of those that fit or of all. A sample is always of the same invocation.
@@ -261,6 +275,7 @@ void main() {
   shift = place.zw;
   gain = state.w;
   sigma = max(kSharpness * known.x, kMinSigma);
+  contrast = max(known.x, kMinTexture);
   bool followed = state.x == float(STATE_FOLLOWED);
 
   if (kCheck) {
@@ -287,19 +302,27 @@ void main() {
     known.y = 0.0;
   } else {
     if (followed) shift += key.zw;
-    float there = fit_at(top).x;
-    align();
-    vec3 fit = fit_at(min(top, 2));
-    float needed = followed ? kFitLost : kFitFound, spread = kMinSpread * known.x * known.x;
-    bool found = fit.x >= kMinInside && fit.y >= needed && fit.z >= spread;
-    if (!found) {
+    int judged = min(top, 2);
+    float there = fit_at(judged).x;
+    align(top);
+    vec3 fit = fit_at(judged);
+    if (!(fit.y >= kFitWell)) {
+      vec2 turn_before = turn, shift_before = shift;
+      float gain_before = gain;
       turn = place.xy;
       shift = place.zw;
       search();
-      align();
-      fit = fit_at(min(top, 2));
-      found = fit.x >= kMinInside && fit.y >= needed && fit.z >= spread;
+      align(min(top, 1));
+      vec3 other = fit_at(judged);
+      if (other.y > fit.y) {
+        fit = other;
+      } else {
+        turn = turn_before;
+        shift = shift_before;
+        gain = gain_before;
+      }
     }
+    bool found = fit.x >= kMinInside && fit.y >= (followed ? kFitLost : kFitFound) && fit.z >= kMinSpread * known.x * known.x;
     float scale = length(turn);
     found = found && scale > 0.2 && scale < 5.0;
     if (found) {

@@ -23,8 +23,8 @@ constexpr double kLightFloor = 0.02, kStatic = 0.1, kMoved = 0.05, kConverged = 
 constexpr double kSharpness = 0.35, kMinSigma = 0.08, kMinTexture = 0.03;
 constexpr double kFitLost = 0.5, kFitFound = 0.65, kMinSpread = 0.25, kMinInside = 0.3,
                  kLeaving = 0.6;
-constexpr double kDamping = 0.02, kNewTurn = 0.12, kNewFit = 0.15, kFar = 0.002;
-constexpr int kSteps = 5, kReach = 5;
+constexpr double kDamping = 0.02, kNewTurn = 0.12, kNewFit = 0.15, kFar = 0.002, kFitWell = 0.8, kEven = 0.05;
+constexpr int kSteps = 5, kReach = 5, kSearchLevel = 2;
 constexpr std::size_t kSearched = 256;
 
 /// Solves a symmetric positive definite system by Gaussian elimination.
@@ -127,56 +127,67 @@ double StrokeTrack::step(int level) {
   return part * far;
 }
 
-StrokeTrack::Fit StrokeTrack::fit(int level) const {
-  double all = 0, in = 0, fits = 0, sum = 0, squares = 0;
-  for (std::size_t i = 0; i < samples_.size(); ++i) {
-    const Template& known = templates_[static_cast<std::size_t>(level)][i];
-    const double w = samples_[i].weight;
-    all += w;
-    if (!known.known || !inside(moved(samples_[i].at))) continue;
-    in += w;
-    if (!(std::abs(value(level, moved(samples_[i].at)) - known.value - gain_) < sigma())) continue;
-    fits += w, sum += w * known.value, squares += w * known.value * known.value;
-  }
-  const double mean = sum / std::max(fits, 1e-6);
-  return {in / std::max(all, 1e-6), fits / std::max(in, 1e-6),
-          std::max(squares / std::max(fits, 1e-6) - mean * mean, 0.0)};
+double StrokeTrack::telling(int level, std::size_t i) const {
+  const Template& known = templates_[static_cast<std::size_t>(level)][i];
+  return samples_[i].weight * std::clamp(std::abs(known.gradient) * (1 << level) /
+                                             std::max(texture_, kMinTexture),
+                                         kEven, 1.0);
 }
 
-void StrokeTrack::align() {
-  for (int level = levels_; level >= 0; --level)
+StrokeTrack::Fit StrokeTrack::fit(int level) const {
+  double all = 0, in = 0, fits = 0, weight = 0, sum = 0, squares = 0;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const Template& known = templates_[static_cast<std::size_t>(level)][i];
+    const double tells = telling(level, i), w = samples_[i].weight;
+    all += tells;
+    if (!known.known || !inside(moved(samples_[i].at))) continue;
+    in += tells;
+    if (!(std::abs(value(level, moved(samples_[i].at)) - known.value - gain_) < sigma())) continue;
+    fits += tells;
+    weight += w, sum += w * known.value, squares += w * known.value * known.value;
+  }
+  weight = std::max(weight, 1e-6);
+  return {in / std::max(all, 1e-6), fits / std::max(in, 1e-6),
+          std::max(squares / weight - std::pow(sum / weight, 2), 0.0)};
+}
+
+void StrokeTrack::align(int from) {
+  for (int level = from; level >= 0; --level)
     for (int k = 0; k < kSteps; ++k)
       if (!(step(level) >= kConverged * (1 << level))) break;
 }
 
 void StrokeTrack::search() {
-  const Complex from = move_.shift;
-  Complex best = from;
-  double least = 1e9;
-  for (int y = -kReach; y <= kReach; ++y)
-    for (int x = -kReach; x <= kReach; ++x) {
-      move_.shift = from + Complex(x, y) * static_cast<double>(1 << levels_);
-      double all = 0, in = 0, sum = 0, squares = 0;
-      const std::size_t every = (samples_.size() + kSearched - 1) / kSearched;
-      for (std::size_t i = 0; i < samples_.size(); i += every) {
-        const Template& known = templates_[static_cast<std::size_t>(levels_)][i];
-        if (!known.known) continue;
-        all += samples_[i].weight;
-        const Complex place = moved(samples_[i].at);
-        if (!inside(place)) continue;
-        const double apart = value(levels_, place) - known.value;
-        in += samples_[i].weight;
-        sum += samples_[i].weight * apart;
-        squares += samples_[i].weight * apart * apart;
+  const int coarsest = std::min(levels_, kSearchLevel);
+  const std::size_t every = (samples_.size() + kSearched - 1) / kSearched;
+  for (int level = coarsest; level >= 0; --level) {
+    const int reach = level == coarsest ? kReach : 2;
+    const Complex from = move_.shift;
+    Complex best = from;
+    double least = 1e9;
+    for (int y = -reach; y <= reach; ++y)
+      for (int x = -reach; x <= reach; ++x) {
+        move_.shift = from + Complex(x, y) * static_cast<double>(1 << level);
+        double all = 0, in = 0, sum = 0, squares = 0;
+        for (std::size_t i = 0; i < samples_.size(); i += every) {
+          const Template& known = templates_[static_cast<std::size_t>(level)][i];
+          if (!known.known) continue;
+          const double tells = telling(level, i);
+          all += tells;
+          const Complex place = moved(samples_[i].at);
+          if (!inside(place)) continue;
+          const double apart = value(level, place) - known.value;
+          in += tells, sum += tells * apart, squares += tells * apart * apart;
+        }
+        if (!(in > .5 * all)) continue;
+        const double off = squares / in - std::pow(sum / in, 2) + kFar * (x * x + y * y);
+        if (off >= least) continue;
+        least = off;
+        best = move_.shift;
+        gain_ = sum / in;
       }
-      if (!(in > .5 * all)) continue;
-      const double off = squares / in - std::pow(sum / in, 2) + kFar * (x * x + y * y);
-      if (off >= least) continue;
-      least = off;
-      best = move_.shift;
-      gain_ = sum / in;
-    }
-  move_.shift = best;
+    move_.shift = best;
+  }
 }
 
 void StrokeTrack::take(bool all) {
@@ -252,14 +263,20 @@ void StrokeTrack::follow(const std::vector<double>& rgb, int width, int height) 
     return;
   }
   if (state_ == State::followed) move_.shift += velocity_;
-  const bool leaves = state_ == State::followed && fit(levels_).inside < kLeaving;
-  align();
+  const bool leaves = state_ == State::followed && fit(judged).inside < kLeaving;
+  align(levels_);
   Fit now = fit(judged);
-  if (!acceptable(now)) {
+  if (!(now.fits >= kFitWell)) {
+    const StrokeMove first = move_;
+    const double gain_first = gain_;
     move_ = before;
     search();
-    align();
-    now = fit(judged);
+    align(std::min(levels_, 1));
+    const Fit other = fit(judged);
+    if (other.fits > now.fits)
+      now = other;
+    else
+      move_ = first, gain_ = gain_first;
   }
   const double scale = std::abs(move_.turn);
   if (!acceptable(now) || !(scale > .2 && scale < 5)) {

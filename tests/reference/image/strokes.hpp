@@ -65,7 +65,8 @@ class StrokeTrack {
   double sigma() const;
   double step(int level);
   Fit fit(int level) const;
-  void align();
+  double telling(int level, std::size_t sample) const;
+  void align(int from);
   void search();
   void take(bool all);
   bool acceptable(const Fit& fit) const;
