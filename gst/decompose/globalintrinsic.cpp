@@ -58,14 +58,8 @@ class GlobalMethod final : public SolveMethod<GlobalIntrinsic> {
   GlobalMethod() : SolveMethod(table(), global_levels()) {}
 
   uint64_t decompose(FrameContext& frame) override {
-    frame.layers = method_->record(frame.commands, frame.layers[Role::input], settings_.params(),
-                                   {.reset = frame.fresh,
-                                    .shares = !frame.draw || settings_.params().show == Show::layer,
-                                    .changed = frame.changed,
-                                    .repeated = frame.repeated,
-                                    .strokes = take_strokes(frame)});
-    frame.drawn = method_->drawn();
-    return method_->recorded() - 1;
+    return SolveMethod::decompose(
+        frame, {.shares = !frame.draw || settings_.params().show == Show::layer});
   }
 
   bool typical(uint64_t number) const override {
@@ -90,6 +84,7 @@ class GlobalMethod final : public SolveMethod<GlobalIntrinsic> {
     const auto found = method_->findings(number);
     const GlobalIntrinsic::Stats& method = method_->stats(number);
     describe_solve(stats, method.solve, found.solve);
+    describe_strokes(stats, number);
     gst_structure_set(stats, "amount", G_TYPE_DOUBLE, static_cast<double>(found.amount),
                       "confidence", G_TYPE_DOUBLE, static_cast<double>(found.confidence), "colors",
                       G_TYPE_UINT, found.colors, "tint", G_TYPE_DOUBLE,

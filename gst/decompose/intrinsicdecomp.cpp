@@ -24,21 +24,14 @@ const PropertyTable<Params>& table() {
 class IntrinsicMethod final : public SolveMethod<ScaledIntrinsic> {
  public:
   IntrinsicMethod() : SolveMethod(table(), intrinsic_levels()) {}
-  uint64_t decompose(FrameContext& frame) override {
-    frame.layers = method_->record(frame.commands, frame.layers[Role::input], settings_.params(),
-                                   {.reset = frame.fresh,
-                                    .changed = frame.changed,
-                                    .repeated = frame.repeated,
-                                    .strokes = take_strokes(frame)});
-    frame.drawn = method_->drawn();
-    return method_->recorded() - 1;
-  }
+  uint64_t decompose(FrameContext& frame) override { return SolveMethod::decompose(frame, {}); }
   bool typical(uint64_t number) const override { return inverse::typical(method_->stats(number)); }
   Work work(uint64_t number) const override {
     return solve_work(method_->stats(number), method_->findings(number));
   }
   void describe(GstStructure* stats, uint64_t number) const override {
     describe_solve(stats, method_->stats(number), method_->findings(number));
+    describe_strokes(stats, number);
   }
 };
 

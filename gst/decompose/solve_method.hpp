@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "solve_properties.hpp"
+#include "stroke_work.hpp"
 
 namespace inverse {
 
@@ -21,39 +19,53 @@ class SolveMethod : public DecompositionMethod {
   DecomposerSettings& settings() override { return settings_; }
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent, const Log&) override {
     method_.emplace(device, extent);
-    extent_ = extent;
-    drawn_ = {};
+    stroke_work_.configure(device, extent);
     const Params params = settings_.properties();
     method_->prepare(params.halvings());
     // Setting one up later would make the frame late that changes to it.
     if (params.target_fps > 0 || params.latency_budget > 0)
       for (const size_t halvings : {0, 1, 2}) method_->prepare(halvings);
   }
-  void release() override { method_.reset(); }
-  void reset() override { method_->reset(); }
+  void release() override {
+    method_.reset();
+    stroke_work_.release();
+  }
+  void reset() override {
+    method_->reset();
+    stroke_work_.reset();
+  }
   bool converged(std::optional<uint64_t> completed) const override {
     return completed && method_->converged(*completed, settings_.params());
   }
-  bool requested() const override { return strokes_.changed(settings_.params().strokes); }
+  bool requested() const override { return stroke_work_.requested(settings_.params()); }
   StrokeEditor* strokes() override { return &strokes_; }
   void navigate(const Log& log, const MouseEvent& event) override {
     strokes_.mouse(log, event, settings_.properties());
   }
   void flushed() override { strokes_.flush(); }
   void completed(uint64_t number) override {
-    if (const StrokesPtr& list = drawn_[number])
-      strokes_.check(list, solve_findings(method_->findings(number)).strokes);
+    stroke_work_.completed(number, solve_findings(method_->findings(number)).strokes);
   }
 
  protected:
-  /// The strokes for a frame; adds warnings about them to it.
-  StrokesPtr take_strokes(FrameContext& frame) {
+  /// Decomposes a frame with what the method needs to know of it besides strokes. Returns the
+  /// method's number for it.
+  uint64_t decompose(FrameContext& frame, typename Method::FrameInfo info) {
     const Params& params = settings_.params();
-    const StrokesPtr list =
-        strokes_.take(params.strokes, extent_, frame.draw && params.show == Show::mosaic);
-    for (std::string& warning : strokes_.take_warnings())
-      frame.warnings.push_back(std::move(warning));
-    return drawn_[method_->recorded()] = list;
+    const uint64_t number = method_->recorded();
+    stroke_work_.take(frame, number, params, frame.draw && params.show == Show::mosaic);
+    info.reset = frame.fresh;
+    info.changed = frame.changed;
+    info.repeated = frame.repeated;
+    info.strokes = stroke_work_.solved();
+    info.tracker = stroke_work_.tracker();
+    frame.layers = method_->record(frame.commands, frame.layers[Role::input], params, info);
+    frame.drawn = method_->drawn();
+    stroke_work_.recolor(frame);
+    return number;
+  }
+  void describe_strokes(GstStructure* stats, uint64_t number) const {
+    stroke_work_.describe(stats, number, solve_findings(method_->findings(number)).strokes);
   }
 
   MethodSettings<Params, typename Method::Params> settings_;
@@ -67,9 +79,8 @@ class SolveMethod : public DecompositionMethod {
       return findings;
   }
 
-  Extent extent_{};
   StrokeEditor strokes_;
-  gpu::FrameRing<StrokesPtr> drawn_;  // in frames of the method
+  StrokeWork stroke_work_{strokes_};
 };
 
 }  // namespace inverse

@@ -40,16 +40,6 @@ void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,
                                     {"edge-tolerance", tolerances.edge},
                                     {"gate-tolerance", tolerances.gate}})
     gst_structure_set(stats, name, G_TYPE_DOUBLE, static_cast<double>(value), nullptr);
-  if (found.strokes.empty()) return;
-  GValue residuals = G_VALUE_INIT;
-  gst_value_array_init(&residuals, static_cast<guint>(found.strokes.size()));
-  for (const float rms : found.strokes) {
-    GValue entry = G_VALUE_INIT;
-    g_value_init(&entry, G_TYPE_DOUBLE);
-    g_value_set_double(&entry, static_cast<double>(rms));
-    gst_value_array_append_and_take_value(&residuals, &entry);
-  }
-  gst_structure_take_value(stats, "strokes", &residuals);
 }
 
 }  // namespace inverse

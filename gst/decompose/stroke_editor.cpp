@@ -6,6 +6,7 @@
 
 #include "common/error.hpp"
 #include "decomposer.hpp"
+#include "gst/base/color.hpp"
 #include "kernels/image/view/mosaic.hpp"
 #include "stroke_properties.hpp"
 #include "stroke_text.hpp"
@@ -32,6 +33,32 @@ Stroke::Point scaled(Stroke::Point point, Extent from, Extent to) {
   if (from.pixels() == 0 || to.pixels() == 0 || from == to) return point;
   return {point[0] * static_cast<float>(to.width) / static_cast<float>(from.width),
           point[1] * static_cast<float>(to.height) / static_cast<float>(from.height)};
+}
+
+/// The strokes of one sort out of `all`; `before`, if that has the same.
+StrokesPtr part_of(const StrokeList& all, bool recolors, const StrokesPtr& before) {
+  StrokeList part{.strokes = {}, .frame = all.frame};
+  for (const Stroke& stroke : all.strokes)
+    if ((stroke.kind == Stroke::Kind::recolor) == recolors) part.strokes.push_back(stroke);
+  if (part.strokes.empty()) return nullptr;
+  if (before && before->frame == part.frame && before->strokes == part.strokes) return before;
+  return std::make_shared<const StrokeList>(std::move(part));
+}
+
+/// The kind of stroke that is drawn; none if the mouse draws none.
+std::optional<Stroke::Kind> kind_of(StrokeMode mode) {
+  switch (mode) {
+    case StrokeMode::shading:
+      return Stroke::Kind::shading;
+    case StrokeMode::reflectance:
+      return Stroke::Kind::reflectance;
+    case StrokeMode::recolor:
+      return Stroke::Kind::recolor;
+    case StrokeMode::off:
+    case StrokeMode::erase:
+      break;
+  }
+  return {};
 }
 
 }  // namespace
@@ -71,6 +98,13 @@ void StrokeEditor::extend(Stroke::Point point) {
   drawing_changed_ = true;
 }
 
+Stroke::Point StrokeEditor::as_drawn(const Stroke& stroke, Stroke::Point now) const {
+  const Lock lock(mutex_);
+  for (size_t i = 0; i < places_.size(); ++i)
+    if (checked_->strokes[i] == stroke) return places_[i].pose.as_drawn(now, places_[i].center);
+  return now;
+}
+
 void StrokeEditor::mouse(const Log& log, const MouseEvent& event, const StrokeParams& params) {
   using Kind = MouseEvent::Kind;
   std::optional<Stroke> finished;
@@ -87,14 +121,10 @@ void StrokeEditor::mouse(const Log& log, const MouseEvent& event, const StrokePa
     }
     point = {static_cast<float>(x), static_cast<float>(y)};
     frame = frame_;
-    const bool draws =
-        params.stroke_mode == StrokeMode::shading || params.stroke_mode == StrokeMode::reflectance;
-    if (event.kind == Kind::press && draws) {
-      drawing_ = Stroke{params.stroke_mode == StrokeMode::shading ? Stroke::Kind::shading
-                                                                  : Stroke::Kind::reflectance,
-                        {point},
-                        params.stroke_radius,
-                        params.stroke_fill};
+    const auto kind = kind_of(params.stroke_mode);
+    if (event.kind == Kind::press && kind) {
+      drawing_ = Stroke{*kind, {point}, params.stroke_radius, params.stroke_fill};
+      if (kind == Stroke::Kind::recolor) drawing_->color = linear_color(params.stroke_color);
       drawing_changed_ = true;
     } else if (drawing_) {
       extend(point);
@@ -115,9 +145,10 @@ void StrokeEditor::mouse(const Log& log, const MouseEvent& event, const StrokePa
     set(log, list);
   } else if (event.kind == Kind::press && params.stroke_mode == StrokeMode::erase) {
     StrokeList list = strokes_of(log, frame);
-    point = scaled(point, frame, list.frame);
-    const auto last = std::find_if(list.strokes.rbegin(), list.strokes.rend(),
-                                   [&](const Stroke& stroke) { return covers(stroke, point); });
+    const auto last =
+        std::find_if(list.strokes.rbegin(), list.strokes.rend(), [&](const Stroke& stroke) {
+          return covers(stroke, scaled(as_drawn(stroke, point), frame, list.frame));
+        });
     if (last == list.strokes.rend()) return;
     list.strokes.erase(std::next(last).base());
     set(log, list);
@@ -167,11 +198,11 @@ bool StrokeEditor::changed(const std::string& strokes) const {
   return drawing_changed_ || strokes != taken_;
 }
 
-StrokesPtr StrokeEditor::take(const std::string& strokes, Extent frame, bool mosaic) {
+StrokeLists StrokeEditor::take(const std::string& strokes, Extent frame, bool mosaic) {
   const Lock lock(mutex_);
   mosaic_ = mosaic;
   const bool resized = std::exchange(frame_, frame) != frame;
-  if (!drawing_changed_ && strokes == taken_ && !resized) return list_;
+  if (!drawing_changed_ && strokes == taken_ && !resized) return lists_;
   drawing_changed_ = false;
   taken_ = strokes;
   StrokeList list = read_strokes(strokes);
@@ -180,8 +211,10 @@ StrokesPtr StrokeEditor::take(const std::string& strokes, Extent frame, bool mos
     list.strokes.push_back(*drawing_);
     for (Stroke::Point& at : list.strokes.back().points) at = scaled(at, frame, list.frame);
   }
-  list_ = list.strokes.empty() ? nullptr : std::make_shared<const StrokeList>(std::move(list));
-  return list_;
+  lists_.solved = part_of(list, false, lists_.solved);
+  lists_.recolored = part_of(list, true, lists_.recolored);
+  lists_.all = list.strokes.empty() ? nullptr : std::make_shared<const StrokeList>(std::move(list));
+  return lists_;
 }
 
 void StrokeEditor::flush() {
@@ -190,11 +223,24 @@ void StrokeEditor::flush() {
   drawing_.reset();
 }
 
-void StrokeEditor::check(const StrokesPtr& list, const std::vector<float>& rms) {
+void StrokeEditor::check(const StrokesPtr& list, const std::vector<float>& rms,
+                         std::vector<StrokePlace> places) {
   const Lock lock(mutex_);
-  checked_frames_ = list == checked_ ? checked_frames_ + 1 : 1;
+  if (list != checked_) checked_frames_ = 0, lost_ = false;
+  ++checked_frames_;
   checked_ = list;
-  if (!list || checked_frames_ != kFramesToSatisfy || drawing_) return;
+  places_ = std::move(places);
+  if (drawing_) return;
+  std::string lost;
+  for (size_t i = 0; i < places_.size(); ++i)
+    if (places_[i].pose.state == StrokeTracker::State::lost)
+      lost += (lost.empty() ? "" : ", ") + std::to_string(i + 1);
+  if (!lost.empty() && !std::exchange(lost_, true))
+    warnings_.push_back(
+        "what lies under these strokes is not found any more, so that they are not drawn until it "
+        "is: " +
+        lost + "; draw them again, or set stroke-follow=false to keep strokes in their place");
+  if (checked_frames_ != kFramesToSatisfy) return;
   for (size_t i = 0; i < rms.size(); ++i) {
     if (!(rms[i] > kUnsatisfied)) continue;
     const bool shading = list->strokes[i].kind == Stroke::Kind::shading;

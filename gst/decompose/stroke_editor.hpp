@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "gst/base/filter.hpp"
-#include "kernels/intrinsic/strokes/stroke_mask.hpp"
+#include "kernels/image/strokes/stroke_tracker.hpp"
 
 namespace inverse {
 
 /// What the mouse does on the picture.
-enum class StrokeMode : uint8_t { off, shading, reflectance, erase };
+enum class StrokeMode : uint8_t { off, shading, reflectance, recolor, erase };
 
 /// The properties about strokes of a decomposer.
 struct StrokeParams {
@@ -20,6 +20,21 @@ struct StrokeParams {
   StrokeMode stroke_mode = StrokeMode::off;
   float stroke_radius = 12;  ///< pixels
   bool stroke_fill = false;
+  uint32_t stroke_color = 0xff2864c8;  ///< sRGB, of those that recolor
+  bool stroke_follow = true;
+};
+
+/// The strokes for a frame. Lists stay the same object while their strokes do; null: there are
+/// none.
+struct StrokeLists {
+  StrokesPtr all;
+  StrokesPtr solved, recolored;  ///< of `all`, the kinds that the method solves with, and the other
+};
+
+/// Where a stroke is now.
+struct StrokePlace {
+  StrokeTracker::Pose pose;
+  Stroke::Point center{};
 };
 
 /// The strokes of an element's user. The property `strokes` has all of them but the one that is
@@ -36,9 +51,9 @@ class StrokeEditor {
 
   /// Whether `take` would return others than the last time. `strokes` is the property.
   bool changed(const std::string& strokes) const;
-  /// The strokes for a frame of this size; null if there are none. `mosaic`: the picture that the
+  /// The strokes for a frame of this size. `mosaic`: the picture that the
   /// mouse moves over shows several layers side by side.
-  StrokesPtr take(const std::string& strokes, Extent frame, bool mosaic);
+  StrokeLists take(const std::string& strokes, Extent frame, bool mosaic);
   /// Warnings since the last call.
   std::vector<std::string> take_warnings() {
     const std::lock_guard lock(mutex_);
@@ -47,14 +62,17 @@ class StrokeEditor {
   /// Forgets the stroke that is being drawn: its picture is gone.
   void flush();
 
-  /// Checks what a completed frame found of each stroke: adds a warning, once, for one that could
-  /// not be satisfied.
-  void check(const StrokesPtr& list, const std::vector<float>& rms);
+  /// Checks what a completed frame found of each stroke of its list: adds a warning, once, for one
+  /// that could not be satisfied or was lost. `places`: empty if they are not followed.
+  void check(const StrokesPtr& list, const std::vector<float>& rms,
+             std::vector<StrokePlace> places);
 
  private:
   using Lock = std::lock_guard<std::mutex>;
   void set(const Log& log, const StrokeList& list);
   void extend(Stroke::Point point);
+  /// The place where a stroke was drawn that is now at `now`, in pixels of the frame.
+  Stroke::Point as_drawn(const Stroke& stroke, Stroke::Point now) const;
 
   mutable std::mutex mutex_;
   Extent frame_{};
@@ -62,11 +80,13 @@ class StrokeEditor {
   std::optional<Stroke> drawing_;
   bool drawing_changed_ = false;
   std::string taken_;  // the property
-  StrokesPtr list_;
+  StrokeLists lists_;
   std::vector<std::string> undo_;  // the property before each change
   std::vector<std::string> warnings_;
   StrokesPtr checked_;
   unsigned checked_frames_ = 0;
+  std::vector<StrokePlace> places_;  // of `checked_`
+  bool lost_ = false;                // some of those, and a warning said so
 };
 
 /// The action signals add-stroke, remove-stroke, clear-strokes and undo-stroke of a decomposer

@@ -13,10 +13,10 @@ std::string wrong_strokes(const GValue* value);
 /// The properties of StrokeParams.
 template <typename P>
 PropertyTable<P> stroke_properties() {
-  Property<P> strokes =
-      text<P>("strokes", &P::strokes,
-              "JSON list of strokes inside which shading or reflectance is constant, in pixels: "
-              "[{\"kind\":\"shading\",\"radius\":12,\"points\":[[x,y],...]}]");
+  Property<P> strokes = text<P>(
+      "strokes", &P::strokes,
+      "JSON list of strokes inside which shading or reflectance is constant, or that recolor, "
+      "in pixels: [{\"kind\":\"shading\",\"radius\":12,\"points\":[[x,y],...]}]");
   strokes.wrong = wrong_strokes;
   return {
       strokes,
@@ -26,12 +26,20 @@ PropertyTable<P> stroke_properties() {
                   "Drags draw strokes of constant shading"},
                  {static_cast<int>(StrokeMode::reflectance), "reflectance",
                   "Drags draw strokes of constant reflectance"},
+                 {static_cast<int>(StrokeMode::recolor), "recolor",
+                  "Drags draw strokes that give surfaces stroke-color"},
                  {static_cast<int>(StrokeMode::erase), "erase", "Presses remove strokes"}},
                 "What the mouse draws on the picture"),
       number<P>("stroke-radius", &P::stroke_radius, 1.f, 1000.f,
                 "Radius of the brush for strokes, pixels"),
       flag<P>("stroke-fill", &P::stroke_fill,
               "Extend drawn strokes to their connected surroundings of similar reflectance"),
+      color<P>(
+          "stroke-color", &P::stroke_color,
+          "Reflectance that strokes of stroke-mode=recolor give to surfaces (0xAARRGGBB, sRGB; "
+          "alpha is ignored)"),
+      flag<P>("stroke-follow", &P::stroke_follow,
+              "Move strokes with what they were drawn on; turn off to keep them in their place"),
   };
 }
 

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "stroke_text.hpp"
 
+#include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
+#include <cstdio>
 
 #include "common/error.hpp"
 #include "common/json.hpp"
+#include "gst/base/color.hpp"
 
 namespace inverse {
 namespace {
@@ -29,19 +34,40 @@ float number_of(const Json& json, float low, float high, const std::string& name
   return static_cast<float>(value);
 }
 
+/// By Stroke::Kind.
+struct Kind {
+  const char* name;
+  Stroke::Kind kind;
+};
+constexpr std::array<Kind, 3> kKinds{{{"shading", Stroke::Kind::shading},
+                                      {"reflectance", Stroke::Kind::reflectance},
+                                      {"recolor", Stroke::Kind::recolor}}};
+const char* const kWrongKind = " must have the kind \"shading\", \"reflectance\" or \"recolor\"";
+
+std::array<float, 3> color_of(const Json& json, const std::string& name) {
+  const std::string text = json.is_string() ? json.get<std::string>() : "";
+  uint32_t rgb = 0;
+  const char* const end = text.data() + text.size();
+  if (text.size() != 7 || text[0] != '#' ||
+      std::from_chars(text.data() + 1, end, rgb, 16).ptr != end)
+    refuse("the color of " + name + " must be \"#rrggbb\", sRGB in hexadecimal");
+  return linear_color(rgb);
+}
+
 Stroke stroke_of(const Json& json, const std::string& name) {
   if (!json.is_object()) refuse(name + " must be an object with kind, radius and points");
   Stroke stroke;
-  bool has_kind = false;
+  bool has_kind = false, has_color = false;
   for (const auto& [key, value] : json.items()) {
     if (key == "kind") {
       has_kind = true;
-      if (value == "shading")
-        stroke.kind = Stroke::Kind::shading;
-      else if (value == "reflectance")
-        stroke.kind = Stroke::Kind::reflectance;
-      else
-        refuse(name + " must have the kind \"shading\" or \"reflectance\"");
+      const auto kind = std::find_if(kKinds.begin(), kKinds.end(),
+                                     [&](const Kind& known) { return value == known.name; });
+      if (kind == kKinds.end()) refuse(name + kWrongKind);
+      stroke.kind = kind->kind;
+    } else if (key == "color") {
+      has_color = true;
+      stroke.color = color_of(value, name);
     } else if (key == "radius") {
       stroke.radius = number_of(value, 0.1F, kMaxRadius, "the radius of " + name);
     } else if (key == "fill") {
@@ -60,12 +86,21 @@ Stroke stroke_of(const Json& json, const std::string& name) {
       }
     } else {
       refuse(name + " has the field \"" + key.substr(0, 40) +
-             "\", but only kind, radius, fill and points are known");
+             "\", but only kind, color, radius, fill and points are known");
     }
   }
-  if (!has_kind) refuse(name + " must have the kind \"shading\" or \"reflectance\"");
+  if (!has_kind) refuse(name + kWrongKind);
+  if (has_color != (stroke.kind == Stroke::Kind::recolor))
+    refuse(name + (has_color ? " must have no color: only those of kind \"recolor\" have one"
+                             : " recolors and must have a color, \"#rrggbb\""));
   if (stroke.points.empty()) refuse(name + " must have points");
   return stroke;
+}
+
+std::string text_of(const std::array<float, 3>& color) {
+  std::array<char, 8> text{};
+  std::snprintf(text.data(), text.size(), "#%06x", srgb_color(color) & 0xffffffU);
+  return text.data();
 }
 
 double tenth(float value) { return std::round(static_cast<double>(value) * 10) / 10; }
@@ -104,9 +139,9 @@ std::string text_of(const StrokeList& list) {
     nlohmann::ordered_json points = nlohmann::ordered_json::array();
     for (const Stroke::Point& point : stroke.points)
       points.push_back({tenth(point[0]), tenth(point[1])});
-    nlohmann::ordered_json entry{
-        {"kind", stroke.kind == Stroke::Kind::shading ? "shading" : "reflectance"},
-        {"radius", tenth(stroke.radius)}};
+    nlohmann::ordered_json entry{{"kind", kKinds[static_cast<size_t>(stroke.kind)].name}};
+    if (stroke.kind == Stroke::Kind::recolor) entry["color"] = text_of(stroke.color);
+    entry["radius"] = tenth(stroke.radius);
     if (stroke.fill) entry["fill"] = true;
     entry["points"] = std::move(points);
     strokes.push_back(std::move(entry));

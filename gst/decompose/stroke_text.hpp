@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "kernels/intrinsic/strokes/stroke_mask.hpp"
+#include "kernels/image/strokes/stroke.hpp"
 
 namespace inverse {
 
@@ -11,11 +11,14 @@ inline constexpr size_t kMaxStrokePoints = 4096;
 
 /// Reads strokes from JSON: a list of
 ///
-///     {"kind": "shading" | "reflectance", "radius": 8, "fill": false, "points": [[x, y], ...]}
+///     {"kind": "shading" | "reflectance" | "recolor", "color": "#rrggbb", "radius": 8, "fill":
+///     false,
+///      "points": [[x, y], ...]}
 ///
-/// in pixels of the frame, or {"frame": [width, height], "strokes": [...]} in pixels of a frame of
-/// that size. Empty text is no stroke. The frame of the result is empty if the text has none.
-/// Throws Error(unsupported) that says what is wrong and where.
+/// ("color": sRGB, of "recolor" alone) in pixels of the frame, or {"frame": [width, height],
+/// "strokes": [...]} in pixels of a frame of that size. Empty text is no stroke. The frame of the
+/// result is empty if the text has none. Throws Error(unsupported) that says what is wrong and
+/// where.
 StrokeList read_strokes(const std::string& text);
 
 /// A single stroke, as one of such a list.

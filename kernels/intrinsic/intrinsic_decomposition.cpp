@@ -152,19 +152,22 @@ void IntrinsicDecomposition::make_plan(const Params& params, const FrameInfo& in
   if (!has_history_ || other_strokes_ || problem != params_) planner_.restart();
   params_ = problem;
   if (!start_layers_) continues_ = plan_.history;
-  plan_ = planner_.next({.adaptive = params.adaptive,
-                         .chroma = params.prior.chroma_weight > 0,
-                         .anchor = params.anchor.anchor_weight > 0,
-                         .tolerances = params.tolerances,
-                         .cut_fraction = params.anchor.cut_fraction,
-                         .cycles = params.cycles,
-                         .warm_cycles = params.warm_cycles},
-                        {.history = has_history_ && !other_strokes_,
-                         .warm_start = start_layers_ != nullptr,
-                         .layers_reusable = last_ != nullptr,
-                         .repeated = info.repeated,
-                         .changed = active_.take(info.changed)},
-                        found);
+  plan_ = planner_.next(
+      {.adaptive = params.adaptive,
+       .chroma = params.prior.chroma_weight > 0,
+       .anchor = params.anchor.anchor_weight > 0,
+       .tolerances = params.tolerances,
+       .cut_fraction = params.anchor.cut_fraction,
+       .cycles = params.cycles,
+       // What moves begins far from its solution, which strokes must not show.
+       .warm_cycles = strokes_.mask().tracker() ? std::max(params.warm_cycles, params.cycles)
+                                                : params.warm_cycles},
+      {.history = has_history_ && !other_strokes_,
+       .warm_start = start_layers_ != nullptr,
+       .layers_reusable = last_ != nullptr,
+       .repeated = info.repeated,
+       .changed = active_.take(info.changed)},
+      found);
 }
 
 Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& input,

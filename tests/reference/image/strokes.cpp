@@ -23,7 +23,8 @@ constexpr double kLightFloor = 0.02, kStatic = 0.1, kMoved = 0.05, kConverged = 
 constexpr double kSharpness = 0.35, kMinSigma = 0.08, kMinTexture = 0.03;
 constexpr double kFitLost = 0.5, kFitFound = 0.65, kMinSpread = 0.25, kMinInside = 0.3,
                  kLeaving = 0.6;
-constexpr double kDamping = 0.02, kNewTurn = 0.12, kNewFit = 0.15, kFar = 0.002, kFitWell = 0.8, kEven = 0.05;
+constexpr double kDamping = 0.02, kNewTurn = 0.12, kNewFit = 0.15, kFar = 0.002, kFitWell = 0.8,
+                 kEven = 0.05;
 constexpr int kSteps = 5, kReach = 5, kSearchLevel = 2;
 constexpr std::size_t kSearched = 256;
 
@@ -129,9 +130,9 @@ double StrokeTrack::step(int level) {
 
 double StrokeTrack::telling(int level, std::size_t i) const {
   const Template& known = templates_[static_cast<std::size_t>(level)][i];
-  return samples_[i].weight * std::clamp(std::abs(known.gradient) * (1 << level) /
-                                             std::max(texture_, kMinTexture),
-                                         kEven, 1.0);
+  return samples_[i].weight *
+         std::clamp(std::abs(known.gradient) * (1 << level) / std::max(texture_, kMinTexture),
+                    kEven, 1.0);
 }
 
 StrokeTrack::Fit StrokeTrack::fit(int level) const {

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "stroke_work.hpp"
+
+#include <string>
+#include <utility>
+
+namespace inverse {
+namespace {
+
+const char* name_of(StrokeTracker::State state) {
+  switch (state) {
+    case StrokeTracker::State::waiting:
+      return "waiting";
+    case StrokeTracker::State::followed:
+      return "followed";
+    case StrokeTracker::State::lost:
+      return "lost";
+    case StrokeTracker::State::outside:
+      break;
+  }
+  return "outside";
+}
+
+}  // namespace
+
+void StrokeWork::configure(const std::shared_ptr<gpu::Device>& device, Extent extent) {
+  device_ = device;
+  reset();
+  tracker_.emplace(device, extent);
+  recolor_.emplace(device, extent);
+  frames_ = {};
+}
+
+void StrokeWork::release() {
+  tracker_.reset();
+  recolor_.reset();
+  frames_ = {};
+  device_.reset();
+}
+
+void StrokeWork::reset() {
+  if (tracker_) tracker_->reset();
+  if (recolor_) recolor_->reset();
+  slots_.clear();
+}
+
+bool StrokeWork::requested(const StrokeParams& params) const {
+  return editor_.changed(params.strokes) || (lists_.all && params.stroke_follow != followed_);
+}
+
+void StrokeWork::take(FrameContext& frame, uint64_t number, const StrokeParams& params,
+                      bool mosaic) {
+  if (frame.fresh) reset();
+  const Extent extent = frame.layers.extent;
+  const StrokesPtr before = lists_.all;
+  lists_ = editor_.take(params.strokes, extent, mosaic);
+  for (std::string& warning : editor_.take_warnings()) frame.warnings.push_back(std::move(warning));
+  followed_ = params.stroke_follow;
+  follows_ = followed_ && lists_.all;
+  Frame& now = frames_[number];
+  now.lists = lists_;
+  if (!follows_) {
+    tracker_->reset();
+    slots_.clear();
+  } else {
+    tracker_->record(frame.commands, lists_.all, *frame.layers[Role::input]);
+    frame.commands.stage("follow-strokes");
+    if (slots_.empty() || before != lists_.all) {
+      slots_.clear();
+      for (const Stroke& stroke : lists_.all->strokes) slots_.push_back(tracker_->slot_of(stroke));
+    }
+    if (!now.poses)
+      now.poses = gpu::Buffer::create(device_, gpu::Element::vec4, tracker_->poses()->count(),
+                                      gpu::Memory::readback);
+    frame.commands.copy(tracker_->poses(), now.poses, now.poses->bytes());
+  }
+  now.slots = slots_;
+}
+
+void StrokeWork::recolor(FrameContext& frame) {
+  recolor_->record(frame.commands, frame.layers, lists_.recolored, tracker());
+  const bool recolors = lists_.recolored != nullptr;
+  if (recolors) frame.commands.stage("recolor-strokes");
+  if (recolors || recolored_) frame.drawn = nullptr;
+  recolored_ = recolors;
+}
+
+std::vector<float> StrokeWork::residuals(const Frame& frame, const std::vector<float>& rms) {
+  std::vector<float> result;
+  auto next = rms.begin();
+  for (const Stroke& stroke : frame.lists.all->strokes)
+    result.push_back(stroke.kind == Stroke::Kind::recolor || next == rms.end() ? 0 : *next++);
+  return result;
+}
+
+std::vector<StrokePlace> StrokeWork::places(const Frame& frame) {
+  std::vector<StrokePlace> result;
+  const std::span poses(frame.poses ? frame.poses->map_as<float>() : nullptr,
+                        frame.poses ? 4 * frame.poses->count() : 0);
+  for (const auto& slot : frame.slots)
+    result.push_back({StrokeTracker::read(poses, slot.index), slot.center});
+  return result;
+}
+
+void StrokeWork::completed(uint64_t number, const std::vector<float>& rms) {
+  const Frame& frame = frames_[number];
+  if (frame.lists.all) editor_.check(frame.lists.all, residuals(frame, rms), places(frame));
+}
+
+void StrokeWork::describe(GstStructure* stats, uint64_t number,
+                          const std::vector<float>& rms) const {
+  const Frame& frame = frames_[number];
+  if (!frame.lists.all) return;
+  GValue deviations = G_VALUE_INIT, states = G_VALUE_INIT;
+  const auto count = static_cast<guint>(frame.lists.all->strokes.size());
+  gst_value_array_init(&deviations, count);
+  for (const float residual : residuals(frame, rms)) {
+    GValue entry = G_VALUE_INIT;
+    g_value_init(&entry, G_TYPE_DOUBLE);
+    g_value_set_double(&entry, static_cast<double>(residual));
+    gst_value_array_append_and_take_value(&deviations, &entry);
+  }
+  gst_structure_take_value(stats, "strokes", &deviations);
+  if (frame.slots.empty()) return;
+  gst_value_array_init(&states, count);
+  for (const StrokePlace& place : places(frame)) {
+    GValue entry = G_VALUE_INIT;
+    g_value_init(&entry, G_TYPE_STRING);
+    g_value_set_static_string(&entry, name_of(place.pose.state));
+    gst_value_array_append_and_take_value(&states, &entry);
+  }
+  gst_structure_take_value(stats, "stroke-states", &states);
+}
+
+}  // namespace inverse
