@@ -25,8 +25,8 @@ const char* name_of(StrokeTracker::State state) {
 
 void StrokeWork::configure(const std::shared_ptr<gpu::Device>& device, Extent extent) {
   device_ = device;
-  reset();
-  tracker_.emplace(device, extent);
+  tracker_.reset();
+  slots_.clear();
   recolor_.emplace(device, extent);
   frames_ = {};
 }
@@ -60,9 +60,10 @@ void StrokeWork::take(FrameContext& frame, uint64_t number, const StrokeParams& 
   Frame& now = frames_[number];
   now.lists = lists_;
   if (!follows_) {
-    tracker_->reset();
+    if (tracker_) tracker_->reset();
     slots_.clear();
   } else {
+    if (!tracker_) tracker_.emplace(device_, extent);
     tracker_->record(frame.commands, lists_.all, *frame.layers[Role::input]);
     frame.commands.stage("follow-strokes");
     if (slots_.empty() || before != lists_.all) {

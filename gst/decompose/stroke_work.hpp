@@ -50,7 +50,7 @@ class StrokeWork {
   static std::vector<StrokePlace> places(const Frame& frame);
 
   StrokeEditor& editor_;
-  std::optional<StrokeTracker> tracker_;
+  std::optional<StrokeTracker> tracker_;  // made when it is first needed: its kernel is a long one
   std::optional<StrokeRecolor> recolor_;
   std::shared_ptr<gpu::Device> device_;
   StrokeLists lists_;
