@@ -2,7 +2,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "gpu/workgroup_sum.glsl"
 #include "levels.glsl"
 #include "poses.glsl"
 
@@ -52,6 +51,20 @@ const float kFar = 0.002;        // added to their variance for a shift of a pix
 const float kFitWell = 0.8;      // share of samples below which shifts are tried
 const float kEven = 0.05;        // weight of samples where the template is even
 
+// Sums over the workgroup, of all of some vectors at once: barriers are what compilers of software devices take long for.
+const int kSums = 6;
+shared vec4 parts[64 * kSums];
+
+void total(inout vec4 sums[kSums], int n) {
+  barrier();  // all have read the ones before
+  for (int k = 0; k < n; ++k) parts[int(gl_LocalInvocationIndex) * kSums + k] = sums[k];
+  barrier();
+  for (int k = 0; k < n; ++k) {
+    sums[k] = vec4(0.0);
+    for (int i = 0; i < int(gl_WorkGroupSize.x); ++i) sums[k] += parts[i * kSums + k];
+  }
+}
+
 int slot, count, top;
 vec2 center;
 float radius, sigma, contrast;
@@ -99,8 +112,8 @@ float telling(vec4 at, vec4 known) {
 // One step at a level, which moves samples by how many pixels.
 float step_at(int level) {
   set_level(level);
-  vec4 sums[6];
-  for (int k = 0; k < 6; ++k) sums[k] = vec4(0.0);
+  vec4 sums[kSums];
+  for (int k = 0; k < kSums; ++k) sums[k] = vec4(0.0);
   for (int i = int(gl_LocalInvocationIndex); i < count; i += int(gl_WorkGroupSize.x)) {
     vec4 at = FETCH(samples, slot * kSamples + i), known = LOAD(templates, template_of(level, i));
     vec2 p = warped(at.xy), u = at.xy / radius, d = known.yz;
@@ -115,7 +128,7 @@ float step_at(int level) {
     sums[4] += w * j;
     sums[5] += w * vec4(1.0, r, 0.0, 0.0);
   }
-  for (int k = 0; k < 6; ++k) sums[k] = workgroup_sum(sums[k]);
+  total(sums, kSums);
   // The upper triangle of the normal equations, and Cholesky's factors in its place.
   float a[5][5], b[5];
   float damping = kDamping * exp2(-float(level));
@@ -159,23 +172,23 @@ float step_at(int level) {
 // The share of samples inside of the frame, the share of these that fit, and the variance of the template over the latter.
 vec3 fit_at(int level) {
   set_level(level);
-  vec4 sum = vec4(0.0);
-  float all_weights = 0.0, count_fits = 0.0;
+  vec4 sums[kSums];
+  sums[0] = sums[1] = vec4(0.0);
   for (int i = int(gl_LocalInvocationIndex); i < count; i += int(gl_WorkGroupSize.x)) {
     vec4 at = FETCH(samples, slot * kSamples + i), known = LOAD(templates, template_of(level, i));
     vec2 p = warped(at.xy);
     float tells = telling(at, known);
-    all_weights += tells;
+    sums[1].x += tells;
     if (known.w == 0.0 || !inside(p)) continue;
-    sum.x += tells;
+    sums[0].x += tells;
     if (!(abs(value_at(p) - known.x - gain) < sigma)) continue;
-    count_fits += tells;
-    sum.yzw += at.z * vec3(1.0, known.x, known.x * known.x);
+    sums[1].y += tells;
+    sums[0].yzw += at.z * vec3(1.0, known.x, known.x * known.x);
   }
-  sum = workgroup_sum(sum);
-  vec2 others = workgroup_sum(vec4(all_weights, count_fits, 0.0, 0.0)).xy;
+  total(sums, 2);
+  vec4 sum = sums[0];
   float mean = sum.z / max(sum.y, 1e-6);
-  return vec3(sum.x / max(others.x, 1e-6), others.y / max(sum.x, 1e-6), max(sum.w / max(sum.y, 1e-6) - mean * mean, 0.0));
+  return vec3(sum.x / max(sums[1].x, 1e-6), sums[1].y / max(sum.x, 1e-6), max(sum.w / max(sum.y, 1e-6) - mean * mean, 0.0));
 }
 
 void align(int from) {
@@ -195,15 +208,17 @@ void search() {
     for (int k = 0; k < (2 * reach + 1) * (2 * reach + 1); ++k) {
       vec2 off = vec2(k % (2 * reach + 1) - reach, k / (2 * reach + 1) - reach);
       shift = from + off * exp2(float(level));
-      vec4 sum = vec4(0.0);
+      vec4 sums[kSums];
+      sums[0] = vec4(0.0);
       for (int i = every * int(gl_LocalInvocationIndex); i < count; i += every * int(gl_WorkGroupSize.x)) {
         vec4 at = FETCH(samples, slot * kSamples + i), known = LOAD(templates, template_of(level, i));
         vec2 p = warped(at.xy);
         if (known.w == 0.0) continue;
         float apart = inside(p) ? value_at(p) - known.x : 0.0;
-        sum += telling(at, known) * vec4(inside(p) ? vec3(1.0, apart, apart * apart) : vec3(0.0), 1.0);
+        sums[0] += telling(at, known) * vec4(inside(p) ? vec3(1.0, apart, apart * apart) : vec3(0.0), 1.0);
       }
-      sum = workgroup_sum(sum);
+      total(sums, 1);
+      vec4 sum = sums[0];
       if (!(sum.x > 0.5 * sum.w)) continue;
       float mean = sum.y / sum.x, off_by = sum.z / sum.x - mean * mean + kFar * dot(off, off);
       if (off_by < least) {
@@ -242,15 +257,16 @@ void take(bool all_of_them) {
 
 // The template's standard deviation where strokes are judged.
 float texture_of() {
-  vec4 sum = vec4(0.0);
+  vec4 sums[kSums];
+  sums[0] = vec4(0.0);
   for (int i = int(gl_LocalInvocationIndex); i < count; i += int(gl_WorkGroupSize.x)) {
     float weight = FETCH(samples, slot * kSamples + i).z;
     vec4 known = LOAD(templates, template_of(min(top, 2), i));
-    sum += weight * known.w * vec4(1.0, known.x, known.x * known.x, 0.0);
+    sums[0] += weight * known.w * vec4(1.0, known.x, known.x * known.x, 0.0);
   }
-  sum = workgroup_sum(sum);
-  float mean = sum.y / max(sum.x, 1e-6);
-  return sqrt(max(sum.z / max(sum.x, 1e-6) - mean * mean, 0.0));
+  total(sums, 1);
+  float all_weights = max(sums[0].x, 1e-6), mean = sums[0].y / all_weights;
+  return sqrt(max(sums[0].z / all_weights - mean * mean, 0.0));
 }
 
 void main() {
@@ -294,37 +310,35 @@ void main() {
 
   if (LOAD(moved, MOVED_SLOTS + slot) == 0u) return;
   float was = state.x;
-  if (state.x == float(STATE_WAITING)) {
-    take(true);
-    known.x = texture_of();
-    gain = 0.0;
-    if (known.x >= kMinTexture) state = vec4(STATE_FOLLOWED, 1.0, -1.0, 0.0);
-    known.y = 0.0;
-  } else {
+  bool waiting = was == float(STATE_WAITING), found = false, retakes = false;
+  if (!waiting) {
     if (followed) shift += key.zw;
     int judged = min(top, 2);
     float there = fit_at(judged).x;
-    align(top);
-    vec3 fit = fit_at(judged);
-    if (!(fit.y >= kFitWell)) {
-      vec2 turn_before = turn, shift_before = shift;
-      float gain_before = gain;
-      turn = place.xy;
-      shift = place.zw;
-      search();
-      align(min(top, 1));
-      vec3 other = fit_at(judged);
-      if (other.y > fit.y) {
-        fit = other;
-      } else {
-        turn = turn_before;
-        shift = shift_before;
-        gain = gain_before;
+    vec3 fit = vec3(0.0);
+    vec2 best_turn = turn, best_shift = shift;
+    float best_gain = gain;
+    for (int attempt = 0; attempt < 2; ++attempt) {
+      if (attempt == 1) {
+        if (fit.y >= kFitWell) break;
+        turn = place.xy;
+        shift = place.zw;
+        search();
       }
+      align(attempt == 0 ? top : min(top, 1));
+      vec3 now = fit_at(judged);
+      if (attempt == 1 && !(now.y > fit.y)) break;
+      fit = now;
+      best_turn = turn;
+      best_shift = shift;
+      best_gain = gain;
     }
-    bool found = fit.x >= kMinInside && fit.y >= (followed ? kFitLost : kFitFound) && fit.z >= kMinSpread * known.x * known.x;
+    turn = best_turn;
+    shift = best_shift;
+    gain = best_gain;
     float scale = length(turn);
-    found = found && scale > 0.2 && scale < 5.0;
+    found = fit.x >= kMinInside && fit.y >= (followed ? kFitLost : kFitFound) && fit.z >= kMinSpread * known.x * known.x &&
+            scale > 0.2 && scale < 5.0;
     if (found) {
       float far = max(length(shift - place.zw), radius * length(turn - place.xy));
       state = vec4(STATE_FOLLOWED, fit.y, 0.0, gain);
@@ -333,17 +347,23 @@ void main() {
       turn = place.xy;
       shift = place.zw;
       known.y = max(known.y, fit.y);
-      if (fit.x > 0.9 && (length(turn - key.xy) > kNewTurn * length(key.xy) || fit.y < known.y - kNewFit)) {
-        take(false);
+      retakes = fit.x > 0.9 && (length(turn - key.xy) > kNewTurn * length(key.xy) || fit.y < known.y - kNewFit);
+      if (retakes) {
         key.xy = turn;
         known.y = fit.y;
       }
-      state.z = fit_at(0).y;
       if (first && far > kMoved) STORE(moved, MOVED_STROKES, 1u);
     } else {
       state.x = float(was == float(STATE_OUTSIDE) || (followed && there < kLeaving) ? STATE_OUTSIDE : STATE_LOST);
       key.zw = vec2(0.0);
     }
+  }
+  if (waiting || retakes) take(waiting);
+  if (waiting) {
+    known.xy = vec2(texture_of(), 0.0);
+    if (known.x >= kMinTexture) state = vec4(STATE_FOLLOWED, 1.0, -1.0, 0.0);
+  } else if (found) {
+    state.z = fit_at(0).y;
   }
   if (!first) return;
   STORE(poses, at + POSE_PLACE, place);
