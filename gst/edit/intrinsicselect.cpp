@@ -98,8 +98,8 @@ const PropertyTable<Params>& table() {
 /// The mean of a picture's channels times its alpha, scaled to `extent`: averaged over the smallest
 /// whole factor by which it is not larger, then bilinear. In x of four numbers a pixel.
 std::vector<float> mask_of(const Picture8& picture, Extent extent) {
-  const uint32_t factor = std::max({1U, picture.extent.width / extent.width,
-                                    picture.extent.height / extent.height});
+  const uint32_t factor =
+      std::max({1U, picture.extent.width / extent.width, picture.extent.height / extent.height});
   const Extent small{(picture.extent.width + factor - 1) / factor,
                      (picture.extent.height + factor - 1) / factor};
   std::vector<float> means(small.pixels()), counts(small.pixels());
@@ -111,8 +111,8 @@ std::vector<float> mask_of(const Picture8& picture, Extent extent) {
       ++counts[to];
     }
   const auto at = [&](uint32_t x, uint32_t y) {
-    const size_t n = size_t{std::min(y, small.height - 1)} * small.width +
-                     std::min(x, small.width - 1);
+    const size_t n =
+        size_t{std::min(y, small.height - 1)} * small.width + std::min(x, small.width - 1);
     return means[n] / counts[n];
   };
   std::vector<float> mask(4 * extent.pixels());

@@ -3,10 +3,12 @@
 #include <gst/video/navigation.h>
 
 #include <cmath>
+#include <fstream>
 
 #include "tests/elements/draw.hpp"
 #include "tests/elements/edit/edit_fixture.hpp"
 #include "tests/elements/element_test.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -41,6 +43,16 @@ std::string stroke_at(int x, int y, const char* kind = "add") {
 
 std::string chain(const std::string& select, const std::string& show = "mask") {
   return kLight + "intrinsicselect " + select + " ! intrinsiccompose show=" + show;
+}
+
+/// Writes a gray PNG, whose width is a multiple of 4.
+std::string draw_png(const std::string& path, int width, int height,
+                     const std::vector<uint8_t>& gray) {
+  VideoHarness encoder("pngenc", VideoHarness::caps("GRAY8", width, height));
+  const auto png = encoder.process(gray);
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
+  return path;
 }
 
 void press_and_release(VideoHarness& harness, double x, double y) {
@@ -143,8 +155,7 @@ TEST(Select, ByKeyClusterAndBaseColor) {
 
 TEST(Select, ByAPictureOfAnySize) {
   const TemporaryFolder folder;
-  const std::string path = folder / "mask.png";
-  draw_png(path, 2, 1, {255, 0});
+  const std::string path = draw_png(folder / "mask.png", 4, 1, {255, 255, 0, 0});
   VideoHarness harness(chain("by=picture soft-edges=false location=" + path), kCaps, kCaps);
   const auto mask = harness.process(discs(50, 60));
   EXPECT_GT(pixel_at(mask, 10, 60, kWidth)[0], 250);
@@ -152,8 +163,8 @@ TEST(Select, ByAPictureOfAnySize) {
   // Another while frames go on, larger than the frame.
   std::vector<uint8_t> large(1000 * 600, 0);
   std::fill_n(large.begin(), large.size() / 2, 255);
-  draw_png(folder / "large.png", 1000, 600, large);
-  g_object_set(harness.find("intrinsicselect"), "location", (folder / "large.png").c_str(), nullptr);
+  g_object_set(harness.find("intrinsicselect"), "location",
+               draw_png(folder / "large.png", 1000, 600, large).c_str(), nullptr);
   std::vector<uint8_t> next;
   for (int n = 0; n < 200; ++n) {
     next = harness.process(discs(50, 60));
@@ -263,8 +274,7 @@ TEST(Recolor, AClickPicksAColor) {
   EXPECT_GT(target >> 8 & 255, target >> 16 & 255) << std::hex << target;
   // The disc has the wall's color, in its own light.
   const uint8_t *disc = pixel_at(edited, 50, 60, kWidth), *wall = pixel_at(edited, 5, 5, kWidth);
-  for (int c = 1; c < 3; ++c)
-    EXPECT_NEAR(disc[c] * 1. / disc[0], wall[c] * 1. / wall[0], .12) << c;
+  for (int c = 1; c < 3; ++c) EXPECT_NEAR(disc[c] * 1. / disc[0], wall[c] * 1. / wall[0], .12) << c;
 }
 
 }  // namespace inverse::testing
