@@ -3,27 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <string_view>
 
 #include "common/error.hpp"
-#include "common/open_file.hpp"
-
-// stb_image's decoder, private to this file.
-#define STB_IMAGE_IMPLEMENTATION
-#define STB_IMAGE_STATIC
-#define STBI_MAX_DIMENSIONS 8192
-#define STBI_ONLY_PNG
-#define STBI_NO_STDIO
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
-#include <stb/stb_image.h>
-#pragma GCC diagnostic pop
 
 namespace inverse {
 namespace {
 
+constexpr const char* kExpected = "a normal map is a PNG, RGB = xyz from -1 to 1, z to the camera";
 constexpr float kMinLength = 0.5F, kMaxLength = 1.3F;  // of what counts as a normal
 constexpr float kNear = 0.1F;  // of a length to 1, as 8 bits and scaled edges leave it
 
@@ -33,51 +19,23 @@ Normal normalized(const Normal& n) {
   return {n[0] / length, n[1] / length, n[2] / length};
 }
 
-/// Whether the chunks of a PNG end within the file: stb takes memory for what they declare.
-bool has_its_chunks(std::string_view png) {
-  constexpr size_t kSignature = 8, kHead = 8, kChecksum = 4;
-  for (png.remove_prefix(std::min(kSignature, png.size())); png.size() >= kHead;) {
-    size_t length = 0;
-    for (size_t i = 0; i < 4; ++i) length = length << 8 | static_cast<unsigned char>(png[i]);
-    if (length > png.size() - kHead) return false;
-    if (png.substr(4, 4) == "IEND") break;
-    png.remove_prefix(std::min(kHead + length + kChecksum, png.size()));
-  }
-  return true;
-}
-
 }  // namespace
 
 NormalMap NormalMap::load(const std::string& path, std::string& warning) {
+  return from(read_png_pixels(path, kExpected), path, warning);
+}
+
+NormalMap NormalMap::from(const PngPixels& png, const std::string& path, std::string& warning) {
   warning.clear();
   const auto refuse = [&path](const std::string& why) {
-    throw Error(ErrorKind::file, path + ": " + why +
-                                     "; a normal map is a PNG, RGB = xyz from -1 to 1, z to "
-                                     "the camera");
+    throw Error(ErrorKind::file, path + ": " + why + "; " + kExpected);
   };
-  constexpr uint64_t kMaxBytes = uint64_t{1} << 30;  // twice the largest map, uncompressed
-  std::string fault;
-  const std::string file = read_file(path, kMaxBytes, fault);
-  if (!fault.empty()) refuse("it " + fault);
-  const auto* bytes = reinterpret_cast<const stbi_uc*>(file.data());
-  const auto size = static_cast<int>(file.size());
-  int width = 0, height = 0, channels = 0;
-  if (!has_its_chunks(file)) refuse("no PNG (it ends too early)");
-  // Before memory is taken for it: Deflate shrinks to a thousandth at most, one bit is the least.
-  constexpr uint64_t kMaxRatio = 8 * 1032;
-  if (stbi_info_from_memory(bytes, size, &width, &height, &channels) &&
-      kMaxRatio * file.size() < static_cast<uint64_t>(width) * static_cast<uint64_t>(height))
-    refuse("it ends too early for " + std::to_string(width) + "x" + std::to_string(height) +
-           " pixels");
-  const std::unique_ptr<stbi_us, void (*)(void*)> pixels(
-      stbi_load_16_from_memory(bytes, size, &width, &height, &channels, 4), stbi_image_free);
-  if (!pixels) refuse(std::string("no PNG (") + stbi_failure_reason() + ")");
-  if (channels < 3) refuse("it is gray");
-  const Extent extent{static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
+  if (png.gray()) refuse("it is gray");
+  const Extent extent = png.extent;
   std::vector<Normal> normals(extent.pixels());
   size_t taken = 0, good = 0;
   for (size_t i = 0; i < normals.size(); ++i) {
-    const stbi_us* code = pixels.get() + 4 * i;
+    const uint16_t* code = &png.codes[4 * i];
     Normal n{};
     for (size_t c = 0; c < 3; ++c) n[c] = 2 * static_cast<float>(code[c]) / 65535 - 1;
     const float length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);

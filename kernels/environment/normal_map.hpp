@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "inflated_normals.hpp"
-#include "kernels/image/plane.hpp"
+#include "png_pixels.hpp"
 
 namespace inverse {
 
@@ -16,6 +16,8 @@ class NormalMap {
   /// is below a half. Throws Error(file) with the cause. `warning` is set if most lengths are not
   /// near 1, else empty.
   static NormalMap load(const std::string& path, std::string& warning);
+  /// The same of a file that was read.
+  static NormalMap from(const PngPixels& png, const std::string& path, std::string& warning);
   NormalMap(Extent extent, std::vector<Normal> normals);
 
   /// The normal at a position of the frame, 0…1 from the left and from the top, interpolated
