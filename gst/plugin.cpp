@@ -13,6 +13,7 @@ extern const ElementInfo kIntrinsicDecompThesis;
 extern const ElementInfo kIntrinsicDespill;
 extern const ElementInfo kIntrinsicMerge;
 extern const ElementInfo kIntrinsicRecolor;
+extern const ElementInfo kIntrinsicRelight;
 extern const ElementInfo kIntrinsicSelect;
 extern const ElementInfo kIntrinsicStylize;
 extern const ElementInfo kIntrinsicTone;
@@ -35,6 +36,7 @@ static gboolean plugin_init(GstPlugin* plugin) {
            &inverse::kIntrinsicDespill,
            &inverse::kIntrinsicTone,
            &inverse::kIntrinsicStylize,
+           &inverse::kIntrinsicRelight,
            &inverse::kIntrinsicMerge,
            &inverse::kIntrinsicCompose,
        })

@@ -300,7 +300,7 @@ TEST(Recolor, AnEditOnOneBranchOfATeeLeavesTheOtherAlone) {
 
 TEST(Editors, WithoutADecomposerThereIsOneErrorThatNamesIt) {
   for (const std::string editor : {"intrinsicrecolor", "intrinsictone", "intrinsicstylize",
-                                   "intrinsiccompose", "intrinsicsplit"}) {
+                                   "intrinsicrelight", "intrinsiccompose", "intrinsicsplit"}) {
     const std::string caps = VideoHarness::caps("RGBA", 32, 24);
     VideoHarness harness(
         editor == "intrinsicsplit" ? "intrinsicsplit name=s s.shading ! identity" : editor, caps);

@@ -56,9 +56,9 @@ const std::vector<Shipped> kShipped{
 }  // namespace
 
 TEST(Presets, EveryFilterHasTheInterfaceAndSavesItsParametersAlone) {
-  for (const char* factory :
-       {"intrinsicdecomp", "globalintrinsic", "intrinsicrecolor", "intrinsicdespill",
-        "intrinsictone", "intrinsicstylize", "intrinsiccompose", "limematerial"}) {
+  for (const char* factory : {"intrinsicdecomp", "globalintrinsic", "intrinsicrecolor",
+                              "intrinsicdespill", "intrinsictone", "intrinsicstylize",
+                              "intrinsicrelight", "intrinsiccompose", "limematerial"}) {
     const Element element = make(factory);
     ASSERT_TRUE(element && GST_IS_PRESET(element.get())) << factory;
     const auto names = take_names(gst_preset_get_property_names(GST_PRESET(element.get())));

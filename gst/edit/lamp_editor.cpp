@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "lamp_editor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/error.hpp"
+#include "lamp_text.hpp"
+
+namespace inverse {
+namespace {
+
+constexpr float kGrasp = 1.F / 30;  // of the longer side of the frame: how near a press must be
+
+/// The property as it is now, in pixels of `frame` if it names none.
+LampList lamps_of(const Log& log, Extent frame) {
+  gchar* text = nullptr;
+  g_object_get(log.object, "lamps", &text, nullptr);
+  LampList list = read_lamps(text ? text : "");
+  g_free(text);
+  if (list.frame.pixels() == 0) list.frame = frame;
+  return list;
+}
+
+void set(const Log& log, const LampList& list) {
+  g_object_set(log.object, "lamps", text_of(list).c_str(), nullptr);
+}
+
+std::string no_room() {
+  return "there are " + std::to_string(kMaxLamps) + " lamps already; remove one to add another";
+}
+
+/// The place of a lamp of a list, in pixels of `frame`.
+Place place_in(const Lamp& lamp, Extent own, Extent frame) {
+  return scaled(place_of(lamp, own), own, frame);
+}
+
+/// The lamp that is nearest to a place within reach, if one is.
+std::optional<size_t> lamp_at(const LampList& list, Place place, Extent frame) {
+  std::optional<size_t> nearest;
+  float least = std::max(static_cast<float>(std::max(frame.width, frame.height)) * kGrasp, 4.F);
+  for (size_t i = 0; i < list.lamps.size(); ++i) {
+    const Place at = place_in(list.lamps[i], list.frame, frame);
+    const float off = std::hypot(at[0] - place[0], at[1] - place[1]);
+    if (off > least) continue;
+    least = off;
+    nearest = i;
+  }
+  return nearest;
+}
+
+}  // namespace
+
+std::string wrong_lamps(const GValue* value) {
+  const char* text = g_value_get_string(value);
+  try {
+    read_lamps(text ? text : "");
+    return {};
+  } catch (const Error& error) {
+    return std::string("lamps ") + error.what();
+  }
+}
+
+void LampEditor::mouse(const Log& log, const MouseEvent& event, const LampParams& params) {
+  using Kind = MouseEvent::Kind;
+  if (params.lamp_mode == LampMode::off || !std::isfinite(event.x) || !std::isfinite(event.y))
+    return;
+  constexpr double kFar = 1e6;
+  const Place place{static_cast<float>(std::clamp(event.x, -kFar, kFar)),
+                    static_cast<float>(std::clamp(event.y, -kFar, kFar))};
+  Extent frame;
+  std::optional<Drag> drag;
+  {
+    const Lock lock(mutex_);
+    frame = frame_;
+    drag = drag_;
+    if (event.kind == Kind::release) drag_.reset();
+  }
+  if (frame.pixels() == 0 || (event.kind != Kind::press && !drag)) return;
+  LampList list = lamps_of(log, frame);
+  if (event.kind != Kind::press) {
+    if (drag->lamp >= list.lamps.size()) return;  // removed meanwhile
+    const Place to{std::clamp(place[0] + drag->off[0], 0.F, static_cast<float>(frame.width)),
+                   std::clamp(place[1] + drag->off[1], 0.F, static_cast<float>(frame.height))};
+    move_to(list.lamps[drag->lamp], scaled(to, frame, list.frame), list.frame);
+    return set(log, list);
+  }
+  std::optional<size_t> pressed = lamp_at(list, place, frame);
+  if (params.lamp_mode == LampMode::remove) {
+    if (!pressed) return;
+    list.lamps.erase(list.lamps.begin() + static_cast<long>(*pressed));
+    return set(log, list);
+  }
+  if (!pressed && params.lamp_mode == LampMode::add) {
+    if (list.lamps.size() == kMaxLamps) {
+      const Lock lock(mutex_);
+      warnings_.push_back(no_room());
+      return;
+    }
+    Lamp lamp{.kind = params.lamp_kind,
+              .position = {0, 0, params.lamp_height},
+              .color = params.lamp_color & 0xffffff,
+              .power = params.lamp_power};
+    move_to(lamp, scaled(place, frame, list.frame), list.frame);
+    pressed = list.lamps.size();
+    list.lamps.push_back(lamp);
+    set(log, list);
+  }
+  if (!pressed) return;
+  const Place at = place_in(list.lamps[*pressed], list.frame, frame);
+  const Lock lock(mutex_);
+  drag_ = Drag{*pressed, {at[0] - place[0], at[1] - place[1]}};
+}
+
+void LampEditor::add(const Log& log, const std::string& lamp) {
+  Extent frame;
+  {
+    const Lock lock(mutex_);
+    frame = frame_;
+  }
+  Lamp added = read_lamp(lamp);
+  LampList list = lamps_of(log, frame);
+  if (list.lamps.size() == kMaxLamps) throw Error(ErrorKind::unsupported, no_room());
+  const Place at = scaled({added.position[0], added.position[1]}, frame, list.frame);
+  added.position[0] = at[0], added.position[1] = at[1];
+  list.lamps.push_back(added);
+  set(log, list);
+}
+
+void LampEditor::remove(const Log& log, unsigned index) {
+  LampList list = lamps_of(log, {});
+  if (index < 1 || index > list.lamps.size())
+    throw Error(ErrorKind::unsupported, "there is no lamp " + std::to_string(index) +
+                                            "; there are " + std::to_string(list.lamps.size()));
+  list.lamps.erase(list.lamps.begin() + (index - 1));
+  set(log, list);
+}
+
+void LampEditor::clear(const Log& log) { set(log, {}); }
+
+std::vector<Lamp> LampEditor::take(const std::string& lamps, Extent frame) {
+  const Lock lock(mutex_);
+  frame_ = frame;
+  if (taken_ && taken_->first == lamps && taken_->second == frame) return lamps_;
+  LampList list = read_lamps(lamps);
+  for (Lamp& lamp : list.lamps) {
+    const Place at = scaled({lamp.position[0], lamp.position[1]}, list.frame, frame);
+    lamp.position[0] = at[0], lamp.position[1] = at[1];
+  }
+  lamps_ = std::move(list.lamps);
+  taken_.emplace(lamps, frame);
+  return lamps_;
+}
+
+void LampEditor::flush() {
+  const Lock lock(mutex_);
+  drag_.reset();
+}
+
+}  // namespace inverse
