@@ -73,6 +73,9 @@ const std::vector<Subject> kEveryElement{
      {kSmall, kLarge}},
     {"intrinsicdecomp ! intrinsictone look=metal ! intrinsiccompose", {kSmall, kLarge}},
     {"intrinsicdecomp ! intrinsicstylize ! intrinsiccompose", {kSmall, kLarge}},
+    {"intrinsicdecomp ! intrinsicrelight "
+     "lamps=\"[{\\\"kind\\\":\\\"point\\\",\\\"position\\\":[200,200,0.3]}]\" ! intrinsiccompose",
+     {kSmall, kLarge}},
     {"globalintrinsic ! intrinsicdespill key=0xffe01e32 ! intrinsiccompose", {kSmall}},
     {"intrinsicdecomp ! intrinsicsplit name=split split.reflectance ! identity", {kSmall, kLarge}},
     {"limematerial", {kSmall, kLarge}},
