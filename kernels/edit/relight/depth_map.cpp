@@ -61,9 +61,9 @@ struct Fit {
 
 DepthMap::DepthMap(const PngPixels& png, const std::string& path) : extent_(png.extent) {
   codes_.resize(extent_.pixels());
-  const int divisor = png.is_16_bits ? 1 : 257;
+  const float unit = png.is_16_bits ? 1 : 257;
   for (size_t i = 0; i < codes_.size(); ++i)
-    codes_[i] = static_cast<float>(png.codes[4 * i] / divisor);
+    codes_[i] = static_cast<float>(png.codes[4 * i]) / unit;
   if (std::none_of(codes_.begin(), codes_.end(), [](float code) { return code > 0; }))
     throw Error(ErrorKind::file, path +
                                      ": it is black, so that nothing in it has depth; a depth "
@@ -120,7 +120,7 @@ std::vector<SurfacePixel> DepthMap::own_surface(Extent frame, float focal_length
 }
 
 std::vector<SurfacePixel> DepthMap::surface(Extent frame, float focal_length, float units) const {
-  const std::vector<SurfacePixel> own = own_surface(frame, focal_length, units);
+  std::vector<SurfacePixel> own = own_surface(frame, focal_length, units);
   if (frame == extent_) return own;
   std::vector<SurfacePixel> surface(frame.pixels());
   const auto axis = [](uint32_t at, uint32_t size, uint32_t own_size) {

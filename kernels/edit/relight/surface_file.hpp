@@ -12,6 +12,7 @@ namespace inverse {
 /// is depth (DepthMap), RGB are normals (NormalMap).
 class SurfaceFile {
  public:
+  explicit SurfaceFile(std::variant<DepthMap, NormalMap> map) : map_(std::move(map)) {}
   /// Throws Error(file) with the cause. `warning` is set if the normals look like something else.
   static SurfaceFile load(const std::string& path, std::string& warning);
 
@@ -23,7 +24,6 @@ class SurfaceFile {
   std::vector<SurfacePixel> surface(Extent frame, float focal_length, float units) const;
 
  private:
-  explicit SurfaceFile(std::variant<DepthMap, NormalMap> map) : map_(std::move(map)) {}
   std::variant<DepthMap, NormalMap> map_;
 };
 
