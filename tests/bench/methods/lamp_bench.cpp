@@ -4,12 +4,13 @@
 //
 //   lamp-bench DATA [--png FOLDER]
 //
-// DATA has edits/room_values_lamp, room_values and room (of the same geometry, with depth). Prints
-// PSNR in dB and SSIM of display codes, means over the frames; --png writes a strip of images for
-// each frame: before, truth, then the edits in the order of the table.
+// Of the bundled clip's room the depth is known; DATA has edits/room_values_lamp and room_values,
+// of which it is not. Prints PSNR in dB and SSIM of display codes, means over the frames of a room;
+// --png writes a strip of images for each frame: before, truth, then the edits in the order of the
+// table.
 //
-// The power of the lamp is known in watts. The scale of a decomposition is not, so it is read off
-// the frame before the edit: the median ratio of its shading to the true one.
+// The power of the lamp is known. The scale of a decomposition is not, so it is read off the frame
+// before the edit: the median ratio of its shading to the true one.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -27,6 +28,7 @@
 #include "tests/bench/metrics/metrics.hpp"
 #include "tests/bench/metrics/png_file.hpp"
 #include "tests/bench/scenes/datasets.hpp"
+#include "tests/bench/scenes/rendered.hpp"
 #include "tests/lab.hpp"
 #include "tests/srgb.hpp"
 
@@ -34,7 +36,7 @@ namespace inverse::bench {
 namespace {
 
 using Json = nlohmann::json;
-constexpr float kDepthUnits = 5000;  // codes a meter
+constexpr clip::Vec3 kLampOfClip{0.15F, 0.45F, 0.35F};
 
 Json read_json(const std::string& path) {
   std::ifstream file(path);
@@ -44,31 +46,33 @@ Json read_json(const std::string& path) {
 
 /// A frame, the same with the lamp, and the lamp.
 struct Pair {
+  std::string room;
   int index = 0;
   TruthFrame before;
   Image after;
-  std::string depth;        ///< a PNG
-  float focal_length = 0;   ///< pixels
-  std::array<float, 2> at;  ///< of the lamp, pixels
-  float z = 0;              ///< of the lamp from the camera, meters
-  float power = 0;          ///< shading at a meter
-  float radius = 0;         ///< meters
+  std::vector<float> depth;  ///< meters; empty: unknown
+  float plane = 0;           ///< a depth in the middle of the room, meters
+  float focal_length = 0;    ///< pixels
+  std::array<float, 2> at;   ///< of the lamp, pixels
+  float z = 0;               ///< of the lamp from the camera, meters
+  float power = 0;           ///< shading at a meter
+  float radius = 0;          ///< meters
 };
 
 std::vector<Pair> read_pairs(const std::string& data) {
+  constexpr float kPlaneOfRoomValues = 3.5F;  // estimated by eye
   const std::string edited = data + "/edits/room_values_lamp";
   const Json edit = read_json(edited + "/edit.json");
   const Json cameras = read_json(data + "/room_values/meta.json")["frames"];
   constexpr double kPi = 3.14159265358979323846;
   std::vector<Pair> pairs;
   for (const Json& frame : edit["frames"]) {
-    Pair pair;
-    pair.index = frame["frame"];
+    Pair pair{.room = "room_values", .index = frame["frame"]};
     pair.before = load_rendered(data + "/room_values", pair.index, Regime::kDiverseValue);
     std::array<char, 16> name{};
     std::snprintf(name.data(), name.size(), "%03d.png", pair.index);
     pair.after = read_png(edited + "/I8/" + name.data(), true);
-    pair.depth = data + "/room/Z/" + name.data();
+    pair.plane = kPlaneOfRoomValues;
     for (const Json& camera : cameras)
       if (camera["frame"] == pair.index) pair.focal_length = camera["camera"]["fx"];
     // Pixel centers are at whole numbers in the file.
@@ -88,6 +92,38 @@ float median(std::vector<float> values) {
   return values[values.size() / 2];
 }
 
+/// The room of the clip, and the same with a second lamp between the viewer and things: light adds.
+Pair clip_pair() {
+  constexpr int kWidth = 320, kHeight = 240;
+  constexpr clip::Quality kStill{36, 25, 4};
+  clip::Scene scene = clip::still_life(0);
+  Pair pair{.room = "clip"};
+  pair.before = rendered(scene, kWidth, kHeight, kStill);
+  scene.lamp = {kLampOfClip, 0.02F, pair.power = 0.15F};
+  scene.window.radiance = 0;
+  pair.radius = scene.lamp.radius;
+  const TruthFrame added = rendered(scene, kWidth, kHeight, kStill);
+  pair.after = pair.before.reflectance;
+  for (std::size_t i = 0; i < pair.after.data.size(); ++i)
+    pair.after.data[i] *= pair.before.direct.data[i] + pair.before.indirect.data[i] +
+                          added.direct.data[i] + added.indirect.data[i];
+  const clip::Camera& camera = scene.camera;
+  const clip::Vec3 forward = clip::normalize(camera.target - camera.position);
+  const clip::Vec3 right = clip::normalize(clip::cross(forward, {0, 1, 0}));
+  const clip::Vec3 down = clip::cross(forward, right);
+  pair.focal_length = float(kHeight) / 2 / std::tan(camera.vertical_angle / 2);
+  const clip::Vec3 lamp = scene.lamp.position - camera.position;
+  pair.z = dot(lamp, forward);
+  pair.at = {kWidth / 2.0F + pair.focal_length * dot(lamp, right) / pair.z,
+             kHeight / 2.0F + pair.focal_length * dot(lamp, down) / pair.z};
+  constexpr clip::Quality kGeometry{1, 1, 0};
+  const clip::Layers layers = clip::render(scene, kWidth, kHeight, kGeometry, 1);
+  for (const clip::Vec3& position : layers.position)
+    pair.depth.push_back(dot(position - camera.position, forward));
+  pair.plane = median(pair.depth);
+  return pair;
+}
+
 /// Layers of a frame, and relit pictures of them.
 class Editor {
  public:
@@ -101,8 +137,8 @@ class Editor {
         relight_(device, extent_),
         compose_(device, extent_),
         input_(upload(pair.before.input, nullptr)) {
-    std::string warning;
-    file_ = std::make_shared<const SurfaceFile>(SurfaceFile::load(pair.depth, warning));
+    if (!pair.depth.empty())
+      file_ = std::make_shared<const SurfaceFile>(DepthMap(extent_, pair.depth));
   }
 
   Layers two_layers() {
@@ -125,15 +161,16 @@ class Editor {
   }
 
   /// With the lamp of the pair. Without depth, its place is known in widths of the frame at the
-  /// median depth.
+  /// depth of the picture plane.
   Image relit(Layers layers, RelightParams params, bool depth) {
-    const float plane = file_->median() / kDepthUnits;
+    const float plane = pair_.plane;
     const float width = plane * float(extent_.width) / pair_.focal_length;  // meters
     const float unit = depth ? 1 : width;
     params.lamps = {{.position = {pair_.at[0], pair_.at[1], (plane - pair_.z) / unit},
                      .power = pair_.power * scale(layers) / (unit * unit),
                      .radius = pair_.radius / unit}};
-    params.depth_units = kDepthUnits;
+    params.depth_units = 1;
+    params.plane_depth = plane;
     constexpr float kDegrees = 180 / 3.14159265F;
     params.field_of_view = 2 * kDegrees * std::atan(float(extent_.width) / 2 / pair_.focal_length);
     relight_.set_surface(depth ? file_ : nullptr);
@@ -214,7 +251,7 @@ std::vector<Edit> edits_of(const std::shared_ptr<gpu::Device>& device, const Pai
                                                     {"true reflectance", editor.true_layers()}};
   for (const auto& [name, layers] : sources) {
     const std::string source = name;
-    edits.push_back({source + ", depth", editor.relit(layers, {}, true)});
+    if (!pair.depth.empty()) edits.push_back({source + ", depth", editor.relit(layers, {}, true)});
     edits.push_back({source + ", shading", editor.relit(layers, {}, false)});
     edits.push_back({source + ", flat", editor.relit(layers, {.surface = Surface::flat}, false)});
   }
@@ -238,28 +275,40 @@ void write_strip(const std::string& folder, const Pair& pair, const std::vector<
       for (int x = 0; x < w; ++x)
         for (int c = 0; c < 3; ++c) strip.at(int(k) * w + x, y, c) = parts[k]->at(x, y, c);
   std::filesystem::create_directories(folder);
-  write_png(folder + "/lamp_" + std::to_string(pair.index) + ".png", strip);
+  write_png(folder + "/lamp_" + pair.room + "_" + std::to_string(pair.index) + ".png", strip);
 }
 
 void run(const std::string& data, const std::string& png) {
   const std::shared_ptr<gpu::Device> device = gpu::Device::open("");
-  std::vector<std::string> names;
-  std::map<std::string, std::array<double, 3>> scores;  // PSNR, SSIM, frames
-  for (const Pair& pair : read_pairs(data)) {
+  std::vector<Pair> pairs = read_pairs(data);
+  pairs.insert(pairs.begin(), clip_pair());
+  std::vector<std::string> names, rooms;
+  std::map<std::string, std::map<std::string, std::array<double, 3>>> scores;  // PSNR, SSIM, frames
+  for (const Pair& pair : pairs) {
+    if (rooms.empty() || rooms.back() != pair.room) rooms.push_back(pair.room);
     const std::vector<Edit> edits = edits_of(device, pair);
     const Image truth = displayed(pair.after);
     for (const Edit& edit : edits) {
       if (!scores.contains(edit.name)) names.push_back(edit.name);
       const Image picture = displayed(edit.picture);
-      auto& [sum, structure, count] = scores[edit.name];
+      auto& [sum, structure, count] = scores[edit.name][pair.room];
       sum += psnr(picture, truth, {}), structure += ssim(picture, truth, {}), count += 1;
     }
     if (!png.empty()) write_strip(png, pair, edits);
   }
-  std::printf("| lamp | PSNR | SSIM |\n|---|---|---|\n");
+  std::printf("| lamp: PSNR / SSIM |");
+  for (const std::string& room : rooms) std::printf(" %s |", room.c_str());
+  std::printf("\n|---|---|---|\n");
   for (const std::string& name : names) {
-    const auto& [sum, structure, count] = scores[name];
-    std::printf("| %s | %.1f | %.3f |\n", name.c_str(), sum / count, structure / count);
+    std::printf("| %s |", name.c_str());
+    for (const std::string& room : rooms) {
+      const auto& [sum, structure, count] = scores[name][room];
+      if (count == 0)
+        std::printf(" – |");
+      else
+        std::printf(" %.1f / %.3f |", sum / count, structure / count);
+    }
+    std::printf("\n");
   }
 }
 
