@@ -330,6 +330,7 @@ void FilterElement::run_frame(GstBuffer* in, GstBuffer* out,
                      .time = stream_time(in),
                      .fresh = fresh,
                      .draw = !out_layers_,
+                     .alpha = !out_layers_ && GST_VIDEO_INFO_HAS_ALPHA(&out_info_),
                      .gray = !in_layers_ && GST_VIDEO_INFO_IS_GRAY(&in_info_),
                      .wait = [this](gpu::Commands& commands) {
                        if (!commands.wait([&] { return flushing_.load(); })) throw Flushing{};
