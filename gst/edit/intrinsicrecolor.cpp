@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicrecolor: replaces one reflectance color.
-#include <algorithm>
+#include <array>
 #include <cmath>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "gst/base/color.hpp"
 #include "gst/base/filter.hpp"
+#include "gst/edit/picker.hpp"
 #include "kernels/edit/recolor.hpp"
-#include "kernels/edit_pick.spv.hpp"
 
 namespace inverse {
 namespace {
@@ -79,27 +78,23 @@ class RecolorElement final : public Filter {
 
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     recolor_.emplace(device, extent);
-    pick_ = {device};
-    for (auto& copy : copies_) {
+    picker_.configure(device);
+    for (auto& copy : copies_)
       copy.colors = gpu::Buffer::create(device, gpu::Element::vec4, 2 * Palette::kMaxClusters,
                                         gpu::Memory::readback);
-      copy.picked = gpu::Buffer::create(device, gpu::Element::vec4, 1, gpu::Memory::readback);
-    }
   }
   void release() override {
     recolor_.reset();
+    picker_.release();
     copies_ = {};
     reported_ = false;
   }
   void reset() override { recolor_->reset(); }
   std::vector<Setting> navigate(const MouseEvent& event) override {
-    if (event.kind == MouseEvent::Kind::press && std::isfinite(event.x) && std::isfinite(event.y)) {
-      const std::lock_guard lock(mutex_);
-      clicked_ = {event.x, event.y};
-    }
+    picker_.navigate(event);
     return {};
   }
-  void flushed() override { take_click(); }
+  void flushed() override { picker_.forget(); }
 
   void process(FrameContext& frame) override {
     Params params = parameters_.snapshot();
@@ -107,7 +102,9 @@ class RecolorElement final : public Filter {
     params.own_color = params.target_color == 0;
     params.key = linear_color(params.key_color);
     params.target = linear_color(params.target_color);
-    const Pick picks = pick(frame, params.pick);
+    picker_.record(frame, params.pick == Pick::key      ? "key"
+                          : params.pick == Pick::target ? "target"
+                                                        : nullptr);
     if (params.by_mask && !frame.layers[Role::mask] && params.strength > 0 &&
         !std::exchange(reported_mask_, true))
       frame.warnings.push_back(
@@ -129,7 +126,6 @@ class RecolorElement final : public Filter {
     recolor_->record(frame.commands, frame.layers, params);
     const bool worked = frame.commands.dispatches() > before;
     Copy& copy = copies_[frame.number];
-    copy.picks = picks;
     copy.clusters = worked && params.base < 0 && params.cluster >= 0
                         ? recolor_->palette()->params().clusters
                         : 0;
@@ -138,13 +134,7 @@ class RecolorElement final : public Filter {
     if (worked) frame.commands.stage("recolor");
   }
 
-  void completed(uint64_t number, double) override {
-    const Copy& copy = copies_[number];
-    if (copy.picks == Pick::off) return;
-    const float* color = copy.picked->map_as<float>();
-    g_object_set(log().object, copy.picks == Pick::key ? "key" : "target",
-                 srgb_color({color[0], color[1], color[2]}), nullptr);
-  }
+  void completed(uint64_t number, double) override { picker_.completed(number, log().object); }
 
   void describe(GstStructure* stats, uint64_t number) const override {
     const Copy& copy = copies_[number];
@@ -163,41 +153,16 @@ class RecolorElement final : public Filter {
   }
 
  private:
-  using Click = std::array<double, 2>;
-  std::optional<Click> take_click() {
-    const std::lock_guard lock(mutex_);
-    return std::exchange(clicked_, std::nullopt);
-  }
-  /// Records the copy of the reflectance that was clicked. Returns what it is for.
-  Pick pick(FrameContext& frame, Pick what) {
-    const auto click = take_click();
-    if (!click || what == Pick::off) return Pick::off;
-    const auto pixel = [](double at, uint32_t size) {
-      return static_cast<int32_t>(std::clamp(at, 0.0, size - 1.0));
-    };
-    const Extent size = frame.layers.extent;
-    frame.commands.dispatch(
-        pick_,
-        {.plane = frame.layers[Role::intrinsic]->buffer, .color = copies_[frame.number].picked},
-        {.size = size, .at = {pixel((*click)[0], size.width), pixel((*click)[1], size.height)}},
-        {});
-    return what;
-  }
-
   Parameters<Params> parameters_{table()};
   std::optional<Recolor> recolor_;
-  gpu::Program<shaders::edit_pick> pick_;
-  std::mutex mutex_;
-  std::optional<Click> clicked_;  // since the last frame; of any thread
-  bool reported_mask_ = false;    // that there is no mask
-  bool reported_ = false;         // that there are no base colors
-  int reported_cluster_ = -1;     // that is beyond the last one
-  /// The clusters of a frame, for its stats, and the color that was clicked.
+  Picker picker_;
+  bool reported_mask_ = false;  // that there is no mask
+  bool reported_ = false;       // that there are no base colors
+  int reported_cluster_ = -1;   // that is beyond the last one
+  /// The clusters of a frame, for its stats.
   struct Copy {
     gpu::BufferPtr colors;
     int clusters = 0;
-    gpu::BufferPtr picked;
-    Pick picks = Pick::off;
   };
   gpu::FrameRing<Copy> copies_;
 };
