@@ -12,6 +12,7 @@ extern const ElementInfo kIntrinsicDecomp;
 extern const ElementInfo kIntrinsicDecompThesis;
 extern const ElementInfo kIntrinsicDespill;
 extern const ElementInfo kIntrinsicMerge;
+extern const ElementInfo kIntrinsicKey;
 extern const ElementInfo kIntrinsicRecolor;
 extern const ElementInfo kIntrinsicRelight;
 extern const ElementInfo kIntrinsicSelect;
@@ -34,6 +35,7 @@ static gboolean plugin_init(GstPlugin* plugin) {
            &inverse::kIntrinsicSelect,
            &inverse::kIntrinsicRecolor,
            &inverse::kIntrinsicDespill,
+           &inverse::kIntrinsicKey,
            &inverse::kIntrinsicTone,
            &inverse::kIntrinsicStylize,
            &inverse::kIntrinsicRelight,

@@ -71,6 +71,7 @@ const std::vector<Subject> kEveryElement{
     {"intrinsicdecomp ! intrinsiccompose", {kSmall, kLarge}},
     {"intrinsicdecomp ! intrinsicrecolor key=0xffe01e32 target=0xff2878f0 ! intrinsiccompose",
      {kSmall, kLarge}},
+    {"intrinsicdecomp ! intrinsickey", {kSmall, kLarge}},
     {"intrinsicdecomp ! intrinsictone look=metal ! intrinsiccompose", {kSmall, kLarge}},
     {"intrinsicdecomp ! intrinsicstylize ! intrinsiccompose", {kSmall, kLarge}},
     {"intrinsicdecomp ! intrinsicrelight "

@@ -299,8 +299,9 @@ TEST(Recolor, AnEditOnOneBranchOfATeeLeavesTheOtherAlone) {
 }
 
 TEST(Editors, WithoutADecomposerThereIsOneErrorThatNamesIt) {
-  for (const std::string editor : {"intrinsicrecolor", "intrinsictone", "intrinsicstylize",
-                                   "intrinsicrelight", "intrinsiccompose", "intrinsicsplit"}) {
+  for (const std::string editor :
+       {"intrinsicrecolor", "intrinsickey", "intrinsictone", "intrinsicstylize", "intrinsicrelight",
+        "intrinsiccompose", "intrinsicsplit"}) {
     const std::string caps = VideoHarness::caps("RGBA", 32, 24);
     VideoHarness harness(
         editor == "intrinsicsplit" ? "intrinsicsplit name=s s.shading ! identity" : editor, caps);

@@ -51,14 +51,16 @@ const std::vector<Shipped> kShipped{
     {"intrinsictone", {"velvet", "shiny", "metal", "matte", "even-light", "film-noir"}},
     {"intrinsicstylize", {"cartoon", "ink", "pencil", "poster"}},
     {"intrinsicdespill", {"green-screen", "blue-screen"}},
+    {"intrinsickey", {"green-screen", "blue-screen"}},
 };
 
 }  // namespace
 
 TEST(Presets, EveryFilterHasTheInterfaceAndSavesItsParametersAlone) {
-  for (const char* factory : {"intrinsicdecomp", "globalintrinsic", "intrinsicrecolor",
-                              "intrinsicdespill", "intrinsictone", "intrinsicstylize",
-                              "intrinsicrelight", "intrinsiccompose", "limematerial"}) {
+  for (const char* factory :
+       {"intrinsicdecomp", "globalintrinsic", "intrinsicrecolor", "intrinsickey",
+        "intrinsicdespill", "intrinsictone", "intrinsicstylize", "intrinsicrelight",
+        "intrinsiccompose", "limematerial"}) {
     const Element element = make(factory);
     ASSERT_TRUE(element && GST_IS_PRESET(element.get())) << factory;
     const auto names = take_names(gst_preset_get_property_names(GST_PRESET(element.get())));

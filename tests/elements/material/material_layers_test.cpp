@@ -130,8 +130,8 @@ TEST_F(MaterialLayers, SplitSendsThem) {
 TEST_F(MaterialLayers, EditorsOfReflectanceRefuseThem) {
   const std::string source =
       "videotestsrc num-buffers=3 ! video/x-raw,width=96,height=64 ! " + line() + " ! ";
-  for (const char* editor : {"intrinsicrecolor", "intrinsicdespill", "intrinsictone",
-                             "intrinsicstylize", "intrinsicrelight"}) {
+  for (const char* editor : {"intrinsicrecolor", "intrinsickey", "intrinsicdespill",
+                             "intrinsictone", "intrinsicstylize", "intrinsicrelight"}) {
     const auto error = run_line(source + editor + " ! intrinsiccompose ! fakesink").first_error();
     expect_contains(error, "works on layers");
     const auto forced =
