@@ -7,7 +7,7 @@
 namespace inverse {
 
 void PictureSource::configure(const std::shared_ptr<gpu::Device>& device, Extent frame) {
-  release();
+  drop();
   device_ = device;
   constexpr uint32_t kMinSide = 256, kMaxSide = 4096;
   max_side_ = std::clamp(2 * std::max(frame.width, frame.height), kMinSide, kMaxSide);

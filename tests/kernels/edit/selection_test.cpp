@@ -215,6 +215,40 @@ TEST_F(SelectionTest, AClickSelectsTheWholeObjectAndFollowsIt) {
   }
 }
 
+TEST_F(SelectionTest, WhatIsSubtractedStaysSubtracted) {
+  // Two bars of different paint; both are added, then one of them is subtracted.
+  const Extent extent{160, 120};
+  const auto bars = [&](unsigned seed) {
+    Pixels pixels = random_pixels(extent, seed, .97F, 1.03F);
+    for (uint32_t y = 0; y < extent.height; ++y)
+      for (uint32_t x = 0; x < extent.width; ++x) {
+        const float wall[] = {.3F, .35F, .4F}, red[] = {.6F, .08F, .06F},
+                    yellow[] = {.7F, .6F, .1F};
+        const bool inside = y > 30 && y < 90;
+        const float* paint = inside && x > 30 && x < 60    ? red
+                             : inside && x > 90 && x < 120 ? yellow
+                                                           : wall;
+        for (size_t c = 0; c < 3; ++c) pixels[4 * (size_t{y} * extent.width + x) + c] *= paint[c];
+      }
+    return pixels;
+  };
+  Selection selection(device, extent);
+  for (unsigned n = 0; n < 40; ++n) {
+    const Pixels pixels = bars(n);
+    Layers frame = layers(extent, pixels, pixels);
+    std::vector<SelectionStroke> strokes;
+    if (n == 0) strokes = {{.points = {{45, 60}}}};
+    if (n == 3) strokes = {{.points = {{105, 60}}}};
+    if (n == 6) strokes = {{.subtract = true, .points = {{45, 60}}}};
+    const Pixels mask = select(selection, frame, {}, strokes);
+    const auto at = [&](uint32_t x, uint32_t y) { return mask[4 * (y * extent.width + x)]; };
+    EXPECT_EQ(at(45, 60) > .5F, n < 6) << "red, frame " << n;
+    EXPECT_EQ(at(45, 80) > .5F, n < 6) << "red away from the stroke, frame " << n;
+    EXPECT_EQ(at(105, 60) > .5F, n >= 3) << "yellow, frame " << n;
+    EXPECT_LT(at(75, 60), .5F) << "wall, frame " << n;
+  }
+}
+
 TEST_F(SelectionTest, AnObjectThatComesBackIsFound) {
   const Extent extent{320, 240};
   Selection selection(device, extent);
@@ -291,3 +325,8 @@ TEST_F(SelectionTest, TakesAnyPixels) {
 }
 
 }  // namespace inverse::testing
+/ root /.pyenv / libexec / pyenv -
+        hooks : line 24 : enable : cannot open shared object / root /.pyenv / libexec / pyenv -
+        realpath.dylib : / root /.pyenv / libexec / pyenv -
+        realpath.dylib : cannot open shared object file : No such file or
+    directory

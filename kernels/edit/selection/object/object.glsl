@@ -10,7 +10,7 @@ const vec3 kBinLow = vec3(0.0, -0.3, -0.3), kBinHigh = vec3(1.05, 0.3, 0.3);
 const float kOwnColor = 0.1;      // share of the object's largest density from which on a color is its own
 const float kDensityFloor = 0.002;  // of that density: rarer colors are neither the object's nor the background's
 const float kPriorWeight = 0.2;   // of a certain cell's color, against edges
-const float kPriorFloor = 1e-4;
+const float kPriorFloor = 1e-3;
 const float kSeedWeight = 10.0;
 const float kEdgeWeight = 2.0;
 const float kEdgeScale = 0.04;    // difference of Oklab colors that separates neighbors

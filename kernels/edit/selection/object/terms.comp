@@ -10,7 +10,8 @@ PLANE_IN(0, colors);
 SCALAR_IN(1, model);
 PLANE_IN(2, totals);
 WORD_IN(3, seeds);
-PLANE_OUT(4, terms);
+WORD_IN(4, region);
+PLANE_OUT(5, terms);
 layout(push_constant) uniform Push { uvec2 cells; } push;
 
 float edge(vec3 a, vec3 b) {
@@ -29,7 +30,8 @@ void main() {
   float own = max(FETCH1(model, bin), FETCH1(model, kAddedDensity * kBinCount + bin)) + least;
   float other = max(FETCH1(model, kBackgroundDensity * kBinCount + bin), FETCH1(model, kSubtractedDensity * kBinCount + bin)) + least;
   float certain = min(abs(log(own / other)) / 3.0, 1.0);
-  float p = own / (own + other), weight = kPriorWeight * certain * certain + kPriorFloor;
+  // Where colors tell nothing, a cell stays what it was unless its neighbors change.
+  float p = mix(float(FETCH1(region, n)), own / (own + other), certain), weight = kPriorWeight * certain * certain + kPriorFloor;
   uint seed = FETCH1(seeds, n);
   if (seed != 0u) {
     p = seed == kSeedAdd ? 1.0 : 0.0;

@@ -124,8 +124,9 @@ void ObjectSelection::segment(const std::vector<Vec3>& colors, const std::vector
     const int bin = color_bin(colors[n]);
     const double own = std::max(object_[bin], added_[bin]) + e,
                  other = std::max(background_[bin], subtracted_[bin]) + e;
-    p_[n] = own / (own + other);
-    weight_[n] = .2 * std::pow(std::min(std::abs(std::log(own / other)) / 3, 1.), 2) + 1e-4;
+    const double certain = std::min(std::abs(std::log(own / other)) / 3, 1.);
+    p_[n] = certain * own / (own + other) + (1 - certain) * region[n];
+    weight_[n] = .2 * certain * certain + 1e-3;
     if (seeds[n] != no_seed) p_[n] = seeds[n] == seed_add, weight_[n] = 10;
     alpha[n] += std::min(weight_[n] / .2, 1.) * (p_[n] - alpha[n]);
   }
