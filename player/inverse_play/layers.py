@@ -23,7 +23,7 @@ def missing(layer, project):
     if material and layer in NOT_OF_MATERIAL:
         return f"limematerial makes no layer {layer}.", "Decompose by intrinsicdecomp to see it."
     if layer == "mask" and not material and not any(_writes_mask(e) for e in project.editors):
-        return "There is no mask.", "Turn on write-mask of an editor to see what it selects."
+        return "There is no mask.", "Select an object (M), or turn on write-mask of an editor."
     return None
 
 

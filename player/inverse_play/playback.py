@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Plays a source through a project's elements: states, seeks, the end, and what goes wrong."""
-from gi.repository import GLib, Gst
+from gi.repository import GLib, Gst, GstVideo
 
 from . import messages, source
 from .messages import Trouble
@@ -15,12 +15,12 @@ class Playback:
     """One source at a time. `make_sink()` returns the element that shows pictures. Calls of `listener`, in the main
     thread: on_state(), on_trouble(Trouble), on_stopping() before frames end, on_finished() after the last one,
     on_property(element, name, value).
-    `on_mouse`(kind, x, y) gets the mouse over the picture, in pixels of the frame, in the thread of the sink's
-    events; elements get it as well unless it returns True."""
+    `on_mouse`(kind, x, y, shift) gets the mouse over the picture, in pixels of the frame, and whether Shift is down,
+    in the thread of the sink's events; elements get it as well unless it returns True."""
 
     def __init__(self, make_sink, listener):
         self._make_sink, self._listener = make_sink, listener
-        self.on_mouse = lambda kind, x, y: False
+        self.on_mouse = lambda kind, x, y, shift: False
         self.source, self.stage, self.state = None, None, CLOSED
         self.seekable, self.duration, self.position = False, 0.0, 0.0
         self.width = self.height = 0
@@ -185,7 +185,9 @@ class Playback:
         if not kind.startswith("mouse-button") and kind != "mouse-move":
             return Gst.PadProbeReturn.OK
         self.presses += kind == "mouse-button-press"
-        used = self.on_mouse(kind, fields.get_value("pointer_x"), fields.get_value("pointer_y"))
+        held = fields.get_value("state") if fields.has_field("state") else 0
+        shift = bool(held & GstVideo.NavigationModifierType.SHIFT_MASK)
+        used = self.on_mouse(kind, fields.get_value("pointer_x"), fields.get_value("pointer_y"), shift)
         return Gst.PadProbeReturn.DROP if used else Gst.PadProbeReturn.OK
 
     def _on_message(self, _bus, message):

@@ -63,6 +63,12 @@ class Project:
         """The project with these editors."""
         return dataclasses.replace(self, editors=tuple(editors))
 
+    def with_editor_behind(self, editor, name):
+        """The project with one more editor behind the one of that name; behind all if there is none."""
+        names = [e.name for e in self.editors]
+        at = names.index(name) + 1 if name in names else len(names)
+        return self.with_editors((*self.editors[:at], editor, *self.editors[at:]))
+
     def new_name(self, factory):
         """A name for another editor: recolor1, recolor2 …"""
         stem = factory.removeprefix("intrinsic") or factory

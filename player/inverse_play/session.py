@@ -4,14 +4,11 @@ import dataclasses
 
 from gi.repository import GLib, Gst, GstVideo
 
-from . import elements, launch_line, layers, project, source
+from . import elements, launch_line, layers, project, selection, source
 from .history import History
 from .messages import Trouble
 from .playback import CLOSED, FAILED, PLAYING, Playback
 from .recorder import Recorder, RecorderError
-from .tools import RECOLOR_FACTORY
-
-NEW_TARGET = "0xff2864c8"  # of a surface that was picked to be recolored
 
 
 class Session:
@@ -154,13 +151,13 @@ class Session:
         label = f"{what} of {elements.title(described.factory)}"
         self.change(label, self.project.with_element(changed), (element, *values))
 
-    def add_editor(self, factory, properties=None):
-        """Adds an editor behind the others; returns its name."""
+    def add_editor(self, factory, properties=None, behind=None):
+        """Adds an editor behind the one of that name, or behind all; returns its name."""
         name = self.project.new_name(factory)
         editor = project.Element(name, factory)
         for key, value in (properties or {}).items():
             editor = editor.with_property(key, value)
-        self.change(f"Add {elements.title(factory)}", self.project.with_editors(self.project.editors + (editor,)))
+        self.change(f"Add {elements.title(factory)}", self.project.with_editor_behind(editor, behind))
         return name
 
     def remove_editor(self, name):
@@ -192,19 +189,23 @@ class Session:
         """Places the divider of the split view; None ends it."""
         self.change("Split view", dataclasses.replace(self.project, split=split), "split" if split else None)
 
-    def recolor_at(self, x, y):
-        """Recolors the surface at a pixel of the frame with a new editor; returns its name."""
-        key = self.playback.stage.color_at(x, y) if self.playback.stage else None
-        if key is None:
-            return None
-        return self.add_editor(RECOLOR_FACTORY, {"key": f"0x{key:08x}", "target": NEW_TARGET})
+    def draw(self, stroke, selected, paints):
+        """Selects what is under a stroke, and recolors it if it `paints`; see selection.drawn. Returns the name of
+        the element to set next."""
+        frame = self.playback.width, self.playback.height
+        changed, name = selection.drawn(self.project, selected, stroke, frame, paints)
+        self.change("Paint an object" if paints else "Select an object", changed)
+        return name
 
-    def pick_at(self, x, y, editor):
-        """Sets the key of an editor to the reflectance at a pixel of the frame. Whether there was one."""
-        key = self.playback.stage.color_at(x, y) if self.playback.stage else None
-        if key is not None:
-            self.set_property(editor, "key", f"0x{key:08x}")
-        return key is not None
+    def color_at(self, x, y):
+        """The reflectance at a pixel of the frame as 0xffRRGGBB, where `use_tool` reads colors; None without."""
+        color = self.playback.stage.color_at(x, y) if self.playback.stage else None
+        return None if color is None else f"0x{color:08x}"
+
+    def recolor_everywhere(self, x, y):
+        """Recolors the color at a pixel of the frame wherever it is, by a new editor; returns its name."""
+        key = self.color_at(x, y)
+        return key and self.add_editor(selection.RECOLOR, {"key": key, "use-mask": False})
 
     def undo(self):
         """Takes the last action back; returns its label."""

@@ -36,6 +36,7 @@ SHORTCUTS = (
     ("Edit", "Delete", "remove", "remove the editor"),
     ("Edit", "Return", "settings", "go to its settings; Tab and arrows change them"),
     ("Edit", "b", "color", "choose its color"),
+    ("Edit", "n", "another-object", "the next click selects another object"),
     ("Edit", "plus", "brush-larger", "larger brush"),
     ("Edit", "minus", "brush-smaller", "smaller brush"),
     ("Edit", "<Control>z", "undo", "undo"),

@@ -8,18 +8,19 @@ from .style import add_class, label
 
 
 class Panel(Gtk.Box):
-    """Shows session's project; `selected` is the name of an element."""
+    """Shows session's project; `selected` is the name of an element. `pick`(name) picks up a color for one of its
+    properties."""
 
-    def __init__(self, session, on_select):
+    def __init__(self, session, on_select, pick):
         super().__init__(orientation=Gtk.Orientation.VERTICAL, spacing=6, width_request=310, hexpand=False)
         add_class(self, "panel")
-        self._session, self._on_select = session, on_select
+        self._session, self._on_select, self._pick = session, on_select, pick
         self.selected, self.settings = "decomposer", None
         self._shown, self._showing = None, False
         self.pack_start(label("Chain", "heading"), False, False, 0)
         self.list = Gtk.ListBox(activate_on_single_click=True)
         self.list.connect("row-selected", self._on_row)
-        self.pack_start(self._scrolled(self.list, 40, 210), False, False, 0)
+        self.pack_start(self._scrolled(self.list, 40, 290), False, False, 0)
         self._title = label("", "heading", ellipsize=Pango.EllipsizeMode.END)
         self._about = label("", "faint", wrap=True, max_width_chars=38)
         self.pack_start(self._title, False, False, 0)
@@ -107,8 +108,10 @@ class Panel(Gtk.Box):
         self._about.set_text(elements.description(described.factory))
         if described.name == "decomposer":
             self._place.add(self._decomposer_choice(described))
+        is_editor = described.factory in elements.editors()
         self.settings = Settings(described, lambda values, what:
-                                 self._session.set_properties(described.name, values, what))
+                                 self._session.set_properties(described.name, values, what),
+                                 self._pick if is_editor else None)
         self._clear = None
         if "strokes" in elements.properties(described.factory):
             self._clear = Gtk.Button(label="Clear strokes", halign=Gtk.Align.START)
@@ -137,7 +140,6 @@ class Panel(Gtk.Box):
 
     def open_color(self):
         """Opens the choice of the editor's color: its target if it has one."""
-        controls = self.settings.controls if self.settings else {}
-        names = [n for n, c in controls.items() if hasattr(c, "swatches")]
-        if names:
-            controls["target" if "target" in names else names[-1]].set_active(True)
+        name = self.settings.first_color() if self.settings else None
+        if name:
+            self.settings.controls[name].set_active(True)

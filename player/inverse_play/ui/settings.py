@@ -26,7 +26,7 @@ class ColorControl(Gtk.MenuButton):
     """A button in a color, with swatches and a free choice behind it."""
 
     def __init__(self, changed):
-        super().__init__(hexpand=True)
+        super().__init__(hexpand=True, focus_on_click=False)
         self.show_color = Gtk.DrawingArea(width_request=60, height_request=16)
         self.add(self.show_color)
         self.show_color.connect("draw", self._draw)
@@ -104,6 +104,27 @@ def _enum_control(described, changed):
     return control
 
 
+class ChoiceButtons(Gtk.Grid):
+    """A button for each choice of a property."""
+
+    def __init__(self, described, changed):
+        super().__init__(hexpand=True, column_homogeneous=True)
+        first, self.buttons = None, {}
+        for place, (nick, meaning) in enumerate(described.choices):
+            button = Gtk.RadioButton.new_with_label_from_widget(first, nick)
+            button.set_mode(False)
+            button.set_focus_on_click(False)  # the keys go on to work
+            button.set_tooltip_text(meaning)
+            button.connect("toggled", lambda b, nick=nick: b.get_active() and changed(nick))
+            first = first or button
+            self.buttons[nick] = button
+            self.attach(button, place % BUTTON_COLUMNS, place // BUTTON_COLUMNS, 1, 1)
+
+    def set_value(self, nick):
+        """Shows a choice."""
+        self.buttons[nick].set_active(True)
+
+
 def _number_control(described, changed):
     span = described.maximum - described.minimum
     whole = described.kind == "int"
@@ -139,21 +160,25 @@ def _file_control(described, changed):
 
 CONTROLS = {"bool": _bool_control, "enum": _enum_control, "int": _number_control, "float": _number_control,
             "text": _text_control, "file": _file_control, "color": lambda _, changed: ColorControl(changed)}
-HIDDEN = {"show", "strokes", "stroke-mode"}  # by layer buttons, by the mouse, by tools
+HIDDEN = {"show", "strokes", "stroke-mode", "pick"}  # by layer buttons, by the mouse, by tools
+BUTTONS = {"look", "style"}  # choices that are tried one after the other
+BUTTON_COLUMNS = 3
+FIRST = BUTTONS | {"target"}
 
 
 def _place(prop):
-    """Settings of the brush come first, those that make the element anew last; the rest as the element has them."""
-    return 0 if prop.name.startswith("stroke-") else 1 if prop.live else 2
+    """What is changed most often comes first, what makes the element anew last; the rest as the element has it."""
+    return 0 if prop.name in FIRST or prop.name.startswith("stroke-") else 1 if prop.live else 2
 
 
 class Settings(Gtk.Grid):
-    """Controls for the properties of an element of the project. `changed(values, what)` sets some, by name."""
+    """Controls for the properties of an element of the project. `changed(values, what)` sets some, by name;
+    `pick`(name) lets the mouse pick up a color for one, None without."""
 
-    def __init__(self, described, changed):
+    def __init__(self, described, changed, pick):
         super().__init__(row_spacing=4, column_spacing=8)
-        self.described, self._changed, self._showing = described, changed, False
-        self.controls = {}
+        self.described, self._changed, self._pick, self._showing = described, changed, pick, False
+        self.controls, self.picks = {}, {}
         self._add_presets(described.factory)
         for prop in sorted(elements.properties(described.factory).values(), key=_place):
             if prop.name not in HIDDEN:
@@ -162,12 +187,28 @@ class Settings(Gtk.Grid):
         self.show_all()
 
     def _add_row(self, prop):
-        control = CONTROLS[prop.kind](prop, lambda value, name=prop.name: self._on_changed(name, value))
+        make = ChoiceButtons if prop.name in BUTTONS and prop.kind == "enum" else CONTROLS[prop.kind]
+        control = make(prop, lambda value, name=prop.name: self._on_changed(name, value))
         if not control.get_tooltip_text():
             control.set_tooltip_text(prop.blurb)
         name = label(prop.name.replace("-", " "), tooltip_text=prop.blurb)
-        self._attach(name, control)
         self.controls[prop.name] = control
+        self._attach(name, self._with_pick(prop.name, control) if prop.kind == "color" and self._pick else control)
+
+    def _with_pick(self, name, control):
+        """A color's control, with a button that picks one up from the picture."""
+        box = Gtk.Box(hexpand=True, spacing=4)
+        self.picks[name] = Gtk.Button(label="Pick up", tooltip_text="Then click on that color in the picture",
+                                      focus_on_click=False)
+        self.picks[name].connect("clicked", lambda _: self._pick(name))
+        box.pack_start(control, True, True, 0)
+        box.pack_start(self.picks[name], False, False, 0)
+        return box
+
+    def first_color(self):
+        """The name of the color that matters most: the target if there is one; None without any."""
+        names = [n for n, c in self.controls.items() if isinstance(c, ColorControl)]
+        return "target" if "target" in names else names[-1] if names else None
 
     def _attach(self, name, control):
         row = len(self.get_children()) // 2

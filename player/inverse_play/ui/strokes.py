@@ -5,11 +5,10 @@ import math
 
 from gi.repository import Gtk
 
-from .. import elements
-
-COLORS = {"shading": (1.0, 0.8, 0.2), "reflectance": (0.3, 0.8, 1.0)}
+COLORS = {"shading": (1.0, 0.8, 0.2), "reflectance": (0.3, 0.8, 1.0), "add": (0.4, 1.0, 0.4),
+          "subtract": (1.0, 0.3, 0.3)}
 OTHER_COLOR = (0.9, 0.4, 0.9)
-ALPHA = 0.12
+ALPHA, LINE_ALPHA = 0.12, 0.6
 
 
 class StrokeView(Gtk.DrawingArea):
@@ -19,21 +18,24 @@ class StrokeView(Gtk.DrawingArea):
         super().__init__(no_show_all=True)
         self.set_has_window(False)  # so that the mouse reaches the picture
         self._frame_place, self._shown = frame_place, None
-        self._strokes, self._brush, self._radius = [], None, 0
+        self._strokes, self._brush, self._radius, self._line = [], None, 0, None
         self.connect("draw", self._draw)
 
-    def show_strokes(self, decomposer, frame):
-        """Shows the strokes of a decomposer; None hides them. `frame`: size of the video."""
-        properties = elements.properties(decomposer.factory) if decomposer else {}
-        shown = (decomposer.get("strokes"), decomposer.get("stroke-radius"), frame) if "strokes" in properties else None
-        self.set_visible(shown is not None)
-        if shown != self._shown:
-            self._shown = shown
-            self._strokes = parse(shown[0], frame) if shown else []
-            self._radius = shown[1] if shown else 0
+    def show_strokes(self, text, radius, frame):
+        """Shows strokes as a property has them; None hides them. `radius`: of the brush, `frame`: size of the
+        video."""
+        self.set_visible(text is not None)
+        if (text, radius, frame) != self._shown:
+            self._shown, self._radius = (text, radius, frame), radius
+            self._strokes = parse(text, frame) if text else []
             self.queue_draw()
 
-    def mouse(self, _kind, x, y):
+    def show_line(self, stroke):
+        """Shows a selection.Stroke while it is drawn; None ends that."""
+        self._line = stroke
+        self.queue_draw()
+
+    def move(self, x, y):
         """Moves the brush."""
         self._brush = (x, y)
         if self.get_visible():
@@ -46,18 +48,25 @@ class StrokeView(Gtk.DrawingArea):
         context.set_line_cap(1)  # round
         context.set_line_join(1)
         for kind, radius, points in self._strokes:
-            context.set_source_rgba(*COLORS.get(kind, OTHER_COLOR), ALPHA)
-            context.set_line_width(2 * radius)
-            context.move_to(*points[0])
-            for point in points:
-                context.line_to(*point)
-            context.stroke()
+            _draw_line(context, kind, ALPHA, 2 * radius, points)
+        if self._line:
+            width = 2 / scale if self._line.closed else 2 * self._line.radius
+            _draw_line(context, self._line.kind, LINE_ALPHA, width, self._line.points)
         if self._brush:
             context.set_source_rgba(1, 1, 1, 0.8)
             context.set_line_width(1.5 / scale)
             context.arc(*self._brush, self._radius, 0, 2 * math.pi)
             context.stroke()
         return False
+
+
+def _draw_line(context, kind, alpha, width, points):
+    context.set_source_rgba(*COLORS.get(kind, OTHER_COLOR), alpha)
+    context.set_line_width(width)
+    context.move_to(*points[0])
+    for point in points:
+        context.line_to(*point)
+    context.stroke()
 
 
 def parse(text, frame):

@@ -15,24 +15,29 @@ def button_content(text, key):
     return box
 
 
-class Toolbar(Gtk.Box):
-    """`choose`(Tool) and `add`(factory) are called for what is pressed."""
+class Toolbar(Gtk.ScrolledWindow):
+    """`choose`(Tool), `add`(factory) and `begin_anew`() are called for what is pressed."""
 
-    def __init__(self, project, choose, add):
-        super().__init__(orientation=Gtk.Orientation.VERTICAL, spacing=3, width_request=150)
-        add_class(self, "panel")
+    def __init__(self, project, choose, add, begin_anew):
+        super().__init__(hscrollbar_policy=Gtk.PolicyType.NEVER)
+        column = add_class(Gtk.Box(orientation=Gtk.Orientation.VERTICAL, spacing=2, width_request=150), "panel")
+        self.add(add_class(column, "tools"))
         self._choose, self._showing = choose, False
-        self._box = Gtk.Box(orientation=Gtk.Orientation.VERTICAL, spacing=3)
+        self._box = Gtk.Box(orientation=Gtk.Orientation.VERTICAL, spacing=2)
         self.tools, self.buttons, self.adders = [], {}, {}
-        self.add(label("Tools", "heading"))
-        self.add(self._box)
-        self.add(label("Add an editor", "heading"))
+        column.add(label("Tools", "heading"))
+        column.add(self._box)
+        self.another = Gtk.Button(tooltip_text="The next click selects another object", can_focus=False)
+        self.another.add(button_content("Another object", "n"))
+        self.another.connect("clicked", lambda _: begin_anew())
+        column.add(self.another)
+        column.add(label("Add an editor", "heading"))
         for factory, title, key, meaning in tools.editors():
             button = Gtk.Button(tooltip_text=meaning, can_focus=False)
             button.add(button_content(title, key))
             button.connect("clicked", lambda _, factory=factory: add(factory))
             self.adders[factory] = button
-            self.add(button)
+            column.add(button)
         self.update(project, tools.LOOK)
 
     def update(self, project, active):
@@ -41,6 +46,7 @@ class Toolbar(Gtk.Box):
         self._showing = True
         if offered != self.tools:
             self._fill(offered)
+        self.another.set_sensitive(bool(active.draws))
         if active.name in self.buttons:
             self.buttons[active.name].set_active(True)
         self._showing = False

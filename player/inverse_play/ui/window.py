@@ -2,11 +2,12 @@
 """The window: puts its parts together, and does what keys and buttons ask for."""
 from gi.repository import Gdk, GLib, Gtk
 
-from .. import layers, tools
+from .. import elements, layers, selection, tools
 from ..messages import Trouble
 from ..playback import CLOSED, ENDED, FAILED
 from . import dialogs, keys
 from .header import LAYER_KEYS, Header
+from .mouse import Mouse
 from .panel import Panel
 from .picture import Picture
 from .strokes import StrokeView
@@ -15,7 +16,6 @@ from .timeline import Timeline
 from .toolbar import Toolbar
 
 SKIP_SECONDS, SPLIT_STEP, BRUSH_STEP = 5, 0.05, 1.25
-COLOR_TRIES, COLOR_MS = 100, 50  # looks for the first color after a tool was chosen
 INFO_SECONDS = 8
 
 
@@ -26,12 +26,12 @@ class Window(Gtk.Window):
         super().__init__(title="inverse-play", default_width=1360, default_height=820)
         self.picture = Picture(lambda split: self.session.set_split(split))
         self.session = make_session(self.picture.make_sink, self.picture.make_original_sink)
-        self._folder, self.tool, self.exit_at_end = folder, tools.LOOK, False
-        self._info_timer = self._start_text = None
+        self._folder, self.exit_at_end = folder, False
+        self._info_timer, self._tool_before = None, tools.LOOK
         self._build()
         self.session.observer, self.session.report = self.update, self.show_trouble
         self.session.finished = self._on_finished
-        self.session.playback.on_mouse = self._on_mouse
+        self.session.playback.on_mouse = self.mouse.take
         self._keys = keys.Keys([(t.key, f"tool-{t.name}") for t in self.all_tools()] +
                                [(key, f"add-{factory}") for factory, _, key, _ in tools.editors()])
         self.connect("key-press-event", self._on_key)
@@ -51,8 +51,11 @@ class Window(Gtk.Window):
         self.strokes = StrokeView(self.picture.frame_place)
         self.picture.add_overlay(self.strokes)
         self.picture.set_overlay_pass_through(self.strokes, True)
-        self.toolbar = Toolbar(self.session.project, self.choose_tool, self.add_editor)
-        self.panel = Panel(self.session, self._on_selected)
+        self.toolbar = Toolbar(self.session.project, self.choose_tool, self.add_editor,
+                               self._do_another_object)
+        self.panel = Panel(self.session, lambda: self.mouse.use_element(), self._pick_up)
+        self.mouse = Mouse(self.session, self.panel, self.strokes, self.note,
+                           lambda: self.choose_tool(self._tool_before))
         self.timeline = Timeline(self.session.playback, self.session.toggle_playing)
         self.help = keys.help_overlay([(t.key, t.label) for t in self.all_tools()],
                                       [(key, title) for _, title, key, _ in tools.editors()])
@@ -107,8 +110,7 @@ class Window(Gtk.Window):
         self.timeline.update()
         self._show_start(playback.state == CLOSED and not session.project.source)
         self._show_split()
-        self.strokes.show_strokes(session.project.decomposer if self.tool.mouse != "off" else None,
-                                  (playback.width, playback.height))
+        self._show_strokes()
         if playback.source and playback.state != CLOSED:
             self.set_title(f"{playback.source.title} – inverse-play")
 
@@ -124,6 +126,13 @@ class Window(Gtk.Window):
         playback = self.session.playback
         split = self.session.project.split if playback.state != CLOSED else None
         self.picture.show_split(split, (playback.width, playback.height))
+
+    def _show_strokes(self):
+        tool, described = self.tool, self.mouse.drawn_on()
+        text = None
+        if tool.draws or tool.mouse != "off":
+            text = described.get("strokes") if described else ""
+        self.strokes.show_strokes(text, self.mouse.brush(), (self.session.playback.width, self.session.playback.height))
 
     def _tick(self):
         self.timeline.update()
@@ -164,59 +173,29 @@ class Window(Gtk.Window):
             self.session.undo()
 
     # Tools.
-    def choose_tool(self, tool):
-        """What the mouse does from now on."""
-        self.tool = tool
+    @property
+    def tool(self):
+        """What the mouse does."""
+        return self.mouse.tool
+
+    def choose_tool(self, tool, picks=None):
+        """What the mouse does from now on. `picks`: the property that the tool Pick sets."""
         if tool.mouse != "off":
             self.panel.selected = "decomposer"
-        self._use_tool()
+        if tool == tools.PICK and self.tool != tools.PICK:
+            self._tool_before = self.tool
+        self.mouse.use(tool, picks)
         self.picture.set_cursor("default" if tool == tools.LOOK else "crosshair")
         self.update()
 
-    def _use_tool(self):
-        place = {tools.RECOLOR: "", tools.PICK: self.panel.selected}.get(self.tool)
-        self.session.use_tool(self.tool.mouse, place)
-
-    def _on_selected(self):
-        self._use_tool()
+    def _pick_up(self, name):
+        self.choose_tool(tools.PICK, name)
 
     def add_editor(self, factory):
-        """Adds an editor and selects it."""
-        self.panel.select(self.session.add_editor(factory))
-
-    def _on_mouse(self, kind, x, y):
-        self.strokes.mouse(kind, x, y)
-        if not self.tool.reads:
-            return False
-        if kind == "mouse-button-press":
-            GLib.idle_add(self._click, x, y, COLOR_TRIES)
-        return True
-
-    def _click(self, x, y, tries):
-        """Recolors or picks what was clicked on; the first color may take some frames to come."""
-        if self._clicked(x, y) or tries == 0:
-            if tries == 0:
-                self.note("The color could not be read, as no frame comes. Play, then click again.")
-            return GLib.SOURCE_REMOVE
-        GLib.timeout_add(COLOR_MS, self._click, x, y, tries - 1)
-        return GLib.SOURCE_REMOVE
-
-    def _clicked(self, x, y):
-        if self.tool == tools.RECOLOR:
-            name = self.session.recolor_at(x, y)
-            if name:
-                self.panel.select(name)
-                self.note("Choose its new color at the right (B). If too much or too little is painted, "
-                          "change tolerance.")
-            return name is not None
-        if not self._has_key(self.panel.selected):
-            self.note("Select an editor that has a key first.")
-            return True
-        return self.session.pick_at(x, y, self.panel.selected)
-
-    def _has_key(self, name):
-        described = self.session.project.element(name)
-        return described is not None and "key" in self.panel.settings.controls
+        """Adds an editor behind the selected one, whose mask it uses, and selects it. A selection comes last, as it
+        has a mask of its own."""
+        behind = None if factory == selection.SELECT else self.panel.selected
+        self.panel.select(self.session.add_editor(factory, behind=behind))
 
     # Keys and buttons.
     def _on_key(self, _window, event):
@@ -346,14 +325,21 @@ class Window(Gtk.Window):
     def _do_settings(self):
         self.panel.focus_settings()
 
+    def _do_another_object(self):
+        if not self.tool.draws:
+            self.choose_tool(tools.RECOLOR)
+        self.mouse.begin_anew()
+        self.update()
+        self.note("Click on another object.")
+
     def _do_color(self):
         self.panel.open_color()
 
     def _scale_brush(self, factor):
-        described = self.session.project.decomposer
-        if "stroke-radius" in self.panel.settings.controls:
-            radius = min(max(described.get("stroke-radius") * factor, 1.0), 1000.0)
-            self.session.set_property("decomposer", "stroke-radius", round(radius, 2))
+        described = self.mouse.drawn_on()
+        if described and "stroke-radius" in elements.properties(described.factory):
+            radius = min(max(self.mouse.brush() * factor, 1.0), 1000.0)
+            self.session.set_property(described.name, "stroke-radius", round(radius, 2))
 
     def _do_brush_larger(self):
         self._scale_brush(BRUSH_STEP)
