@@ -183,9 +183,9 @@ class Editors(support.Case):
 
     def test_picks_the_reflectance(self):
         viewer = Viewer(self).open("test")
-        self.assertIsNone(viewer.session.recolor_at(500, 100))
+        self.assertIsNone(viewer.session.recolor_everywhere(500, 100))
         viewer.session.use_tool(tap="")
-        viewer.wait(lambda: viewer.session.recolor_at(500, 100))
+        viewer.wait(lambda: viewer.session.recolor_everywhere(500, 100))
         key = int(viewer.session.project.editors[0].get("key"), 0)
         self.assertGreater(key >> 16 & 255, 100)
         self.assertLess(key & 0xffff, 0x2020)
@@ -230,7 +230,7 @@ class Files(support.Case):
         viewer.session.toggle_playing()
         support.pump(0.3)
         viewer.session.use_tool(tap="")
-        viewer.wait(lambda: viewer.session.recolor_at(*RED))
+        viewer.wait(lambda: viewer.session.recolor_everywhere(*RED))
         self.assertLess(int(viewer.session.project.editors[0].get("key"), 0) & 0xffff, 0x3030)
 
     def test_seeks(self):

@@ -9,7 +9,7 @@ import sys
 import unittest
 
 import support
-from inverse_play import arguments, elements, launch_line, layers, project, source
+from inverse_play import arguments, elements, launch_line, layers, project, selection, source, tools
 from inverse_play.elements import ElementError
 from inverse_play.history import History
 from inverse_play.project import Element, Project
@@ -34,7 +34,7 @@ class Elements(support.Case):
 
     def test_describes_properties(self):
         found = elements.properties("intrinsicrecolor")
-        self.assertEqual((found["key"].kind, found["key"].default), ("color", "0xffc83c28"))
+        self.assertEqual((found["key"].kind, found["key"].default), ("color", "0x00000000"))
         self.assertEqual((found["tolerance"].minimum, found["tolerance"].maximum), (0, 4.25))
         self.assertEqual(found["write-mask"].kind, "bool")
         self.assertTrue(found["key"].live)
@@ -95,6 +95,69 @@ class Files(support.Case):
         self.assertEqual(made.with_editors(made.editors[1:]).new_name("intrinsicrecolor"), "recolor1")
 
 
+def select(made, selected, at=(125, 40), kind="add", paints=True):
+    """(project, name) after a click on a frame of 160 x 120 pixels."""
+    return selection.drawn(made, selected, selection.Stroke(kind, 3, [at]), (160, 120), paints)
+
+
+def strokes_of(made, name="select1"):
+    return json.loads(made.element(name).get("strokes"))["strokes"]
+
+
+class Selections(support.Case):
+    def names(self, made):
+        return [e.name for e in made.editors]
+
+    def test_the_first_click_adds_what_the_next_ones_extend(self):
+        made, name = select(Project(), "decomposer")
+        self.assertEqual((self.names(made), name), (["select1", "recolor1"], "recolor1"))
+        made, name = select(made, name, (30.04, 40), "subtract")
+        self.assertEqual((self.names(made), name), (["select1", "recolor1"], "recolor1"))
+        self.assertEqual([(s["kind"], s["points"]) for s in strokes_of(made)],
+                         [("add", [[125, 40]]), ("subtract", [[30, 40]])])
+
+    def test_another_object_has_a_selection_of_its_own(self):
+        made, _ = select(Project(), None)
+        made, second = select(made, None)
+        self.assertEqual(self.names(made), ["select1", "recolor1", "select2", "recolor2"])
+        made, name = select(made, "recolor1", paints=False)
+        self.assertEqual((len(strokes_of(made)), len(strokes_of(made, "select2")), name), (2, 1, "select1"))
+        made, name = select(made.with_editors(e for e in made.editors if e.name != "recolor1"), "select1")
+        self.assertEqual(self.names(made), ["select1", "recolor1", "select2", "recolor2"])
+        self.assertEqual((name, second), ("recolor1", "recolor2"))
+
+    def test_what_is_off_or_selects_a_color_is_no_selection(self):
+        made, name = select(Project(), None)
+        for changed in (dataclasses.replace(made.element("select1"), on=False),
+                        made.element("select1").with_property("by", "key")):
+            self.assertIsNone(selection.selection_of(made.with_element(changed), name))
+        keyed = made.with_element(made.element("recolor1").with_property("key", "0xff00ff00"))
+        self.assertEqual(self.names(select(keyed, "recolor1")[0]), ["select1", "recolor2", "recolor1"])
+
+    def test_strokes_fit_the_frame_that_they_are_for(self):
+        stroke = selection.Stroke("add", 3, [(80, 60)], closed=True)
+        half = selection.with_stroke('{"frame":[80,60],"strokes":[]}', stroke, (160, 120))
+        self.assertEqual(json.loads(half), {"frame": [80, 60], "strokes": [
+            {"kind": "add", "radius": 3, "closed": True, "points": [[40, 30]]}]})
+        self.assertEqual(json.loads(selection.with_stroke("[]", stroke, (9, 9)))[0]["points"], [[80, 60]])
+
+    def test_takes_no_more_than_the_element_does(self):
+        made, stroke = Project(), selection.Stroke("add", 1, [(0, 0)])
+        for x in range(2 * selection.MAX_POINTS):
+            stroke.extend(x, 0)
+        for _ in range(selection.MAX_STROKES + 2):
+            made, _ = selection.drawn(made, "select1", stroke, (160, 120), False)
+        text = made.element("select1").get("strokes")
+        element = elements.make("intrinsicselect", None)
+        element.set_property("strokes", text)
+        self.assertEqual(element.get_property("strokes"), text)
+        self.assertEqual(len(strokes_of(made)), selection.MAX_STROKES)
+
+    def test_tools_are_what_the_elements_offer(self):
+        found = {tool.draws: tool.label for tool in tools.offered(Project()) if tool.draws and not tool.paints}
+        self.assertEqual(found, {"add": "Select", "subtract": "Not this", "lasso": "Lasso"})
+
+
 class Undo(support.Case):
     def test_steps_and_their_labels(self):
         now = [0.0]
@@ -151,6 +214,15 @@ class LaunchLine(support.Case):
         self.assertEqual(len(frames), 5)
         red, green, _ = support.color(frames[-1], 125, 40)  # the red bar
         self.assertGreater(green, red + 60)
+
+    def test_a_painted_object_runs_in_a_shell(self):
+        made, _ = select(Project(source=self.clip(3)), None)
+        made = made.with_editor_behind(Element("tone1", "intrinsictone", {"look": "metal"}), "recolor1")
+        frame = self.run_in_shell(made)[-1]
+        red, _, blue = support.color(frame, 125, 40)
+        self.assertGreater(blue, red + 60)
+        for at, color in (((30, 40), (255, 255, 0)), ((100, 40), (255, 0, 255))):  # the rest stays
+            self.assertLess(max(abs(a - b) for a, b in zip(support.color(frame, *at), color)), 40, at)
 
     def test_editors_that_are_off_are_left_out(self):
         made = painted()

@@ -18,7 +18,7 @@ from inverse_play.ui import style  # noqa: E402
 from inverse_play.ui.window import Window  # noqa: E402
 
 style.apply()
-RED, CYAN = (500, 100), (230, 100)  # bars of the test picture of 640 x 480 pixels
+RED, CYAN, YELLOW = (500, 100), (230, 100), (140, 100)  # bars of the test picture of 640 x 480 pixels
 
 
 def pixel(x, y):
@@ -31,6 +31,14 @@ def screenshot(path):
     """Writes what the display shows."""
     root = Gdk.get_default_root_window()
     Gdk.pixbuf_get_from_window(root, 0, 0, root.get_width(), root.get_height()).savev(path, "png", [], [])
+
+
+def is_blue(color):
+    return color[2] > color[0] + 60
+
+
+def is_near(color, other):
+    return max(abs(a - b) for a, b in zip(color, other)) < 16
 
 
 def is_green(color):
@@ -91,9 +99,17 @@ class WindowCase(support.Case):
         return (round(left + area.x + (area.width - scale * frame[0]) / 2 + (x + 0.5) * scale),
                 round(top + area.y + (area.height - scale * frame[1]) / 2 + (y + 0.5) * scale))
 
-    def click(self, x, y):
-        """Clicks on a pixel of the frame."""
-        self.xdotool("mousemove", *self.on_display(x, y), "click", 1)
+    def click(self, x, y, held=None):
+        """Clicks on a pixel of the frame, while a key may be held."""
+        hold = (["keydown", held], ["keyup", held]) if held else ([], [])
+        self.xdotool("mousemove", *self.on_display(x, y), *hold[0], "click", 1, *hold[1])
+
+    def drag(self, *places):
+        """Drags over pixels of the frame."""
+        self.xdotool("mousemove", *self.on_display(*places[0]), "mousedown", 1)
+        for place in places[1:]:
+            self.xdotool("mousemove", *self.on_display(*place))
+        self.xdotool("mouseup", 1)
 
     def click_widget(self, widget):
         self.wait(widget.get_mapped)
@@ -106,6 +122,10 @@ class WindowCase(support.Case):
         """A pixel of the frame as the display shows it."""
         return pixel(*self.on_display(*at))
 
+    def beside(self, at):
+        """One that no mark of a click or a brush covers."""
+        return self.shown((at[0] + 9, at[1] + 9))
+
     @property
     def editors(self):
         return [(e.factory, e.on) for e in self.session.project.editors]
@@ -116,8 +136,8 @@ class Paint(WindowCase):
         self.wait(lambda: self.shown(RED)[0] > 150)
         self.key("r")
         self.click(*RED)
-        self.wait(lambda: self.editors == [("intrinsicrecolor", True)])
-        self.wait(lambda: self.shown(RED)[2] > self.shown(RED)[0] + 60)  # the color that it begins with
+        self.wait(lambda: self.editors == [("intrinsicselect", True), ("intrinsicrecolor", True)])
+        self.wait(lambda: is_blue(self.shown(RED)))  # the color that it begins with
         self.key("b")
         self.click_widget(self.window.panel.settings.controls["target"].swatches[3])
         self.wait(lambda: is_green(self.shown(RED)))
@@ -136,14 +156,95 @@ class Paint(WindowCase):
         self.click_widget(self.window.header.buttons["undo"])
         self.wait(lambda: self.session.project.compose.get("show") == "composed")
         self.click_widget(self.window.toolbar.adders["intrinsicrecolor"])
-        self.wait(lambda: len(self.editors) == 2)
+        self.wait(lambda: len(self.editors) == 3)
 
-    def test_pick_sets_the_key_of_the_selected_editor(self):
-        self.window.add_editor("intrinsicrecolor")
-        self.key("p")
+    def test_one_ball_of_the_clip(self):
+        ball, book, ring, drawn = (385, 303), (99, 324), (285, 386), {}
+        self.open(str(support.CLIP), 640)
+        self.wait(lambda: self.player.seekable)
+        self.session.toggle_playing()
+        self.player.seek(2)
+        self.wait(lambda: abs(self.player.position - 2) < 0.05 and self.beside(ball)[0] > 150)
+        for place in (book, ring):
+            drawn[place] = self.beside(place)
+        self.key("r")
+        self.click(*ball)
+        self.wait(lambda: is_blue(self.beside(ball)))
+        for x, y in ((364, 303), (400, 303), (385, 285)):
+            self.assertTrue(is_blue(self.shown((x, y))), f"{x},{y}")
+        for place, before in drawn.items():  # the red book is not painted
+            self.assertTrue(is_near(self.beside(place), before), place)
+        self.click(*ring)  # adds to it
+        self.wait(lambda: is_blue(self.beside(ring)) and is_blue(self.beside(ball)))
+        self.click(*ring, held="shift")
+        self.wait(lambda: is_near(self.beside(ring), drawn[ring]) and is_blue(self.beside(ball)))
+        self.key("n")
+        self.click(*book)
+        self.wait(lambda: len(self.editors) == 4 and is_blue(self.beside(book)))
+        self.assertTrue(is_blue(self.beside(ball)))
+        self.assertEqual(self.session.troubles, [])
+
+    def test_a_color_is_recolored_everywhere(self):
+        self.key("g")
         self.click(*RED)
-        self.wait(lambda: int(self.session.project.editors[0].get("key"), 0) & 0xffff < 0x2020)
-        self.assertEqual(len(self.editors), 1)
+        self.wait(lambda: self.editors == [("intrinsicrecolor", True)] and is_blue(self.beside(RED)))
+        self.assertFalse(self.session.project.editors[0].get("use-mask"))
+
+    def test_colors_are_picked_up(self):
+        self.key("r")
+        self.click(*RED)
+        self.wait(lambda: is_blue(self.beside(RED)))
+        self.click_widget(self.window.panel.settings.picks["target"])
+        self.click(*YELLOW)
+        self.wait(lambda: self.beside(RED)[2] < 60 and min(self.beside(RED)[:2]) > 120)
+        self.assertEqual(self.window.tool.name, "recolor")  # goes on
+        self.key("p")
+        self.click(*CYAN)
+        self.wait(lambda: self.beside(RED)[0] < 60 and min(self.beside(RED)[1:]) > 120)
+        self.click_widget(self.window.panel.settings.picks["key"])
+        self.click(*RED)
+        self.wait(lambda: int(self.session.project.editors[1].get("key"), 0) & 0xffff < 0x2020)
+        self.assertEqual(len(self.editors), 2)
+
+
+class Select(WindowCase):
+    def strokes(self):
+        return json.loads(self.session.project.element("select1").get("strokes"))["strokes"]
+
+    def test_editors_behind_change_what_is_selected(self):
+        self.key("u")
+        self.click(*RED)
+        self.assertEqual(self.editors, [])  # nothing to leave out yet
+        self.assertIn("Select an object first", self.window._info_text.get_text())
+        self.key("m")
+        self.drag(YELLOW, CYAN)
+        self.wait(lambda: self.editors == [("intrinsicselect", True)])
+        self.key("5")
+        self.wait(lambda: min(*self.beside(YELLOW), *self.beside(CYAN)) > 240 and max(self.beside(RED)) < 15)
+        self.key("plus", "u")
+        self.drag(CYAN, (CYAN[0], 200))
+        self.wait(lambda: max(self.beside(CYAN)) < 15 and min(self.beside(YELLOW)) > 240)
+        self.assertEqual([(s["kind"], s["radius"]) for s in self.strokes()], [("add", 6), ("subtract", 7.5)])
+        self.key("1")
+        self.wait(lambda: self.beside(CYAN)[1:] == (255, 255))
+        red, yellow, cyan = (self.beside(at) for at in (RED, YELLOW, CYAN))
+        self.key("t")
+        self.click_widget(self.window.panel.settings.controls["look"].buttons["metal"])
+        self.wait(lambda: self.session.project.element("tone1").get("look") == "metal")
+        self.wait(lambda: self.beside(YELLOW) != yellow)
+        self.assertEqual((self.beside(RED), self.beside(CYAN)), (red, cyan))
+
+    def test_a_lasso(self):
+        self.key("a")
+        corners = ((470, 30), (520, 30), (520, 150), (470, 150))
+        self.drag(*corners)
+        self.wait(lambda: self.editors == [("intrinsicselect", True)])
+        drawn = self.strokes()[0]
+        self.assertTrue(drawn["closed"])
+        for found, wanted in zip(drawn["points"], corners):
+            self.assertLess(max(abs(a - b) for a, b in zip(found, wanted)), 2)
+        self.key("5")
+        self.wait(lambda: min(self.beside(RED)) > 240 and max(self.beside(CYAN)) < 15)
 
 
 class Strokes(WindowCase):
@@ -151,11 +252,6 @@ class Strokes(WindowCase):
         text = self.session.project.decomposer.get("strokes")
         data = json.loads(text) if text else []
         return data["strokes"] if isinstance(data, dict) else data
-
-    def drag(self, start, end):
-        self.xdotool("mousemove", *self.on_display(*start), "mousedown", 1)
-        self.xdotool("mousemove", *self.on_display((start[0] + end[0]) / 2, (start[1] + end[1]) / 2))
-        self.xdotool("mousemove", *self.on_display(*end), "mouseup", 1)
 
     def test_each_kind_is_drawn_where_the_mouse_is(self):
         kinds = [nick for nick, _ in self.modes() if nick not in ("off", "erase")]
@@ -243,7 +339,7 @@ class Keys(WindowCase):
 
     def test_settings_by_keyboard(self):
         self.window.add_editor("intrinsicrecolor")
-        self.key("Return", "Tab", "Right", "Right")
+        self.key("Return", "Tab", "Tab", "Tab", "Tab", "Right", "Right")  # over two colors and what picks them up
         self.wait(lambda: self.session.project.editors[0].get("tolerance") > 0.41)
         self.key("Escape", "ctrl+z")
         if self.session.project.editors[0].get("tolerance") != 0.4:
