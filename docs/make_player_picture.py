@@ -37,8 +37,10 @@ def main():
     session.toggle_playing()
     session.playback.seek(2)
     window.choose_tool(tools.RECOLOR)
-    support.pump(20, lambda: session.recolor_at(*RED_BALL))
-    window.panel.select("recolor1")
+    support.pump(2)
+    for kind in ("mouse-button-press", "mouse-button-release"):
+        session.playback.on_mouse(kind, *RED_BALL, False)
+    support.pump(2, lambda: session.project.editors)
     session.set_property("recolor1", "target", "0xff40a040")
     session.set_split(0.35)
     support.pump(4)
