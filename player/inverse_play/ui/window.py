@@ -36,9 +36,15 @@ class Window(Gtk.Window):
                                [(key, f"add-{factory}") for factory, _, key, _ in tools.editors()])
         self.connect("key-press-event", self._on_key)
         self.connect("delete-event", lambda *_: self.quit())
-        timers = [GLib.timeout_add(200, self._tick), GLib.timeout_add(1000, self._tick_rate)]
-        self.connect("destroy", lambda _: [GLib.source_remove(t) for t in (*timers, self._info_timer) if t])
+        self._timers = [GLib.timeout_add(200, self._tick), GLib.timeout_add(1000, self._tick_rate)]
+        self.connect("destroy", self._on_destroy)
         self.update()
+
+    def _on_destroy(self, _window):
+        for timer in (*self._timers, self._info_timer):
+            if timer:
+                GLib.source_remove(timer)
+        self._info_timer = None
 
     def all_tools(self):
         """The tools of the project's decomposer."""
