@@ -116,7 +116,7 @@ class Editors(support.Case):
         """Adds, reorders, switches, removes, or undoes."""
         editors = session.project.editors
         if len(editors) < 2 or count % 6 == 0:
-            session.add_editor("intrinsicrecolor")
+            session.add_editor("intrinsicrecolor", GREEN)
         elif len(editors) > 4:
             session.remove_editor(editors[1].name)
         elif count % 6 == 2:

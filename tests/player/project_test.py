@@ -7,6 +7,7 @@ import shlex
 import subprocess
 import sys
 import unittest
+from concurrent import futures
 
 import support
 from inverse_play import arguments, elements, launch_line, layers, project, selection, source, tools
@@ -142,11 +143,13 @@ class Selections(support.Case):
         self.assertEqual(json.loads(selection.with_stroke("[]", stroke, (9, 9)))[0]["points"], [[80, 60]])
 
     def test_takes_no_more_than_the_element_does(self):
-        made, stroke = Project(), selection.Stroke("add", 1, [(0, 0)])
+        made = Project()
+        for x in range(selection.MAX_STROKES + 2):
+            made, _ = select(made, "select1", (x, 0), paints=False)
+        long = selection.Stroke("add", 1, [(0, 0)])
         for x in range(2 * selection.MAX_POINTS):
-            stroke.extend(x, 0)
-        for _ in range(selection.MAX_STROKES + 2):
-            made, _ = selection.drawn(made, "select1", stroke, (160, 120), False)
+            long.extend(x, 0)
+        made, _ = selection.drawn(made, "select1", long, (160, 120), False)
         text = made.element("select1").get("strokes")
         element = elements.make("intrinsicselect", None)
         element.set_property("strokes", text)
@@ -256,17 +259,19 @@ class CommandLine(support.Case):
 
     def test_errors_say_what_to_do(self):
         open(self.path("empty.mp4"), "w", encoding="utf-8").close()
-        for words, text in ((["/none.mp4"], "there is no file"), (["/dev/video97"], "plug it in"),
-                            ([self.folder], "is a folder"), ([self.path("empty.mp4")], "is empty"),
-                            (["nosuch://x"], "nothing installed here opens"),
-                            (["videotestsrc ! nosuchelement"], "no launch line"),
-                            (["test", "--decomposer", "videoconvert"], "intrinsicdecomp"),
-                            (["test", "--edit", "intrinsicrecolor tolerance=99"], "tolerance"),
-                            (["test", "--edit", "intrinsicrecolor nothing=1"], "it has key"),
-                            (["test", "--show", "direct"], "globalintrinsic"),
-                            (["test", "--split", "7"], "from 0 to 1"), (["--project", "/none.json"], "none.json"),
-                            (["test", "--folder", "/none"], "no folder")):
-            done = self.run_it(*words)
+        cases = ((["/none.mp4"], "there is no file"), (["/dev/video97"], "plug it in"),
+                 ([self.folder], "is a folder"), ([self.path("empty.mp4")], "is empty"),
+                 (["nosuch://x"], "nothing installed here opens"),
+                 (["videotestsrc ! nosuchelement"], "no launch line"),
+                 (["test", "--decomposer", "videoconvert"], "intrinsicdecomp"),
+                 (["test", "--edit", "intrinsicrecolor tolerance=99"], "tolerance"),
+                 (["test", "--edit", "intrinsicrecolor nothing=1"], "it has key"),
+                 (["test", "--show", "direct"], "globalintrinsic"),
+                 (["test", "--split", "7"], "from 0 to 1"), (["--project", "/none.json"], "none.json"),
+                 (["test", "--folder", "/none"], "no folder"))
+        with futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+            all_done = pool.map(lambda case: self.run_it(*case[0]), cases)
+        for (words, text), done in zip(cases, all_done):
             self.assertEqual(done.returncode, 1, words)
             self.assertIn(text, done.stderr, words)
             self.assertNotIn("Traceback", done.stderr, words)

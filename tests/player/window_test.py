@@ -45,6 +45,9 @@ def is_green(color):
     return color[1] > color[0] + 60 and color[1] > color[2] + 60
 
 
+TEST = "videotestsrc is-live=true ! video/x-raw,width=640,height=480,framerate=15/1"
+
+
 class WindowCase(support.Case):
     """A window that plays the test picture."""
 
@@ -54,7 +57,7 @@ class WindowCase(support.Case):
         self.window.show()
         self.session, self.player = self.window.session, self.window.session.playback
         self.focus()
-        self.open("test", 640)
+        self.open(TEST, 640)
         self.addCleanup(self.end)
 
     def focus(self):
@@ -85,7 +88,7 @@ class WindowCase(support.Case):
         """Real events; runs the window meanwhile."""
         process = subprocess.Popen(["xdotool", *map(str, words)])
         support.pump(10, lambda: process.poll() is not None)
-        support.pump(0.15)
+        support.pump(0.1)
 
     def key(self, *names):
         for name in names:
