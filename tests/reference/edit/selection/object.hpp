@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Selection of an object that a user points at, on a grid of cells. Double precision.
 //
-//   colors    the Oklab color f of a cell's mean reflectance
-//   O, B      densities of color of the object and of the background: histograms of 10 x 24 x 24
-//   bins, smoothed
-//             twice by (1/4, 1/2, 1/4) along each axis, of sum 1
-//   p         (O + e) / (O + B + 2 e), e = .002 max O: how likely a cell is the object's by its
-//   color w         .2 min(|ln ((O + e) / (B + e))| / 3, 1)^2 + 1e-4: how certain that is alpha
-//   minimum of  sum w (alpha - p)^2 + sum 2 exp(-|f_i - f_j|^2 / (2 .04^2)) (alpha_i - alpha_j)^2
-//             over cells and pairs of neighbors, by Jacobi steps; w = 10 and p = 1 or 0 under
-//             strokes
-//   region    connected components of alpha > 1/2 of which the region of the frame before had a
-//   tenth, or
-//             which have a stroke that adds
+//   f        the Oklab color of a cell's mean reflectance
+//   O, B     densities of color of the object and of the background: histograms of 10 x 24 x 24
+//            bins, smoothed twice by (1/4, 1/2, 1/4) along each axis, of sum 1; at least those
+//            under strokes that add, and that subtract, the largest since a selection was begun
+//   c        min(|ln ((O + e) / (B + e))| / 3, 1), e = .002 max O: how certain a color is
+//   p        c (O + e) / (O + B + 2 e) + (1 - c) region: how likely a cell is the object's
+//   w        .2 c^2 + 1e-3; 10 under strokes, with p = 1 or 0
+//   alpha    minimum of sum w (alpha - p)^2
+//              + sum 2 exp(-|f_i - f_j|^2 / (2 .04^2)) (alpha_i - alpha_j)^2
+//            over cells and pairs of neighbors, by Jacobi steps from alpha + min(w / .2, 1) (p -
+//            alpha), alpha of the frame before
+//   region   connected components of alpha > 1/2 of which the region of the frame before had a
+//            tenth, or which have a stroke that adds
 //
 // O is learned from alpha in the region; B from cells that are away from the region and whose color
 // has at most a tenth of the largest density of the object and of the strokes that add, since cells
