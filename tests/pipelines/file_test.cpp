@@ -109,6 +109,28 @@ TEST_F(Files, Playbin) {
   EXPECT_GT(std::abs(out.frames[0].mean(1) - in.frames[0].mean(1)), 1);
 }
 
+TEST_F(Files, PlaybinWithEditors) {
+  make_silent_clip(file("in.mkv"));  // bars; the sixth is red
+  const auto play = [&](const std::string& filter) {
+    EXPECT_EQ(run("playbin", {file("in.mkv"), filter}, {{"SINK", raw_file(file("out.mkv"))}}), 0)
+        << output_;
+    return read_media(file("out.mkv"));
+  };
+  const Media recolored = play(
+      "intrinsicdecomp ! intrinsicrecolor key=0xffc00000 target=0xff2040c0 tolerance=0.9 ! "
+      "intrinsiccompose");
+  ASSERT_NO_FATAL_FAILURE(expect_video(recolored, 160, 120, 3));
+  const Image& blue = recolored.frames.back();
+  EXPECT_GT(blue.mean(2, .74, .1, .83, .5), blue.mean(0, .74, .1, .83, .5) + 60) << "still red";
+  EXPECT_LT(blue.mean(2, .17, .1, .26, .5), blue.mean(0, .17, .1, .26, .5) - 60) << "not yellow";
+
+  const Media same = play("intrinsicedit layer=shading effect=\"identity silent=true\"");
+  const Media darker = play("intrinsicedit layer=shading effect=\"videobalance brightness=-0.3\"");
+  ASSERT_NO_FATAL_FAILURE(expect_video(same, 160, 120, 3));
+  ASSERT_NO_FATAL_FAILURE(expect_video(darker, 160, 120, 3));
+  EXPECT_LT(darker.frames.back().mean(1), same.frames.back().mean(1) - 10);
+}
+
 TEST_F(Files, HighlightsOfAFile) {
   if (!has_networks()) GTEST_SKIP() << "built without inverse-onnx-import";
   make_ball(file(""), file("in.mkv"));
