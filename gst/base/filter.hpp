@@ -152,7 +152,7 @@ struct ElementInfo {
   const char* factory;      ///< "intrinsicdecomp"
   const char* type_name;    ///< "GstIntrinsicDecomp"
   const char* long_name;    ///< a few words
-  const char* klass;        ///< "Filter/Effect/Video"
+  const char* klass;        ///< "Filter/Video"; with "Effect" if it needs no other element of ours
   const char* description;  ///< one sentence
   Flow sink, src;
   /// The kind of layers that it makes from pixels, or that it needs; kAnyLayers or kAllLayers.

@@ -174,7 +174,7 @@ extern const ElementInfo kIntrinsicCompose;
 const ElementInfo kIntrinsicCompose{"intrinsiccompose",
                                     "GstIntrinsicCompose",
                                     "Intrinsic compose",
-                                    "Filter/Effect/Video",
+                                    "Filter/Video",
                                     "Multiplies edited layers into a picture",
                                     Flow::layers_or_pixels,
                                     Flow::pixels,

@@ -84,7 +84,7 @@ extern const ElementInfo kIntrinsicDespill;
 const ElementInfo kIntrinsicDespill{"intrinsicdespill",
                                     "GstIntrinsicDespill",
                                     "Intrinsic despill",
-                                    "Filter/Effect/Video",
+                                    "Filter/Video",
                                     "Removes or recolors light reflected by surfaces of one color",
                                     Flow::layers_or_pixels,
                                     Flow::layers,

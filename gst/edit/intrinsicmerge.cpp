@@ -32,7 +32,7 @@ extern const ElementInfo kIntrinsicMerge;
 const ElementInfo kIntrinsicMerge{"intrinsicmerge",
                                   "GstIntrinsicMerge",
                                   "Intrinsic merge",
-                                  "Filter/Effect/Video",
+                                  "Filter/Video",
                                   "Takes pictures of layers that other effects changed back into "
                                   "the layers",
                                   Flow::layers_or_pixels,

@@ -173,7 +173,7 @@ extern const ElementInfo kIntrinsicRecolor;
 const ElementInfo kIntrinsicRecolor{"intrinsicrecolor",
                                     "GstIntrinsicRecolor",
                                     "Intrinsic recolor",
-                                    "Filter/Effect/Video",
+                                    "Filter/Video",
                                     "Replaces one reflectance color; shading is kept",
                                     Flow::layers_or_pixels,
                                     Flow::layers,

@@ -260,7 +260,7 @@ extern const ElementInfo kIntrinsicSelect;
 const ElementInfo kIntrinsicSelect{"intrinsicselect",
                                    "GstIntrinsicSelect",
                                    "Intrinsic select",
-                                   "Filter/Effect/Video",
+                                   "Filter/Video",
                                    "Selects an object, for the editors after it",
                                    Flow::layers_or_pixels,
                                    Flow::layers,

@@ -59,7 +59,7 @@ extern const ElementInfo kIntrinsicStylize;
 const ElementInfo kIntrinsicStylize{"intrinsicstylize",
                                     "GstIntrinsicStylize",
                                     "Intrinsic stylize",
-                                    "Filter/Effect/Video",
+                                    "Filter/Video",
                                     "Draws lines at edges of shading, and shading in levels",
                                     Flow::layers_or_pixels,
                                     Flow::layers,

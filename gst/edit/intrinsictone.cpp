@@ -103,7 +103,7 @@ extern const ElementInfo kIntrinsicTone;
 const ElementInfo kIntrinsicTone{"intrinsictone",
                                  "GstIntrinsicTone",
                                  "Intrinsic tone",
-                                 "Filter/Effect/Video",
+                                 "Filter/Video",
                                  "Changes shading by a tone curve, as another material would",
                                  Flow::layers_or_pixels,
                                  Flow::layers,

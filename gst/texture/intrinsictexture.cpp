@@ -395,7 +395,7 @@ const ElementInfo kIntrinsicTexture{
     .factory = "intrinsictexture",
     .type_name = "GstIntrinsicTexture",
     .long_name = "Intrinsic texture",
-    .klass = "Filter/Effect/Video",
+    .klass = "Filter/Video",
     .description = "Hangs a picture on a plane of the scene; the light on it stays",
     .sink = Flow::layers_or_pixels,
     .src = Flow::layers,
