@@ -144,15 +144,18 @@ void EffectBin::install(GObjectClass* object_class, guint first_id) const {
 void EffectBin::set(size_t index, const GValue* value) {
   const std::string& name = table()[index].name;
   const bool live = name == "strength" || name == "use-mask";
-  if (!live && GST_STATE(bin_) > GST_STATE_READY) {
-    post_warning(log_of(GST_ELEMENT(bin_)), GST_LIBRARY_ERROR, GST_LIBRARY_ERROR_SETTINGS,
-                 "%s cannot change while frames flow; stop the element first (READY)",
-                 name.c_str());
-    return;
-  }
   parameters_.set(index, value);
-  if (live && merge_) g_object_set_property(G_OBJECT(merge_), name.c_str(), value);
-  if (name == "effect") parse_effect();
+  if (live) {
+    if (merge_) g_object_set_property(G_OBJECT(merge_), name.c_str(), value);
+  } else if (GST_STATE(bin_) > GST_STATE_READY) {
+    // Kept: a video editor changes and saves properties of elements that play.
+    post_warning(log_of(GST_ELEMENT(bin_)), GST_LIBRARY_ERROR, GST_LIBRARY_ERROR_SETTINGS,
+                 "%s cannot change while frames flow; stop the element (READY), and the next start "
+                 "uses the new value",
+                 name.c_str());
+  } else if (name == "effect") {
+    parse_effect();
+  }
 }
 
 void EffectBin::remove(GstElement*& element) {
@@ -165,7 +168,7 @@ void EffectBin::remove(GstElement*& element) {
 void EffectBin::parse_effect() {
   remove(effect_);
   wrong_.clear();
-  const std::string text = parameters_.snapshot().effect;
+  const std::string text = parsed_ = parameters_.snapshot().effect;
   if (text.find_first_not_of(' ') == std::string::npos) return;
   try {
     effect_ = parsed("effect", text, "gaussianblur sigma=4");
@@ -181,6 +184,7 @@ bool EffectBin::assemble() {
     if (!tee_ || !split_ || !queue_ || !merge_)
       throw Error(ErrorKind::unsupported,
                   "tee and queue are missing; install GStreamer's core elements");
+    if (parameters_.snapshot().effect != parsed_) parse_effect();  // it changed while frames flowed
     if (!wrong_.empty()) throw Error(ErrorKind::unsupported, wrong_);
     const PadPtr sink(gst_element_get_static_pad(tee_, "sink"));
     gst_ghost_pad_set_target(GST_GHOST_PAD(sink_), sink.get());

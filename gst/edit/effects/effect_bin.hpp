@@ -70,7 +70,7 @@ class EffectBin final : public PropertyStore {
   GstElement* effect_ = nullptr;                           // child
   GstElement *decomposer_ = nullptr, *compose_ = nullptr;  // children if frames come in
   std::vector<PadPtr> requested_;                          // of the children
-  std::string wrong_;                                      // with the effect
+  std::string parsed_, wrong_;                             // text of effect_; what is wrong with it
   Kind kind_ = Kind::unknown;
   bool refused_ = false;  // caps, with an error
 };

@@ -264,20 +264,26 @@ TEST(Effects, AStoppedLineRunsAgain) {
     expect_frames(line);
 }
 
-TEST(Effects, TheEffectStaysWhileFramesFlow) {
-  GstElement* element = nullptr;
-  std::string kept;
-  const auto line =
-      run_line(source() + edit("shading", "identity") + sink(), 60, [&](GstElement* pipeline) {
-        element = gst_bin_get_by_name(GST_BIN(pipeline), "e");
-        g_object_set(element, "effect", "gamma gamma=2", nullptr);
-        gst_element_set_state(pipeline, GST_STATE_PAUSED);
-        g_object_set(element, "effect", "fakesink", nullptr);
-      });
-  EXPECT_EQ(property<std::string>(element, "effect"), "gamma gamma=2");
-  gst_object_unref(element);
-  expect_frames(line);
-  expect_one(line.warnings, "effect cannot change while frames flow");
+TEST(Effects, ANewOneWaitsForTheNextStart) {
+  // Starts with one effect, then sets another one, and starts again or goes on.
+  const auto change = [](const std::string& effect, bool again) {
+    return run_line(source() + edit("shading", effect) + sink(), 60, [&](GstElement* pipeline) {
+      GstElement* element = gst_bin_get_by_name(GST_BIN(pipeline), "e");
+      gst_element_set_state(pipeline, GST_STATE_PAUSED);
+      gst_element_get_state(pipeline, nullptr, nullptr, 60 * GST_SECOND);
+      g_object_set(element, "effect", "gamma gamma=2", nullptr);
+      if (again) gst_element_set_state(pipeline, GST_STATE_NULL);
+      EXPECT_EQ(property<std::string>(element, "effect"), "gamma gamma=2");
+      gst_object_unref(element);
+    });
+  };
+  const auto went_on = change("identity", false), again = change("identity", true);
+  expect_frames(went_on);
+  expect_one(went_on.warnings, "effect cannot change while frames flow", "next start");
+  EXPECT_TRUE(went_on.frames == run_line(source() + edit("shading", "identity") + sink()).frames);
+  expect_frames(again);
+  EXPECT_TRUE(again.frames == change("gamma gamma=2", true).frames);
+  EXPECT_TRUE(again.frames != went_on.frames);
 }
 
 TEST(Effects, ThoseOfOtherPluginsWork) {
