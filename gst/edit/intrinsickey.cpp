@@ -148,7 +148,7 @@ extern const ElementInfo kIntrinsicKey;
 const ElementInfo kIntrinsicKey{"intrinsickey",
                                 "GstIntrinsicKey",
                                 "Intrinsic key",
-                                "Filter/Effect/Video",
+                                "Filter/Video",
                                 "Separates a foreground from a screen of one color",
                                 Flow::layers_or_pixels,
                                 Flow::layers_or_pixels,

@@ -174,7 +174,7 @@ extern const ElementInfo kIntrinsicRelight;
 const ElementInfo kIntrinsicRelight{"intrinsicrelight",
                                     "GstIntrinsicRelight",
                                     "Intrinsic relight",
-                                    "Filter/Effect/Video",
+                                    "Filter/Video",
                                     "Adds lamps to a scene: point, spot and directional",
                                     Flow::layers_or_pixels,
                                     Flow::layers,
