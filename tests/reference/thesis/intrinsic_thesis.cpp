@@ -174,6 +174,16 @@ std::vector<const SampleFrame*> IntrinsicThesis::frames(int index,
   return result;
 }
 
+ThesisEnergy IntrinsicThesis::energy_of(int index, const Plane& x, const Plane& clusters,
+                                        const std::vector<const SampleFrame*>& sources,
+                                        std::uint32_t epoch) const {
+  const auto at = static_cast<std::size_t>(index);
+  ThesisEnergy energy = thesis_energy(levels_[at], x, clusters, sources,
+                                      static_cast<std::uint32_t>(index), epoch, params_);
+  if (!strokes_.empty()) energy.user = user_energy(strokes_[at], stroke_means(strokes_[at], x), x);
+  return energy;
+}
+
 void IntrinsicThesis::solve_level(int index) {
   const auto at = static_cast<std::size_t>(index);
   const ThesisLevel& level = levels_[at];
@@ -186,8 +196,7 @@ void IntrinsicThesis::solve_level(int index) {
     const SampleFrame current = make_sample_frame(level, x);
     const auto sources = frames(index, current);
     if (trace_ || converged_) {
-      const ThesisEnergy energy =
-          thesis_energy(level, x, clusters, sources, stream, epoch(), params_);
+      const ThesisEnergy energy = energy_of(index, x, clusters, sources, epoch());
       if (trace_) trace_(index, step - 1, energy);
       if (converged_ && std::abs(previous - energy.total()) <= 1e-10 * energy.total()) break;
       previous = energy.total();
@@ -199,7 +208,10 @@ void IntrinsicThesis::solve_level(int index) {
       for (int c = 0; c < 3; ++c) source.data[n][c] += cluster[3] * cluster[c];
       source.data[n][3] += cluster[3];
     }
-    irls_step(assemble(level, x, source, params_), step, &x);
+    ShadingSource shading;
+    if (!strokes_.empty())
+      add_strokes(strokes_[at], stroke_means(strokes_[at], x), &source, &shading);
+    irls_step(assemble(level, x, source, params_, shading), step, &x);
   }
 }
 
@@ -218,6 +230,9 @@ Plane IntrinsicThesis::decompose(const Plane& linear) {
       levels_[n].packed[k] = chromaticities_[n].data[k][3];
     }
   }
+  strokes_.clear();
+  for (const ThesisLevel& level : levels_)
+    if (draw_strokes_) strokes_.push_back(draw_strokes_(level.image.width, level.image.height));
   used_keyframes_.assign(keyframes_.begin(), keyframes_.end());
 
   cluster_plane_ = Plane();
@@ -267,10 +282,8 @@ Plane IntrinsicThesis::decompose(const Plane& linear) {
 }
 
 ThesisEnergy IntrinsicThesis::energy(const Plane& x) const {
-  ThesisParams params = params_;
   const SampleFrame current = make_sample_frame(levels_[0], x);
-  const std::uint32_t epoch = params_.resample ? frame_ - 1 : 0;
-  return thesis_energy(levels_[0], x, cluster_plane_, frames(0, current), 0, epoch, params);
+  return energy_of(0, x, cluster_plane_, frames(0, current), params_.resample ? frame_ - 1 : 0);
 }
 
 }  // namespace inverse::reference

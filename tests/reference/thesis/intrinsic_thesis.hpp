@@ -71,6 +71,11 @@ class IntrinsicThesis {
   /// the next frame on; an empty plane: no cluster prior.
   void set_clusters(Plane clusters) { clusters_ = std::move(clusters); }
 
+  /// The user's strokes on a picture of that size, from the next frame on; null: none. An auxiliary
+  /// variable is fixed while an IRLS step is solved, and follows after it (4.6.2).
+  using DrawStrokes = std::function<StrokeMask(int width, int height)>;
+  void set_strokes(DrawStrokes draw) { draw_strokes_ = std::move(draw); }
+
   /// Packed chromaticities (w) by level, finest first, for the next frame instead of its own: which
   /// samples agree is decided on a grid, and single precision may fall on its other side.
   void set_chromaticities(std::vector<Plane> planes) { chromaticities_ = std::move(planes); }
@@ -92,6 +97,8 @@ class IntrinsicThesis {
   };
 
   void solve_level(int index);
+  ThesisEnergy energy_of(int index, const Plane& x, const Plane& clusters,
+                         const std::vector<const SampleFrame*>& sources, std::uint32_t epoch) const;
   std::vector<const SampleFrame*> frames(int index, const SampleFrame& current) const;
   std::uint32_t epoch() const { return params_.resample ? frame_ : 0; }
   void irls_step(const ThesisSystem& system, int step, Plane* x) const;
@@ -100,6 +107,7 @@ class IntrinsicThesis {
   Palette palette_;
   std::optional<Plane> clusters_;
   std::vector<Plane> chromaticities_;
+  DrawStrokes draw_strokes_;
   Trace trace_;
   bool converged_ = false;
   bool single_ = false;
@@ -107,6 +115,7 @@ class IntrinsicThesis {
   std::deque<Keyframe> keyframes_;        // newest last
   std::vector<Keyframe> used_keyframes_;  // those that the last frame was solved with
   std::vector<ThesisLevel> levels_;
+  std::vector<StrokeMask> strokes_;  // by level; empty: none
   std::vector<Plane> solutions_;
   Plane cluster_plane_;
 };

@@ -25,6 +25,10 @@ double irls_weight(double squared, const ThesisParams& params) {
   return factor * std::pow(squared + params.epsilon * params.epsilon, params.p / 2 - 1);
 }
 
+double shading_weight(const ThesisSystem& system, std::size_t pixel) {
+  return system.shading_weight.empty() ? 0 : system.shading_weight[pixel];
+}
+
 /// Calls f(frame, index, agree) for every sample of a pixel.
 template <typename F>
 void for_each_sample(const ThesisLevel& level, const std::vector<const SampleFrame*>& frames,
@@ -161,12 +165,59 @@ ThesisEnergy thesis_energy(const ThesisLevel& level, const Plane& x, const Plane
   return energy;
 }
 
+std::vector<Vec4> stroke_means(const StrokeMask& strokes, const Plane& x) {
+  std::vector<Vec4> means(strokes.kinds.size(), Vec4{});
+  std::vector<double> weights(means.size());
+  for (std::size_t n = 0; n < x.size(); ++n) {
+    if (strokes.stroke[n] < 0) continue;
+    const auto k = static_cast<std::size_t>(strokes.stroke[n]);
+    for (int c = 0; c < 4; ++c) means[k][c] += strokes.weight[n] * x.data[n][c];
+    weights[k] += strokes.weight[n];
+  }
+  for (std::size_t k = 0; k < means.size(); ++k) {
+    for (double& value : means[k]) value = weights[k] > 0 ? value / weights[k] : 0;
+  }
+  return means;
+}
+
+double user_energy(const StrokeMask& strokes, const std::vector<Vec4>& means, const Plane& x) {
+  double energy = 0;
+  for (std::size_t n = 0; n < x.size(); ++n) {
+    if (strokes.stroke[n] < 0) continue;
+    const auto k = static_cast<std::size_t>(strokes.stroke[n]);
+    const double ds = x.data[n][3] - means[k][3];
+    energy +=
+        kUserWeight * strokes.weight[n] *
+        (strokes.kinds[k] == StrokeKind::shading ? ds * ds : squared_distance(x.data[n], means[k]));
+  }
+  return energy;
+}
+
+void add_strokes(const StrokeMask& strokes, const std::vector<Vec4>& means, SourcePlane* source,
+                 ShadingSource* shading) {
+  shading->target.resize(source->size());
+  shading->weight.resize(source->size());
+  for (std::size_t n = 0; n < source->size(); ++n) {
+    if (strokes.stroke[n] < 0) continue;
+    const auto k = static_cast<std::size_t>(strokes.stroke[n]);
+    const double weight = kUserWeight * strokes.weight[n];
+    if (strokes.kinds[k] == StrokeKind::shading) {
+      shading->target[n] += weight * means[k][3];
+      shading->weight[n] += weight;
+    } else {
+      for (int c = 0; c < 3; ++c) source->data[n][c] += weight * means[k][c];
+      source->data[n][3] += weight;
+    }
+  }
+}
+
 ThesisSystem assemble(const ThesisLevel& level, const Plane& x, const SourcePlane& source,
-                      const ThesisParams& params) {
+                      const ThesisParams& params, const ShadingSource& shading) {
   ThesisSystem system;
   system.edges = Plane(x.width, x.height);
   system.node = Plane(x.width, x.height);
   system.b = Plane(x.width, x.height);
+  system.shading_weight = shading.weight;
   system.w_data = params.w_data;
   system.w_chromaticity = params.w_chromaticity;
   const auto link = [&](std::size_t a, std::size_t b, int slot) {
@@ -195,6 +246,7 @@ ThesisSystem assemble(const ThesisLevel& level, const Plane& x, const SourcePlan
                params.w_chromaticity * iw * (i[c] - m) + source.data[n][c];
         b[3] += params.w_data * iw * kChannelWeight[c] * i[c];
       }
+      if (!shading.target.empty()) b[3] += shading.target[n];
     }
   }
   return system;
@@ -215,7 +267,7 @@ void apply(const ThesisSystem& system, const Plane& v, int x0, int y0, int x1, i
         result[c] = residual + (node[1] + node[2]) * own[c] + chroma * (own[c] - m);
         result[3] += residual;
       }
-      result[3] += node[3] * own[3];
+      result[3] += (node[3] + shading_weight(system, n)) * own[3];
       const auto subtract = [&](std::size_t edge, int slot, std::size_t other) {
         const double a = system.edges.data[edge][slot];
         for (int c = 0; c < 3; ++c) result[c] -= a * v.data[other][c];
@@ -238,7 +290,7 @@ Vec4 diagonal(const ThesisSystem& system, std::size_t pixel) {
     result[c] = system.w_data * node[0] * kChannelWeight[c] + node[1] + node[2] +
                 system.w_chromaticity * node[0] * (2.0 / 3);
   }
-  result[3] = system.w_data * node[0] + node[3];
+  result[3] = system.w_data * node[0] + node[3] + shading_weight(system, pixel);
   return result;
 }
 

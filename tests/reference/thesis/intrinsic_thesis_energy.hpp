@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The decomposition energy of chapter 3 (Eqs. 3.3–3.15) and the linear systems of its IRLS steps,
-// in double precision. This is the specification of kernels/thesis/chapter3.
+// The decomposition energy of chapter 3 (Eqs. 3.3–3.15), with the user's strokes of chapter 4
+// (4.7), and the linear systems of its IRLS steps, in double precision. This is the specification
+// of kernels/thesis/chapter3.
 //
 // Unknowns: one vector (r_R, r_G, r_B, s) a pixel, natural logarithms of reflectance and shading.
 #pragma once
@@ -8,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "tests/reference/intrinsic/strokes.hpp"
 #include "tests/reference/plane.hpp"
 
 namespace inverse::reference {
@@ -83,8 +85,9 @@ struct ThesisEnergy {
   double chromaticity = 0;
   double non_local = 0;
   double clustering = 0;
+  double user = 0;
   double total() const {
-    return data + reflectance + shading + chromaticity + non_local + clustering;
+    return data + reflectance + shading + chromaticity + non_local + clustering + user;
   }
 };
 
@@ -94,19 +97,40 @@ ThesisEnergy thesis_energy(const ThesisLevel& level, const Plane& x, const Plane
                            const std::vector<const SampleFrame*>& frames, std::uint32_t stream,
                            std::uint32_t epoch, const ThesisParams& params);
 
+/// Source terms of targets of s, by pixel: weight · target, and weight. Empty: there are none.
+struct ShadingSource {
+  std::vector<double> target, weight;
+};
+
+/// w_u of (4.3).
+inline constexpr double kUserWeight = 1000;
+
+/// The auxiliary variable of each stroke where (4.7) is least (4.6.2): the mean over its pixels, by
+/// their weights, of r (rgb) and s (w).
+std::vector<Vec4> stroke_means(const StrokeMask& strokes, const Plane& x);
+
+/// w_u E_user (4.7) at x with these auxiliary variables.
+double user_energy(const StrokeMask& strokes, const std::vector<Vec4>& means, const Plane& x);
+
+/// Adds the source terms of (4.7): those of constant reflectance to `source`, those of constant
+/// shading to `shading`.
+void add_strokes(const StrokeMask& strokes, const std::vector<Vec4>& means, SourcePlane* source,
+                 ShadingSource* shading);
+
 /// A x = b, half the gradient of the reweighted energy E^(k) (3.21), method A and b kept apart as
 /// the kernels keep them.
 struct ThesisSystem {
   Plane edges;  ///< right and down: a = W · c(d), then V
   Plane node;   ///< ω_iw, Σ weights of targets, Σ a, Σ V over the existing neighbors
   Plane b;
+  std::vector<double> shading_weight;  ///< of targets of s, by pixel; empty: none
   double w_data = 0;
   double w_chromaticity = 0;
 };
 
-/// The system at the linearization point x; `source` sums samples and clusters.
+/// The system at the linearization point x; `source` sums samples, clusters and strokes.
 ThesisSystem assemble(const ThesisLevel& level, const Plane& x, const SourcePlane& source,
-                      const ThesisParams& params);
+                      const ThesisParams& params, const ShadingSource& shading = {});
 
 /// A v, as if the image ended at the borders of the block [x0, x1) × [y0, y1) where v is zero
 /// outside it; only pixels of the block are written.

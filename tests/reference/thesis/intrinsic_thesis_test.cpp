@@ -40,6 +40,37 @@ double frozen_energy(const ThesisLevel& level, const Plane& x, const Plane& clus
   return thesis_energy(level, x, clusters, {&targets}, 0, 0, params).total();
 }
 
+/// Left and right half in strokes of constant shading and constant reflectance, with weights that
+/// fall toward the outside, and pixels between that belong to none.
+StrokeMask two_strokes(int width, int height) {
+  StrokeMask mask{{StrokeKind::shading, StrokeKind::reflectance}, {}, {}};
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const double depth = std::abs(2.0 * (x + 0.5) / width - 1);
+      mask.stroke.push_back(depth < 0.2 ? -1 : 2 * x >= width);
+      mask.weight.push_back(depth < 0.2 ? 0 : 1.2 - depth);
+    }
+  }
+  return mask;
+}
+
+/// The largest of a stroke's standard deviations, by weight.
+double deviation(const StrokeMask& mask, std::size_t stroke, const Plane& x) {
+  const std::vector<Vec4> means = stroke_means(mask, x);
+  Vec4 squares{};
+  double weight = 0;
+  for (std::size_t n = 0; n < x.size(); ++n) {
+    if (mask.stroke[n] != static_cast<int>(stroke)) continue;
+    weight += mask.weight[n];
+    for (int c = 0; c < 4; ++c)
+      squares[c] += mask.weight[n] * std::pow(x.data[n][c] - means[stroke][c], 2);
+  }
+  return std::sqrt((mask.kinds[stroke] == StrokeKind::shading
+                        ? squares[3]
+                        : std::max({squares[0], squares[1], squares[2]})) /
+                   weight);
+}
+
 }  // namespace
 
 TEST(IntrinsicThesisReference, SystemIsHalfTheGradientOfTheEnergy) {
@@ -78,11 +109,64 @@ TEST(IntrinsicThesisReference, SystemIsHalfTheGradientOfTheEnergy) {
   }
 }
 
+TEST(IntrinsicThesisReference, StrokesAddHalfTheGradientOfTheirEnergy) {
+  const ThesisParams params;
+  const ThesisLevel level(random_plane(7, 5, 3, 0, 1), params);
+  const Plane x = random_plane(7, 5, 4, -2, 1);
+  const StrokeMask mask = two_strokes(7, 5);
+  const std::vector<Vec4> means = stroke_means(mask, x);
+  SourcePlane source(7, 5);
+  ShadingSource shading;
+  add_strokes(mask, means, &source, &shading);
+  const ThesisSystem with = assemble(level, x, source, params, shading),
+                     without = assemble(level, x, SourcePlane(7, 5), params);
+  Plane product(7, 5), product_without(7, 5);
+  apply(with, x, 0, 0, 7, 5, &product);
+  apply(without, x, 0, 0, 7, 5, &product_without);
+  for (std::size_t n = 0; n < x.size(); ++n) {
+    for (int c = 0; c < 4; ++c) {
+      const double step = 1e-4;
+      Plane ahead = x, behind = x;
+      ahead.data[n][c] += step;
+      behind.data[n][c] -= step;
+      const double numeric =
+          (user_energy(mask, means, ahead) - user_energy(mask, means, behind)) / (2 * step);
+      const double analytic = 2 * (product.data[n][c] - with.b.data[n][c] -
+                                   product_without.data[n][c] + without.b.data[n][c]);
+      EXPECT_NEAR(numeric, analytic, 1e-6 * (1 + std::abs(analytic)));
+      // The auxiliary variables are where the energy is least.
+      std::vector<Vec4> other = means;
+      other[n % 2][c] += 0.01;
+      EXPECT_GE(user_energy(mask, other, x), user_energy(mask, means, x));
+    }
+  }
+}
+
+TEST(IntrinsicThesisReference, StrokesMakeALayerConstant) {
+  for (const bool schwarz : {false, true}) {
+    IntrinsicThesis method(ThesisParams{.schwarz = schwarz});
+    const Plane picture = checkers(64, 48);
+    const StrokeMask mask = two_strokes(64, 48);
+    const Plane before = method.decompose(picture);
+    method.set_strokes(two_strokes);
+    const Plane after = method.decompose(picture);
+    for (std::size_t k = 0; k < 2; ++k) {
+      EXPECT_GT(deviation(mask, k, before), 0.1);
+      EXPECT_LT(deviation(mask, k, after), 0.02) << schwarz << ", stroke " << k;
+    }
+    EXPECT_LT(method.energy(after).total(), method.energy(before).total());
+  }
+}
+
 TEST(IntrinsicThesisReference, DiagonalIsThatOfTheOperator) {
   const ThesisParams params;
   const ThesisLevel level(random_plane(6, 4, 1, 0, 1), params);
-  const SourcePlane source = random_plane(6, 4, 2, 0, 1);
-  const ThesisSystem system = assemble(level, random_plane(6, 4, 3, -1, 1), source, params);
+  SourcePlane source = random_plane(6, 4, 2, 0, 1);
+  ShadingSource shading;
+  const StrokeMask mask = two_strokes(6, 4);
+  add_strokes(mask, stroke_means(mask, source), &source, &shading);
+  const ThesisSystem system =
+      assemble(level, random_plane(6, 4, 3, -1, 1), source, params, shading);
   for (std::size_t n = 0; n < 24; ++n) {
     for (int c = 0; c < 4; ++c) {
       Plane unit(6, 4);
@@ -126,10 +210,12 @@ TEST(IntrinsicThesisReference, ConjugateGradientsSolveTheSystem) {
 TEST(IntrinsicThesisReference, ConsistentIrlsNeverRaisesTheEnergyOnALevel) {
   ThesisParams params;
   params.samples = 0;  // lagged samples are not part of the majorizer
-  for (const bool schwarz : {false, true}) {
+  for (const auto& [schwarz, strokes] :
+       {std::pair{false, false}, {false, true}, {true, false}, {true, true}}) {
     params.schwarz = schwarz;
     IntrinsicThesis method(params);
     method.set_clusters(Plane());
+    if (strokes) method.set_strokes(two_strokes);
     double previous = 0;
     int level_before = -1;
     method.set_trace([&](int level, int, const ThesisEnergy& energy) {
