@@ -14,6 +14,8 @@ SCALAR_IN(4, scalars);
 PLANE_OUT(5, directions);
 PLANE_OUT(6, products);
 PLANE_OUT(7, partials);
+#define STROKE_BINDING 8
+#include "strokes.glsl"
 
 const int kStrip = 8;
 
@@ -46,7 +48,7 @@ void main() {
     vec2 edge_left = has_left * FETCH(edges, base + left).xz;
     vec4 node = FETCH(nodes, n);
     vec4 across = here - search(base + right, beta), down = here - below, back = here - search(base + left, beta);
-    vec4 q = apply_node(node, here) + edge_up.xxxy * up + edge.yyyw * down + edge_left.xxxy * back + edge.xxxz * across;
+    vec4 q = apply_node(node, shading_weight(x, min(y, push.size.y - 1)), here) + edge_up.xxxy * up + edge.yyyw * down + edge_left.xxxy * back + edge.xxxz * across;
     if (inside && y < push.size.y) {
       STORE(directions, n, here);
       STORE(products, n, q);

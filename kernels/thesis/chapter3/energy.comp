@@ -4,11 +4,13 @@
 #include "gpu/common.glsl"
 #include "energy.glsl"
 
-// The local terms of the energy at x: partial sums of (data and chromaticity, sparsity, smooth shading, 0).
+// The local terms of the energy at x: partial sums of (data and chromaticity, sparsity, smooth shading, strokes).
 PLANE_IN(0, image);
 PLANE_IN(1, solution);
 PLANE_IN(2, links);
 PLANE_OUT(3, partials);
+#define STROKE_BINDING 4
+#include "strokes.glsl"
 
 vec2 across(vec2 link, vec4 difference) {
   float squared = dot(difference.rgb, difference.rgb) + push.epsilon2;
@@ -28,5 +30,8 @@ void main() {
   vec4 link = FETCH(links, n);
   vec2 edges = across(link.xz, value - FETCH(solution, at.x + 1 < push.size.x ? n + 1 : n)) +
                across(link.yw, value - FETCH(solution, at.y + 1 < push.size.y ? n + push.size.x : n));
-  SUM_PARTIALS(partials, gl_GlobalInvocationID.x < uint(push.size.x) ? vec4(local, edges, 0.0) : vec4(0.0));
+  StrokeTarget target = stroke_target(at.x, at.y);
+  vec3 off = target.reflectance ? value.rgb - target.value : vec3(value.a - target.value.x, 0.0, 0.0);
+  SUM_PARTIALS(partials, gl_GlobalInvocationID.x < uint(push.size.x) ? vec4(local, edges, target.weight * dot(off, off))
+                                                                     : vec4(0.0));
 }

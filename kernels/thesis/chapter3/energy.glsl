@@ -8,11 +8,13 @@
 //     + ω_iw w_chromaticity |P (i − r)|²,  P = I − 11ᵀ/3                              chromaticity      (3.10)
 //     + w_non_local Σ_i g_i |r(x) − r_ti(y_i)|²                                       samples           (3.12)
 //     + ω_clustering |r(x) − r_cluster(x)|²                                           clusters          (3.14)
+//     + w_u w_i (s(x) − ŝ_i)²  or  w_u w_i |r(x) − r̂_i|²                              stroke i          (4.7)
 //
 //   ω_iw = 1 − w_intensity (1 − |I|)                                                  (3.6)
 //   ω_cs = w_cs exp(−α_cs |c(x) − c(y)|),  c = (I + ε_c) / mean(I + ε_c)              (3.7)
 //   g_i = ω_iw if |c(x) − c_ti(y_i)| < τ_cc, else 0                                (3.13)
 //   ω_clustering = w_clustering exp(−α_clustering |I|)                                (3.15)
+//   ŝ_i, r̂_i: means over the stroke by the weights w_i, fixed within an IRLS step     (4.6.2)
 //
 // (3.10) is in log form, so that it is quadratic. Σ_x Σ_y meets each edge twice. An IRLS step replaces |d|^p by
 // c(d₀) |d|², c = f (|d₀|² + ε²)^(p/2 − 1), f = p/2 (a majorizer) or 1 (3.19 as printed), and solves A x = b, half the
@@ -20,13 +22,13 @@
 //
 //   edge  (x,y):   a = 2 w_reflectance ω_cs c      V = w_shading (ω_iw(x) + ω_iw(y)) (1 − ω_cs)
 //   A x |_rc = w_data ω_iw ω_c (r_c + s) + G r_c + w_chromaticity ω_iw (r_c − mean r) + Σ_y a (r_c − r_c(y))
-//   A x |_s  = w_data ω_iw Σ_c ω_c (r_c + s) + Σ_y V (s − s(y))
-//   b |_rc   = w_data ω_iw ω_c i_c + w_chromaticity ω_iw (i_c − mean i) + Σ g r_t + ω_clustering r_cluster
-//   b |_s    = w_data ω_iw Σ_c ω_c i_c             G = Σ g + ω_clustering
+//   A x |_s  = w_data ω_iw Σ_c ω_c (r_c + s) + U s + Σ_y V (s − s(y))
+//   b |_rc   = w_data ω_iw ω_c i_c + w_chromaticity ω_iw (i_c − mean i) + Σ g r_t + ω_clustering r_cluster + w_u w_i r̂_i
+//   b |_s    = w_data ω_iw Σ_c ω_c i_c + U ŝ_i     G = Σ g + ω_clustering + w_u w_i     U = w_u w_i, each of strokes of its kind
 //
 // What a pixel needs is packed into two vectors:
 //   edges = (a to the right, a down, V to the right, V down), zero across the border
-//   node  = (ω_iw, G, Σ a, Σ V)
+//   node  = (ω_iw, G, Σ a, U + Σ V)
 
 #include "solve/conjugate_gradients.glsl"
 #include "thesis/shared/packed_chromaticity.glsl"
@@ -81,12 +83,12 @@ vec4 node_residual(vec4 node, vec3 i, vec4 x) {
   return vec4(data + push.w_chromaticity * node.x * colored(misfit), data.r + data.g + data.b);
 }
 
-/// The part of A v at a pixel that needs no neighbors. The rest is edges times differences of v: a sum over all edges less
+/// The part of A v at a pixel that needs no neighbors, U = shading_weight. The rest is edges times differences of v: a sum over all edges less
 /// the neighbors' share would lose what holds a patch in place against the edges inside it.
-vec4 apply_node(vec4 node, vec4 v) {
+vec4 apply_node(vec4 node, float shading_weight, vec4 v) {
   vec3 data = push.w_data * node.x * kChannelWeight * (v.rgb + v.a);
   vec3 chroma = push.w_chromaticity * node.x * colored(v.rgb);
-  return vec4(data + chroma + node.y * v.rgb, data.r + data.g + data.b);
+  return vec4(data + chroma + node.y * v.rgb, data.r + data.g + data.b + shading_weight * v.a);
 }
 
 /// diag(A) at a pixel.

@@ -13,6 +13,8 @@ PLANE_OUT(4, edges);
 PLANE_OUT(5, nodes);
 PLANE_OUT(6, preconditioned);
 PLANE_OUT(7, partials);
+#define STROKE_BINDING 8
+#include "strokes.glsl"
 
 const int kStrip = 8;
 
@@ -47,11 +49,14 @@ void main() {
     vec2 edge_left = has_left * weigh(FETCH(links, base + left).xz, back);
 
     vec4 source = FETCH(sources, n);
+    StrokeTarget target = stroke_target(x, min(y, push.size.y - 1));
+    vec4 held = target.weight * (target.reflectance ? vec4(1.0, 1.0, 1.0, 0.0) : vec4(0.0, 0.0, 0.0, 1.0));
     vec3 light = FETCH(image, n).rgb;
     vec2 total = edge_right + edge_down + edge_left + edge_up;
-    vec4 node = vec4(intensity_weight(light), source.w, total);
+    vec4 node = vec4(intensity_weight(light), source.w + held.r, total + vec2(0.0, held.a));
     // All of differences: what rounding leaves is small against what is left to do, not against b or A x.
-    vec4 residual = node_residual(node, log_light(light), here) + vec4(source.rgb - source.w * here.rgb, 0.0) -
+    vec4 residual = node_residual(node, log_light(light), here) + vec4(source.rgb - source.w * here.rgb, 0.0) +
+                    held * (target.value.rgbr - here) -
                     (edge_right.xxxy * across + edge_down.xxxy * down + edge_left.xxxy * back + edge_up.xxxy * up);
     vec4 z = precondition(diagonal(node), residual);
     if (inside && y < push.size.y) {

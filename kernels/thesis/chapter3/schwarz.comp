@@ -13,6 +13,8 @@ PLANE_IN(1, preconditioned);
 PLANE_IN(2, edges);
 PLANE_IN(3, nodes);
 PLANE_OUT(4, result);
+#define STROKE_BINDING 5
+#include "strokes.glsl"
 
 const int kStrip = 4;
 const int kPitch = 18;
@@ -27,6 +29,7 @@ void main() {
 
   int column = corner.x + local.x;
   bool has_column = column >= 0 && column < push.size.x;
+  float held[kStrip];  // U
   vec4 x[kStrip], z[kStrip], d[kStrip], node[kStrip], diag[kStrip], to_next[kStrip];  // to_next: a and V right, left
   vec2 down[kStrip + 1];                                                             // a and V across each row
   float rz = 0.0;
@@ -41,6 +44,7 @@ void main() {
     to_next[k] = vec4(edge.xz, (base > 0 ? 1.0 : 0.0) * FETCH(edges, n - (base > 0 ? 1 : 0)).xz);
     down[k + 1] = (row >= 0 ? 1.0 : 0.0) * edge.yw;  // no edge from above the frame
     node[k] = live * FETCH(nodes, n);
+    held[k] = live * shading_weight(base, clamp(row, 0, push.size.y - 1));
     x[k] = FETCH(solution, n);
     z[k] = live * FETCH(preconditioned, n);
     d[k] = z[k];
@@ -57,7 +61,7 @@ void main() {
     vec2 curvature = vec2(0.0);  // dᵀA d, dᵀM d
     for (int k = 0; k < kStrip; ++k) {
       int at = here + k * kPitch;
-      q[k] = apply_node(node[k], d[k]) + to_next[k].xxxy * (d[k] - directions[at + 1]) +
+      q[k] = apply_node(node[k], held[k], d[k]) + to_next[k].xxxy * (d[k] - directions[at + 1]) +
              to_next[k].zzzw * (d[k] - directions[at - 1]) + down[k].xxxy * (d[k] - directions[at - kPitch]) +
              down[k + 1].xxxy * (d[k] - directions[at + kPitch]);
       curvature += vec2(dot(d[k], q[k]), dot(d[k], diag[k] * d[k]));

@@ -40,22 +40,6 @@ constexpr Extent cells_of(Extent extent) {
 
 }  // namespace
 
-int thesis_levels(Extent extent, int requested) {
-  int possible = 1;
-  for (uint32_t side = std::max(extent.width, extent.height); side > 1; side = (side + 1) / 2) {
-    ++possible;
-  }
-  int wanted = requested;
-  if (requested <= 0) {
-    wanted = 3;
-    for (uint32_t side = std::min(extent.width, extent.height) / 4; side >= 48 && wanted < 5;
-         side /= 2) {
-      ++wanted;
-    }
-  }
-  return std::min(wanted, possible);
-}
-
 ThesisDecomposition::ThesisDecomposition(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : device_(device),
       extent_(extent),
@@ -77,6 +61,7 @@ ThesisDecomposition::ThesisDecomposition(const std::shared_ptr<gpu::Device>& dev
       total_(device, {}, gpu::kOneGroup),
       layers_(device),
       scale_cells_(device),
+      strokes_(device),
       target_scale_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {
   const auto plane = [&] {
     return gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels());
@@ -123,8 +108,19 @@ void ThesisDecomposition::set_params(const Params& params) {
   build_readback();
 }
 
+void ThesisDecomposition::set_strokes(ThesisStrokes strokes) {
+  const bool before = !strokes_.empty(), now = !strokes.kinds.empty();
+  strokes_.set(std::move(strokes));
+  if (now == before) return;
+  reweight_ = {device_, {.strokes = now}};
+  direction_ = {device_, {.strokes = now}};
+  schwarz_ = {device_, {.strokes = now}, kBlockGroup};
+  energy_ = {device_, {.strokes = now}};
+}
+
 void ThesisDecomposition::build_levels() {
   levels_.clear();
+  strokes_.forget_levels();
   reset();
   Extent extent = extent_;
   for (int n = thesis_levels(extent_, params_.levels); n > 0; --n, extent = half_of(extent)) {
@@ -228,10 +224,14 @@ Plane ThesisDecomposition::sample_frame(int level) const {
 void ThesisDecomposition::evaluate(gpu::Commands& commands, size_t level, int step) {
   const Level& at = levels_[level];
   Push push = push_for(level);
-  commands.dispatch(
-      energy_,
-      {.image = at.image, .solution = at.solution, .links = links_, .partials = energy_partials_},
-      push, pixels_of(at.extent));
+  commands.dispatch(energy_,
+                    {.image = at.image,
+                     .solution = at.solution,
+                     .links = links_,
+                     .partials = energy_partials_,
+                     .stroke_mask = strokes_.mask(level),
+                     .stroke_means = strokes_.means()},
+                    push, pixels_of(at.extent));
   dispatch_with_frames(commands, at.energy_samples, at.frames,
                        {.image = at.image,
                         .clusters = clusters_,
@@ -271,7 +271,9 @@ void ThesisDecomposition::conjugate_gradients(gpu::Commands& commands, size_t le
                        .scalars = scalars_,
                        .directions = direction,
                        .products = products_,
-                       .partials = partials_},
+                       .partials = partials_,
+                       .stroke_mask = strokes_.mask(level),
+                       .stroke_means = strokes_.means()},
                       push, strips);
     reduce(Scalars::kAlpha);
     commands.dispatch(update_,
@@ -297,9 +299,7 @@ void ThesisDecomposition::conjugate_gradients(gpu::Commands& commands, size_t le
 
 void ThesisDecomposition::schwarz(gpu::Commands& commands, size_t level, int step) {
   Level& at = levels_[level];
-  if (!at.spare) {
-    at.spare = gpu::Buffer::create(device_, gpu::Element::vec4, at.extent.pixels());
-  }
+  if (!at.spare) at.spare = gpu::Buffer::create(device_, gpu::Element::vec4, at.extent.pixels());
   Push push = push_for(level);
   push.count = params_.pcg_iterations;
   push.shift = {halton(step, 2), halton(step, 3)};
@@ -312,7 +312,9 @@ void ThesisDecomposition::schwarz(gpu::Commands& commands, size_t level, int ste
        .preconditioned = preconditioned_,
        .edges = edges_,
        .nodes = nodes_,
-       .result = at.spare},
+       .result = at.spare,
+       .stroke_mask = strokes_.mask(level),
+       .stroke_means = strokes_.means()},
       push,
       {blocks(push.size[0], push.shift[0]) * kBlockGroup, blocks(push.size[1], push.shift[1])});
   std::swap(at.solution, at.spare);
@@ -323,6 +325,7 @@ void ThesisDecomposition::solve(gpu::Commands& commands, size_t level) {
   const Push push = push_for(level);
   const gpu::Items pixels = pixels_of(at.extent);
   commands.dispatch(setup_, {.image = at.image, .links = links_}, push, pixels);
+  strokes_.draw(commands, level, at.extent);
   const bool sources = push.clustered || push.samples > 0;
   if (sources) {
     Push past = push;
@@ -338,6 +341,7 @@ void ThesisDecomposition::solve(gpu::Commands& commands, size_t level) {
     const bool evaluated = params_.trace || (last && level == 0 && params_.energy);
     if (last && !evaluated) break;
     if (sources || evaluated) pack(commands, level, 0);
+    strokes_.record_means(commands, level, at.extent, at.solution);
     if (evaluated) evaluate(commands, level, step - 1);
     if (last) break;
     if (sources)
@@ -353,7 +357,9 @@ void ThesisDecomposition::solve(gpu::Commands& commands, size_t level) {
                        .edges = edges_,
                        .nodes = nodes_,
                        .preconditioned = preconditioned_,
-                       .partials = partials_},
+                       .partials = partials_,
+                       .stroke_mask = strokes_.mask(level),
+                       .stroke_means = strokes_.means()},
                       push, strips_of(at.extent));
     if (params_.solver == Params::Solver::pcg)
       conjugate_gradients(commands, level, step == 0);
@@ -482,13 +488,11 @@ ThesisDecomposition::Stats ThesisDecomposition::stats(uint64_t frame) const {
     stats.residual = values[4 * kScalarsAt + Scalars::CG_RZ];
   }
   stats.clusters = Palette::read(values + 4 * kColorsAt, palette_.params().clusters);
-  for (size_t k = 0; k < stats.clusters.size(); ++k) {
+  for (size_t k = 0; k < stats.clusters.size(); ++k)
     if (stats.clusters[k].index == static_cast<int>(k)) ++stats.cluster_count;
-  }
-  for (size_t n = 0; n < stats.energy.size(); ++n) {
+  for (size_t n = 0; n < stats.energy.size(); ++n)
     std::memcpy(&stats.energy[n].data_and_chromaticity, values + 4 * (kTraceAt + n),
                 4 * sizeof(float));
-  }
   return stats;
 }
 

@@ -30,6 +30,7 @@
 #include "kernels/thesis_shared_scalars.spv.hpp"
 #include "thesis_params.hpp"
 #include "thesis_plan.hpp"
+#include "thesis_strokes.hpp"
 
 namespace inverse {
 
@@ -43,10 +44,10 @@ class ThesisDecomposition {
   struct Energy {
     int level;  ///< 0 is the finest
     int step;   ///< IRLS step after which it was taken; −1 is the start
-    float data_and_chromaticity, sparsity, smoothness, samples_and_clusters;
+    float data_and_chromaticity, sparsity, smoothness, samples_clusters_strokes;
     double total() const {
       return static_cast<double>(data_and_chromaticity) + sparsity + smoothness +
-             samples_and_clusters;
+             samples_clusters_strokes;
     }
   };
 
@@ -68,6 +69,8 @@ class ThesisDecomposition {
   /// Takes effect with the next frame. A change of levels or keyframes forgets the past.
   void set_params(const Params& params);
   const Params& params() const { return params_; }
+  /// The user's strokes from the next frame on; without kinds: none.
+  void set_strokes(ThesisStrokes strokes);
   int levels() const { return static_cast<int>(levels_.size()); }
 
   /// Decomposes `frame` (linear RGB, full scale 1, any values; w is ignored) into
@@ -144,6 +147,7 @@ class ThesisDecomposition {
   gpu::Program<shaders::thesis_chapter3_total> total_;
   gpu::Program<shaders::thesis_chapter3_layers> layers_;
   gpu::Program<shaders::thesis_chapter3_scale_cells> scale_cells_;
+  ThesisStrokeTerm strokes_;
   // Shared by all levels, of the finest level's size.
   gpu::BufferPtr links_, sources_, constant_sources_, edges_, nodes_, preconditioned_, products_,
       clusters_, target_scale_;
@@ -158,9 +162,5 @@ class ThesisDecomposition {
   uint32_t since_reset_ = 0;  // frames since the last reset
   int stored_keyframes_ = 0;  // since the last reset
 };
-
-/// Number of pyramid levels for a frame size: `requested`, or three to five by resolution if that
-/// is 0; never more than it takes to reach 1×1.
-int thesis_levels(Extent extent, int requested);
 
 }  // namespace inverse

@@ -21,4 +21,20 @@ ThesisPlan plan_thesis(const ThesisParams& params, int levels, int stored, uint3
   return plan;
 }
 
+int thesis_levels(Extent extent, int requested) {
+  int possible = 1;
+  for (uint32_t side = std::max(extent.width, extent.height); side > 1; side = (side + 1) / 2) {
+    ++possible;
+  }
+  int wanted = requested;
+  if (requested <= 0) {
+    wanted = 3;
+    for (uint32_t side = std::min(extent.width, extent.height) / 4; side >= 48 && wanted < 5;
+         side /= 2) {
+      ++wanted;
+    }
+  }
+  return std::min(wanted, possible);
+}
+
 }  // namespace inverse

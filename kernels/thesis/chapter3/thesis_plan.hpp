@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "kernels/image/plane.hpp"
 #include "thesis_params.hpp"
 
 namespace inverse {
@@ -18,5 +19,9 @@ struct ThesisPlan {
 
 /// `stored` counts the keyframes and `frames` the frames since the last reset.
 ThesisPlan plan_thesis(const ThesisParams& params, int levels, int stored, uint32_t frames);
+
+/// Number of pyramid levels for a frame size: `requested`, or three to five by resolution if that
+/// is 0; never more than it takes to reach 1×1.
+int thesis_levels(Extent extent, int requested);
 
 }  // namespace inverse

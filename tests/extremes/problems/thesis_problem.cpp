@@ -111,7 +111,9 @@ void ThesisLab::conjugate_gradients(gpu::Commands& commands, int iterations) con
                        .scalars = scalars_,
                        .directions = direction,
                        .products = products_,
-                       .partials = partials_},
+                       .partials = partials_,
+                       .stroke_mask = links_,  // not read
+                       .stroke_means = links_},
                       push, strips);
     reduce(Scalars::kAlpha);
     commands.dispatch(update_,
@@ -140,7 +142,9 @@ void ThesisLab::step(bool schwarz, int iterations, int step) {
                        .edges = edges_,
                        .nodes = nodes_,
                        .preconditioned = preconditioned_,
-                       .partials = partials_},
+                       .partials = partials_,
+                       .stroke_mask = links_,
+                       .stroke_means = links_},
                       push, {extent_.width, (extent_.height - 1) / kStrip + 1});
     if (!schwarz) {
       conjugate_gradients(commands, iterations);
@@ -158,7 +162,9 @@ void ThesisLab::step(bool schwarz, int iterations, int step) {
          .preconditioned = preconditioned_,
          .edges = edges_,
          .nodes = nodes_,
-         .result = spare_},
+         .result = spare_,
+         .stroke_mask = links_,
+         .stroke_means = links_},
         push, {blocks(extent_.width, shift[0]) * kBlockGroup, blocks(extent_.height, shift[1])});
     std::swap(solution_, spare_);
   });

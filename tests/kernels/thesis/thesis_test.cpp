@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "extreme_frames.hpp"
+#include "kernels/image/pack4.hpp"
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
 #include "tests/differences.hpp"
 #include "tests/expect_error.hpp"
@@ -30,6 +31,48 @@ Pixels scene(Extent extent, unsigned seed, uint32_t shift = 0, float amplitude =
     }
   }
   return pixels;
+}
+
+/// A stroke of constant shading across the picture, one of constant reflectance below it, and one
+/// that covers nothing; weights fall toward the borders. At any size.
+reference::StrokeMask strokes_on(int width, int height) {
+  using reference::StrokeKind;
+  reference::StrokeMask mask{
+      {StrokeKind::shading, StrokeKind::reflectance, StrokeKind::shading}, {}, {}};
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const double u = (x + 0.5) / width, v = (y + 0.5) / height;
+      const double depth = 0.2 - std::abs(v - 0.1 - 0.2 * u),
+                   low = 0.15 - std::hypot(u - 0.6, v - 0.75);
+      mask.stroke.push_back(depth > 0 ? 0 : low > 0 ? 1 : -1);
+      // What a float of a mask holds beside the number.
+      const double weight = std::min(10 * std::max({depth, low, 0.0}), 1.0);
+      mask.weight.push_back(std::floor(weight * weight * 4096) / 4096);
+    }
+  }
+  return mask;
+}
+
+/// The same for the device.
+ThesisStrokes device_strokes() {
+  using Kind = ThesisStrokes::Kind;
+  return {{Kind::shading, Kind::reflectance, Kind::shading},
+          [](gpu::Commands& commands, Extent extent) {
+            const auto mask =
+                strokes_on(static_cast<int>(extent.width), static_cast<int>(extent.height));
+            const uint32_t pitch = 4 * pack4_count(extent.width);
+            std::vector<float> pixels(size_t{pitch} * extent.height);
+            for (uint32_t y = 0; y < extent.height; ++y)
+              for (uint32_t x = 0; x < extent.width; ++x) {
+                const size_t n = size_t{y} * extent.width + x;
+                if (mask.stroke[n] >= 0)
+                  pixels[size_t{y} * pitch + x] =
+                      static_cast<float>(mask.stroke[n] + 1 + mask.weight[n] / 2);
+              }
+            gpu::BufferPtr buffer;
+            commands.write_table(buffer, gpu::Element::vec4, pixels);
+            return buffer;
+          }};
 }
 
 }  // namespace
@@ -63,6 +106,10 @@ class ThesisTest : public GpuTest {
     ThesisDecomposition method(device, extent);
     method.set_params(params);
     reference::IntrinsicThesis expected(to_reference(params));
+    if (strokes_) {
+      method.set_strokes(device_strokes());
+      expected.set_strokes(strokes_on);
+    }
     for (size_t t = 0; t < frames.size(); ++t) {
       const auto stats = decompose(method, plane(extent, frames[t]));
       const Pixels got = download(method.solution());
@@ -103,6 +150,7 @@ class ThesisTest : public GpuTest {
              reference_energy);
     }
   }
+  bool strokes_ = false;          ///< `compare` with strokes
   Layers layers_;                 ///< of the last frame
   double worst_ = 0;              ///< of the last frame, log units
   std::vector<double> solution_;  ///< the device's r of the last frame in the reference's scale
@@ -117,6 +165,55 @@ TEST_F(ThesisTest, ConjugateGradientsAgreeWithReference) {
 TEST_F(ThesisTest, SchwarzAgreesWithReference) {
   const ThesisParams params{.solver = ThesisParams::Solver::schwarz};
   for (const Extent extent : kSizes) compare(extent, params, {scene(extent, extent.width)});
+}
+
+TEST_F(ThesisTest, StrokesAgreeWithReference) {
+  strokes_ = true;
+  for (const auto solver : {ThesisParams::Solver::pcg, ThesisParams::Solver::schwarz}) {
+    const ThesisParams params{.solver = solver};
+    for (const Extent extent : kSizes) compare(extent, params, {scene(extent, extent.width)});
+    compare({67, 49}, params, {random_pixels({67, 49}, 5)});
+  }
+  // Over several frames, without anything else that holds r, and with other levels.
+  const Extent extent{131, 95};
+  compare(extent, {.keyframe_spacing = 1}, {scene(extent, 1), scene(extent, 2, 3)});
+  compare(extent, {.w_non_local = 0, .w_clustering = 0, .levels = 2}, {scene(extent, 1)});
+}
+
+TEST_F(ThesisTest, StrokesComeAndGo) {
+  const Extent extent{67, 49};
+  const Plane frame = plane(extent, scene(extent, 1));
+  ThesisDecomposition method(device, extent);
+  const auto next = [&] {
+    method.reset();
+    decompose(method, frame);
+    return download(layers_[Role::intrinsic]);
+  };
+  const Pixels without = next();
+  method.set_strokes(device_strokes());
+  const Pixels with = next();
+  EXPECT_NE(with, without);
+  method.set_params({.levels = 2});  // masks of other sizes
+  next();
+  method.set_params({});
+  EXPECT_EQ(next(), with);
+  method.set_strokes({});
+  EXPECT_EQ(next(), without);
+}
+
+TEST_F(ThesisTest, ExtremeInputStaysFiniteWithStrokes) {
+  for (const auto solver : {ThesisParams::Solver::pcg, ThesisParams::Solver::schwarz}) {
+    for (const Extent extent : {Extent{1, 1}, Extent{2, 3}, Extent{37, 21}}) {
+      ThesisDecomposition method(device, extent);
+      method.set_params({.solver = solver});
+      method.set_strokes(device_strokes());
+      for (const Pixels& pixels : extreme_frames(extent)) {
+        decompose(method, plane(extent, pixels));
+        ASSERT_TRUE(are_light(download(layers_[Role::intrinsic])))
+            << "a frame of " << pixels.back();
+      }
+    }
+  }
 }
 
 TEST_F(ThesisTest, LargerFrameAgreesWithReference) {
