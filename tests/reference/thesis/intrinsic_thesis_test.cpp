@@ -210,8 +210,8 @@ TEST(IntrinsicThesisReference, ConjugateGradientsSolveTheSystem) {
 TEST(IntrinsicThesisReference, ConsistentIrlsNeverRaisesTheEnergyOnALevel) {
   ThesisParams params;
   params.samples = 0;  // lagged samples are not part of the majorizer
-  for (const auto& [schwarz, strokes] :
-       {std::pair{false, false}, {false, true}, {true, false}, {true, true}}) {
+  for (const unsigned which : {0U, 1U, 2U, 3U}) {
+    const bool schwarz = (which & 1U) != 0, strokes = (which & 2U) != 0;
     params.schwarz = schwarz;
     IntrinsicThesis method(params);
     method.set_clusters(Plane());
