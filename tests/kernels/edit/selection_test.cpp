@@ -325,8 +325,3 @@ TEST_F(SelectionTest, TakesAnyPixels) {
 }
 
 }  // namespace inverse::testing
-/ root /.pyenv / libexec / pyenv -
-        hooks : line 24 : enable : cannot open shared object / root /.pyenv / libexec / pyenv -
-        realpath.dylib : / root /.pyenv / libexec / pyenv -
-        realpath.dylib : cannot open shared object file : No such file or
-    directory
