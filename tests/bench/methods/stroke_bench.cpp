@@ -22,6 +22,7 @@
 #include <string>
 #include <vector>
 
+#include "kernels/image/strokes/stroke_mask.hpp"
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
 #include "tests/bench/metrics/metrics.hpp"
@@ -113,10 +114,10 @@ Decomposition solve(DeviceSession& session, ThesisDecomposition& method, const I
       drawn.kinds.push_back(stroke.kind == Stroke::Kind::shading
                                 ? ThesisStrokes::Kind::shading
                                 : ThesisStrokes::Kind::reflectance);
-    drawn.draw = [strokes](gpu::Commands& commands, Extent extent) {
-      gpu::BufferPtr mask;
-      commands.write_table(mask, gpu::Element::vec4, draw_strokes(*strokes, extent).pixels);
-      return mask;
+    drawn.draw = [&session, strokes](gpu::Commands& commands, Extent extent) {
+      StrokeMask mask(session.device(), extent);
+      mask.set(commands, strokes, nullptr);
+      return mask.pixels();
     };
   }
   method.set_strokes(std::move(drawn));
