@@ -5,10 +5,10 @@
 #include <optional>
 
 #include "gst/base/frames/frame_io.hpp"
+#include "gst/base/pictures/picture_file.hpp"
 #include "gst/base/side_pads.hpp"
 #include "kernels/edit/texture/texture_pyramid.hpp"
 #include "kernels/gpu/frame_ring.hpp"
-#include "gst/base/pictures/picture_file.hpp"
 #include "texture_pad.hpp"
 
 namespace inverse {

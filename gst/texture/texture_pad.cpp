@@ -35,9 +35,7 @@ TexturePad::TexturePad(GstElement* element, GstPadTemplate* pad_template)
   if (state > GST_STATE_READY) gst_pad_set_active(pad_, TRUE);
 }
 
-TexturePad::~TexturePad() {
-  gst_object_unref(pad_);
-}
+TexturePad::~TexturePad() { gst_object_unref(pad_); }
 
 void TexturePad::set_flushing(bool flushing) {
   const std::lock_guard lock(mutex_);

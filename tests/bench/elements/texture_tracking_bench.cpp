@@ -22,8 +22,8 @@
 #include <string>
 #include <vector>
 
-#include "gst/texture/corners_text.hpp"
 #include "gst/base/pictures/picture_file.hpp"
+#include "gst/texture/corners_text.hpp"
 #include "tests/bench/support/command_line.hpp"
 #include "tests/bench/support/timing.hpp"
 #include "tests/temporary_folder.hpp"

@@ -104,15 +104,14 @@ void ObjectSelection::follow(gpu::Commands& commands, const gpu::BufferPtr& colo
 void ObjectSelection::segment(gpu::Commands& commands, const gpu::BufferPtr& colors,
                               uint32_t steps) {
   static_assert(kSteps % 2 == 0 && kFollowSteps % 2 == 0, "the last step writes alpha_[0]");
-  commands.dispatch(
-      terms_of_,
-      {.colors = colors,
-       .model = model_,
-       .totals = totals_,
-       .seeds = drawn_,
-       .region = region_,
-       .terms = terms_},
-      {.cells = grid_.cells}, per_cell());
+  commands.dispatch(terms_of_,
+                    {.colors = colors,
+                     .model = model_,
+                     .totals = totals_,
+                     .seeds = drawn_,
+                     .region = region_,
+                     .terms = terms_},
+                    {.cells = grid_.cells}, per_cell());
   for (uint32_t step = 0; step < steps; ++step)
     commands.dispatch(
         step ? diffuse_ : diffuse_first_,
