@@ -85,7 +85,7 @@ TEST_F(Chains, FramesMayBeDecomposedAgain) {
   for (const char* chain :
        {"intrinsicdecomp show=input ! globalintrinsic", "LIME show=diffuse ! intrinsicdecomp",
         "LIME show=preview ! intrinsicdecomp", "LIME ! intrinsiccompose ! globalintrinsic",
-        "intrinsicdecomp ! intrinsicrecolor ! intrinsiccompose ! intrinsicdecomp",
+        "intrinsicdecomp ! intrinsicrecolor key=0xffc83c28 ! intrinsiccompose ! intrinsicdecomp",
         "intrinsicdecomp ! intrinsiccompose show=input ! LIME",
         "intrinsicdecomp ! intrinsicsplit name=s s.input ! queue ! intrinsicdecomp",
         "LIME ! intrinsicsplit name=s s.diffuse ! queue ! intrinsicdecomp"})

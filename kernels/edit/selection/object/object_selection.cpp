@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "object_selection.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "kernels/image/pack4.hpp"
@@ -13,6 +14,8 @@ constexpr auto kBins = static_cast<uint32_t>(Count::kBinCount);
 // Rounds of learning and segmenting in a frame with new strokes, and steps of diffusion in each.
 constexpr int kRounds = 5;
 constexpr uint32_t kSteps = 48;
+// With strokes that subtract, which have to reach the end of what has their color.
+constexpr uint32_t kSubtractSteps = 240;
 // Those of a frame that follows, which starts from the frame before.
 constexpr uint32_t kFollowSteps = 8;
 constexpr float kFollowRate = .1F;
@@ -87,8 +90,10 @@ void ObjectSelection::select(gpu::Commands& commands, const gpu::BufferPtr& colo
     find_region(commands, true);
     learn(commands, colors, 1);
   }
+  const bool subtracts = std::any_of(strokes.begin(), strokes.end(),
+                                     [](const auto& stroke) { return stroke.subtract; });
   for (int round = 0; round < kRounds; ++round) {
-    segment(commands, colors, kSteps);
+    segment(commands, colors, subtracts ? kSubtractSteps : kSteps);
     learn(commands, colors, 1);
   }
   drawn_ = no_seeds_;
@@ -103,7 +108,8 @@ void ObjectSelection::follow(gpu::Commands& commands, const gpu::BufferPtr& colo
 
 void ObjectSelection::segment(gpu::Commands& commands, const gpu::BufferPtr& colors,
                               uint32_t steps) {
-  static_assert(kSteps % 2 == 0 && kFollowSteps % 2 == 0, "the last step writes alpha_[0]");
+  static_assert(kSteps % 2 == 0 && kSubtractSteps % 2 == 0 && kFollowSteps % 2 == 0,
+                "the last step writes alpha_[0]");
   commands.dispatch(terms_of_,
                     {.colors = colors,
                      .model = model_,

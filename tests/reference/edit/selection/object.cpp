@@ -104,8 +104,10 @@ void ObjectSelection::select(const std::vector<Vec3>& colors, const std::vector<
     find_region(seeds, true);
     learn(colors, 1);
   }
+  // Strokes that subtract have to reach the end of what has their color.
+  const bool subtracts = std::count(seeds.begin(), seeds.end(), uint32_t{seed_subtract}) > 0;
   for (int round = 0; round < 5; ++round) {
-    segment(colors, seeds, 48);
+    segment(colors, seeds, subtracts ? 240 : 48);
     learn(colors, 1);
   }
   active_ = true;
