@@ -269,7 +269,7 @@ TEST(Effects, ANewOneWaitsForTheNextStart) {
   // that starts again goes on with its random numbers.
   const std::string bars = "videotestsrc num-buffers=" + std::to_string(kFrames) +
                            " pattern=smpte75 ! video/x-raw,format=RGBA,width=60,height=44 ! ";
-  const auto change = [](const std::string& effect, bool again) {
+  const auto change = [&](const std::string& effect, bool again) {
     return run_line(bars + edit("shading", effect) + sink(), 60, [&](GstElement* pipeline) {
       GstElement* element = gst_bin_get_by_name(GST_BIN(pipeline), "e");
       gst_element_set_state(pipeline, GST_STATE_PAUSED);
