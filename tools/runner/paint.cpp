@@ -147,8 +147,9 @@ void Paint::choose() {
             name_of(key->chromaticity), std::max(1.0, 100 * key->share), packed(from) & 0xffffff,
             target.name);
   } else {
-    g_object_set(recolor_, "target", kPaint, "tolerance", 4.25, "texture", 0.0, "strength", 1.0,
-                 nullptr);
+    constexpr guint kAnyKey = 0xff808080;  // within the tolerance of every color
+    g_object_set(recolor_, "key", kAnyKey, "target", kPaint, "tolerance", 4.25, "texture", 0.0,
+                 "strength", 1.0, nullptr);
     fprintf(stderr,
             "no color stands out in the first seconds: painting every surface in one color\n");
   }
