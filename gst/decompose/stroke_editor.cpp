@@ -7,6 +7,7 @@
 #include "common/error.hpp"
 #include "decomposer.hpp"
 #include "gst/base/color.hpp"
+#include "gst/base/json/text_property.hpp"
 #include "kernels/image/view/mosaic.hpp"
 #include "stroke_properties.hpp"
 #include "stroke_text.hpp"
@@ -20,10 +21,7 @@ constexpr unsigned kFramesToSatisfy = 10;  // of a stroke, before a warning
 
 /// The property as it is now, for a frame of this size.
 StrokeList strokes_of(const Log& log, Extent frame) {
-  gchar* text = nullptr;
-  g_object_get(log.object, "strokes", &text, nullptr);
-  StrokeList list = read_strokes(text ? text : "");
-  g_free(text);
+  StrokeList list = read_strokes(text_property(log, "strokes"));
   if (list.frame.pixels() == 0) list.frame = frame;
   return list;
 }
@@ -64,24 +62,16 @@ std::optional<Stroke::Kind> kind_of(StrokeMode mode) {
 }  // namespace
 
 std::string wrong_strokes(const GValue* value) {
-  const char* text = g_value_get_string(value);
-  try {
-    read_strokes(text ? text : "");
-    return {};
-  } catch (const Error& error) {
-    return std::string("strokes ") + error.what();
-  }
+  return wrong_text(value, "strokes", read_strokes);
 }
 
 void StrokeEditor::set(const Log& log, const StrokeList& list) {
-  gchar* before = nullptr;
-  g_object_get(log.object, "strokes", &before, nullptr);
   {
+    std::string before = text_property(log, "strokes");
     const Lock lock(mutex_);
-    undo_.emplace_back(before ? before : "");
+    undo_.push_back(std::move(before));
     if (undo_.size() > kMaxUndo) undo_.erase(undo_.begin());
   }
-  g_free(before);
   g_object_set(log.object, "strokes", text_of(list).c_str(), nullptr);
 }
 

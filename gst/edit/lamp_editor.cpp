@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/error.hpp"
+#include "gst/base/json/text_property.hpp"
 #include "lamp_text.hpp"
 
 namespace inverse {
@@ -14,10 +15,7 @@ constexpr float kGrasp = 1.F / 30;  // of the longer side of the frame: how near
 
 /// The property as it is now, in pixels of `frame` if it names none.
 LampList lamps_of(const Log& log, Extent frame) {
-  gchar* text = nullptr;
-  g_object_get(log.object, "lamps", &text, nullptr);
-  LampList list = read_lamps(text ? text : "");
-  g_free(text);
+  LampList list = read_lamps(text_property(log, "lamps"));
   if (list.frame.pixels() == 0) list.frame = frame;
   return list;
 }
@@ -51,15 +49,7 @@ std::optional<size_t> lamp_at(const LampList& list, Place place, Extent frame) {
 
 }  // namespace
 
-std::string wrong_lamps(const GValue* value) {
-  const char* text = g_value_get_string(value);
-  try {
-    read_lamps(text ? text : "");
-    return {};
-  } catch (const Error& error) {
-    return std::string("lamps ") + error.what();
-  }
-}
+std::string wrong_lamps(const GValue* value) { return wrong_text(value, "lamps", read_lamps); }
 
 void LampEditor::mouse(const Log& log, const MouseEvent& event, const LampParams& params) {
   using Kind = MouseEvent::Kind;

@@ -5,32 +5,16 @@
 #include <cmath>
 #include <utility>
 
-#include "common/error.hpp"
-#include "common/json.hpp"
+#include "gst/base/json/json_list.hpp"
+#include "gst/base/json/text_property.hpp"
 
 namespace inverse {
 namespace {
 
-using Json = nlohmann::json;
+using namespace json_list;
 
 constexpr size_t kMaxStrokes = 64, kMaxPoints = 4096, kMaxUndo = 100;
-constexpr float kMaxCoordinate = 1e6F, kMaxRadius = 1e4F;
-
-[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorKind::unsupported, what); }
-
-Json parsed(const std::string& text) {
-  std::string fault;
-  Json json = parse_json<Json>(text, fault);
-  if (json.is_discarded()) refuse(fault);
-  return json;
-}
-
-float number_of(const Json& json, float low, float high, const std::string& name) {
-  const double value = json.is_number() ? json.get<double>() : NAN;
-  if (!(value >= static_cast<double>(low) && value <= static_cast<double>(high)))
-    refuse(name + " must be a number from " + std::to_string(low) + " to " + std::to_string(high));
-  return static_cast<float>(value);
-}
+constexpr float kMaxRadius = 1e4F;
 
 SelectionStroke stroke_of(const Json& json, const std::string& name) {
   if (!json.is_object()) refuse(name + " must be an object with kind and points");
@@ -46,16 +30,7 @@ SelectionStroke stroke_of(const Json& json, const std::string& name) {
       if (!value.is_boolean()) refuse("closed of " + name + " must be true or false");
       stroke.closed = value.get<bool>();
     } else if (key == "points") {
-      if (!value.is_array() || value.size() > kMaxPoints)
-        refuse("the points of " + name + " must be a list of at most " +
-               std::to_string(kMaxPoints));
-      for (const Json& point : value) {
-        if (!point.is_array() || point.size() != 2)
-          refuse("the points of " + name + " must be pairs, [[x, y], ...]");
-        stroke.points.push_back(
-            {number_of(point[0], -kMaxCoordinate, kMaxCoordinate, "x of a point of " + name),
-             number_of(point[1], -kMaxCoordinate, kMaxCoordinate, "y of a point of " + name)});
-      }
+      stroke.points = points_of(value, kMaxPoints, name);
     } else {
       refuse(name + " has the field \"" + key.substr(0, 40) +
              "\", but only kind, radius, closed and points are known");
@@ -64,17 +39,6 @@ SelectionStroke stroke_of(const Json& json, const std::string& name) {
   if (!json.contains("kind")) refuse(name + " must have the kind \"add\" or \"subtract\"");
   if (stroke.points.empty()) refuse(name + " must have points");
   return stroke;
-}
-
-double tenth(float value) { return std::round(static_cast<double>(value) * 10) / 10; }
-
-/// The property as it is now.
-std::string property_of(const Log& log) {
-  gchar* text = nullptr;
-  g_object_get(log.object, "strokes", &text, nullptr);
-  std::string result = text ? text : "";
-  g_free(text);
-  return result;
 }
 
 }  // namespace
@@ -86,53 +50,28 @@ bool SelectionList::begins_with(const SelectionList& list) const {
 
 SelectionList read_selection(const std::string& text) {
   SelectionList list;
-  if (text.find_first_not_of(" \t\r\n") == std::string::npos) return list;
-  const Json json = parsed(text);
-  const Json* strokes = &json;
-  if (json.is_object()) {
-    if (!json.contains("strokes") || !json.contains("frame") || json.size() != 2)
-      refuse("must be a list of strokes, or an object with \"frame\" and \"strokes\"");
-    const Json& frame = json["frame"];
-    if (!frame.is_array() || frame.size() != 2) refuse("\"frame\" must be [width, height]");
-    list.frame = {static_cast<uint32_t>(number_of(frame[0], 1, kMaxCoordinate, "the width")),
-                  static_cast<uint32_t>(number_of(frame[1], 1, kMaxCoordinate, "the height"))};
-    strokes = &json["strokes"];
-  }
-  if (!strokes->is_array()) refuse("must be a list of strokes");
-  if (strokes->size() > kMaxStrokes)
-    refuse("has " + std::to_string(strokes->size()) + " strokes; at most " +
-           std::to_string(kMaxStrokes) + " are possible");
-  for (const Json& stroke : *strokes)
+  for (const Json& stroke : entries_of(text, "strokes", kMaxStrokes, list.frame))
     list.strokes.push_back(stroke_of(stroke, "stroke " + std::to_string(list.strokes.size() + 1)));
   return list;
 }
 
 std::string text_of(const SelectionList& list) {
-  if (list.strokes.empty()) return "";
-  nlohmann::ordered_json strokes = nlohmann::ordered_json::array();
+  OrderedJson strokes = OrderedJson::array();
   for (const SelectionStroke& stroke : list.strokes) {
-    nlohmann::ordered_json points = nlohmann::ordered_json::array();
-    for (const auto& point : stroke.points) points.push_back({tenth(point[0]), tenth(point[1])});
-    nlohmann::ordered_json entry{{"kind", stroke.subtract ? "subtract" : "add"},
-                                 {"radius", tenth(stroke.radius)}};
+    OrderedJson points = OrderedJson::array();
+    for (const auto& point : stroke.points)
+      points.push_back({rounded(point[0], 1), rounded(point[1], 1)});
+    OrderedJson entry{{"kind", stroke.subtract ? "subtract" : "add"},
+                      {"radius", rounded(stroke.radius, 1)}};
     if (stroke.closed) entry["closed"] = true;
     entry["points"] = std::move(points);
     strokes.push_back(std::move(entry));
   }
-  if (list.frame.pixels() == 0) return strokes.dump();
-  return nlohmann::ordered_json{{"frame", {list.frame.width, list.frame.height}},
-                                {"strokes", std::move(strokes)}}
-      .dump();
+  return json_list::text_of(std::move(strokes), "strokes", list.frame);
 }
 
 std::string wrong_selection(const GValue* value) {
-  const char* text = g_value_get_string(value);
-  try {
-    read_selection(text ? text : "");
-    return {};
-  } catch (const Error& error) {
-    return std::string("strokes ") + error.what();
-  }
+  return wrong_text(value, "strokes", read_selection);
 }
 
 void SelectionEditor::resize(Extent frame) {
@@ -147,7 +86,7 @@ void SelectionEditor::flush() {
 
 void SelectionEditor::set(const Log& log, const SelectionList& list) {
   {
-    std::string before = property_of(log);
+    std::string before = text_property(log, "strokes");
     const std::lock_guard lock(mutex_);
     undo_.push_back(std::move(before));
     if (undo_.size() > kMaxUndo) undo_.erase(undo_.begin());
@@ -179,7 +118,7 @@ void SelectionEditor::mouse(const Log& log, const MouseEvent& event, SelectMode 
     frame = frame_;
   }
   if (!finished) return;
-  SelectionList list = read_selection(property_of(log));
+  SelectionList list = read_selection(text_property(log, "strokes"));
   if (list.strokes.size() == kMaxStrokes) list.strokes.erase(list.strokes.begin());
   if (list.frame.pixels() > 0)
     for (auto& point : finished->points)
@@ -190,7 +129,7 @@ void SelectionEditor::mouse(const Log& log, const MouseEvent& event, SelectMode 
 }
 
 void SelectionEditor::add(const Log& log, const std::string& stroke) {
-  SelectionList list = read_selection(property_of(log));
+  SelectionList list = read_selection(text_property(log, "strokes"));
   if (list.strokes.size() == kMaxStrokes)
     refuse("there are " + std::to_string(kMaxStrokes) + " strokes already; clear them first");
   list.strokes.push_back(stroke_of(parsed(stroke), "the stroke"));

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Properties that are lists in JSON, of things that a user draws on the picture: strokes, lamps.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "kernels/image/plane.hpp"
+
+namespace inverse::json_list {
+
+using Json = nlohmann::json;
+using OrderedJson = nlohmann::ordered_json;
+
+/// Pixels that a coordinate may be away from the frame's corner.
+inline constexpr float kMaxCoordinate = 1e6F;
+
+/// Throws Error(unsupported).
+[[noreturn]] void refuse(const std::string& what);
+/// The value that a text is. Throws Error(unsupported) if it is no JSON.
+Json parsed(const std::string& text);
+
+// What follows throws Error(unsupported) that names the value.
+float number_of(const Json& json, float low, float high, const std::string& name);
+/// 0xRRGGBB of "#rrggbb".
+uint32_t color_of(const Json& json, const std::string& name);
+/// Of [[x, y], ...] the points, at most `max`; `name` is of what they belong to.
+std::vector<std::array<float, 2>> points_of(const Json& json, size_t max, const std::string& name);
+
+/// The entries of a text, of at most `max`: a list of them, or {"frame": [width, height], NAME:
+/// [...]}. Empty text has none. `what` is what they are called. `frame` is empty if the text has
+/// none.
+std::vector<Json> entries_of(const std::string& text, const std::string& what, size_t max,
+                             Extent& frame);
+/// The text that `entries_of` takes; empty for no entries.
+std::string text_of(OrderedJson entries, const std::string& what, Extent frame);
+/// "#rrggbb"; alpha is ignored.
+std::string color_text(uint32_t argb);
+/// Rounded to so many digits behind the point.
+double rounded(float value, int digits);
+
+}  // namespace inverse::json_list
