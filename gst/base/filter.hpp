@@ -125,7 +125,8 @@ class Filter {
   /// The mouse (ElementInfo::navigation), from any thread. Returns properties that follow it: the
   /// base sets them as an application does, so that bindings and notify handlers see the change.
   virtual std::vector<Setting> navigate(const MouseEvent& /*event*/) { return {}; }
-  /// A flush, a new stream or a discontinuity: pending requests of users belong to another scene.
+  /// A flush or a new stream: pending requests of users belong to another scene. Not after frames
+  /// were dropped: who draws on a live stream goes on.
   /// From the streaming thread or while it is stopped; `reset` follows with the next frame.
   virtual void flushed() {}
   /// The stream ended, or the element stops; all frames are completed. From the streaming thread or

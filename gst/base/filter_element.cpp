@@ -151,9 +151,13 @@ void FilterElement::set_flushing(bool flushing) {
   if (SidePads* pads = filter_->side_pads()) pads->set_flushing(flushing);
 }
 
-void FilterElement::flush(const char* reason) {
+void FilterElement::start_scene(const char* reason) {
   GST_DEBUG_OBJECT(element_, "the next frame starts a new scene: %s", reason);
   fresh_ = true;
+}
+
+void FilterElement::flush(const char* reason) {
+  start_scene(reason);
   filter_->flushed();
 }
 
@@ -318,7 +322,7 @@ void FilterElement::run_frame(GstBuffer* in, GstBuffer* out,
   slot.commands->time_stages(stats_read_ ||
                              gst_debug_category_get_threshold(log_.category) >= GST_LEVEL_DEBUG);
   slot.commands->begin();
-  if (breaks_off(in)) flush("discontinuity");
+  if (breaks_off(in)) start_scene("discontinuity");
   const bool fresh = fresh_.exchange(false);
   if (fresh) filter_->reset();
   if (const auto late = take_lateness()) filter_->late(*late);

@@ -45,7 +45,7 @@ class FilterElement {
   GstFlowReturn transform(GstBuffer* in, GstBuffer* out);
   /// A flush began, or ended: a frame that waits for the device stops doing so. From any thread.
   void set_flushing(bool flushing);
-  /// The next frame starts afresh; `reason` is for the log.
+  /// The next frame starts afresh, without what users asked for; `reason` is for the log.
   void flush(const char* reason);
   /// The stream ended, or will stop.
   void ended();
@@ -112,6 +112,8 @@ class FilterElement {
   void forget_repeats();
   void send(GstBuffer* out, Slot& slot, FrameContext& frame);
   GstClockTime stream_time(GstBuffer* in) const;
+  /// The next frame has nothing to do with those before it; `reason` is for the log.
+  void start_scene(const char* reason);
   /// Whether `in` has nothing to do with the frame before it.
   bool breaks_off(GstBuffer* in);
   /// Waits until a frame's work on the device is done. Throws Flushing if the pipeline flushes

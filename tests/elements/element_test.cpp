@@ -184,6 +184,14 @@ std::vector<uint8_t> VideoHarness::process(const std::vector<uint8_t>& bytes, in
   return out;
 }
 
+void VideoHarness::push_after_gap(const std::vector<uint8_t>& bytes, GstClockTime time) {
+  GstBuffer* buffer = gst_buffer_new_memdup(bytes.data(), bytes.size());
+  GST_BUFFER_PTS(buffer) = time;
+  GST_BUFFER_FLAG_SET(buffer, GST_BUFFER_FLAG_DISCONT);
+  EXPECT_EQ(gst_harness_push(harness_, buffer), GST_FLOW_OK);
+  const Buffer out(gst_harness_pull(harness_));
+}
+
 Buffer VideoHarness::process_buffer(const std::vector<uint8_t>& bytes) {
   EXPECT_EQ(push(bytes), GST_FLOW_OK);
   return Buffer(gst_harness_pull(harness_));

@@ -85,6 +85,9 @@ class VideoHarness {
   /// The same with all that a buffer has; null if nothing comes out.
   Buffer process_buffer(const std::vector<uint8_t>& bytes);
   std::vector<uint8_t> pull();
+  /// Pushes a frame with a timestamp of one's own, marked as coming after a gap, and drops what
+  /// comes out.
+  void push_after_gap(const std::vector<uint8_t>& bytes, GstClockTime time);
   /// Flushes as a seek does: flush-start, flush-stop, a new segment in time.
   void flush() { inverse::testing::flush(harness_); }
   /// Sends an event upstream, as a sink does.

@@ -13,15 +13,6 @@ bool history_of(VideoHarness& harness) {
   return stat<bool>(harness.find("intrinsicdecomp"), "history");
 }
 
-/// Pushes a frame with a timestamp of one's own, marked as coming after a gap.
-void push_after_gap(VideoHarness& harness, const std::vector<uint8_t>& bytes, GstClockTime time) {
-  GstBuffer* buffer = gst_buffer_new_memdup(bytes.data(), bytes.size());
-  GST_BUFFER_PTS(buffer) = time;
-  GST_BUFFER_FLAG_SET(buffer, GST_BUFFER_FLAG_DISCONT);
-  EXPECT_EQ(gst_harness_push(harness.harness(), buffer), GST_FLOW_OK);
-  gst_buffer_unref(gst_harness_pull(harness.harness()));
-}
-
 }  // namespace
 
 TEST(Stream, DroppedFramesDoNotDiscardHistory) {
@@ -32,12 +23,12 @@ TEST(Stream, DroppedFramesDoNotDiscardHistory) {
   EXPECT_FALSE(history_of(harness));
   // What a leaky queue or QoS does to every frame of a machine that cannot keep up.
   for (int i = 1; i < 4; ++i) {
-    push_after_gap(harness, frame, static_cast<GstClockTime>(i) * 3 * GST_SECOND / 25);
+    harness.push_after_gap(frame, static_cast<GstClockTime>(i) * 3 * GST_SECOND / 25);
     EXPECT_TRUE(history_of(harness)) << i;
   }
-  push_after_gap(harness, frame, 60 * GST_SECOND);
+  harness.push_after_gap(frame, 60 * GST_SECOND);
   EXPECT_FALSE(history_of(harness)) << "a minute is another scene";
-  push_after_gap(harness, frame, GST_SECOND);
+  harness.push_after_gap(frame, GST_SECOND);
   EXPECT_FALSE(history_of(harness)) << "so is the past";
 }
 

@@ -223,6 +223,16 @@ TEST_P(Strokes, AFlushForgetsTheOneThatIsDrawn) {
   EXPECT_EQ(strokes(), "");
 }
 
+TEST_P(Strokes, DroppedFramesLeaveTheOneThatIsDrawn) {
+  texture();
+  set_mode("shading");
+  press(50, 60);
+  move(80, 60);
+  harness_.push_after_gap(frame_, 60 * GST_SECOND);
+  release(110, 60);
+  expect_contains(strokes(), R"("points":[[50.0,60.0],)");
+}
+
 TEST_P(Strokes, KeepTheirPlaceInAnotherSize) {
   texture();
   set(R"({"frame":[80,60],"strokes":[{"kind":"shading","radius":16,"points":[[25,30],[55,30]]}]})");
