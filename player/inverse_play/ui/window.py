@@ -72,7 +72,7 @@ class Window(Gtk.Window):
         row.pack_start(self.panel, False, False, 0)
         column = Gtk.Box(orientation=Gtk.Orientation.VERTICAL)
         self.info = self._info_bar()
-        column.pack_start(self.info, False, False, 0)
+        self.picture.add_overlay(self.info)
         column.pack_start(row, True, True, 0)
         column.pack_start(self.timeline, False, False, 0)
         whole = Gtk.Overlay()
@@ -83,7 +83,8 @@ class Window(Gtk.Window):
         self.header.show_all()
 
     def _info_bar(self):
-        bar = Gtk.InfoBar(show_close_button=True, no_show_all=True)
+        # Over the picture: one beside it would move what the mouse is about to press.
+        bar = Gtk.InfoBar(show_close_button=True, no_show_all=True, valign=Gtk.Align.END)
         self._info_text = label("", wrap=True, selectable=False)
         self._info_text.show()
         bar.get_content_area().add(self._info_text)
@@ -150,7 +151,7 @@ class Window(Gtk.Window):
         return GLib.SOURCE_CONTINUE
 
     def show_trouble(self, trouble):
-        """Shows an error, a warning or a note above the picture."""
+        """Shows an error, a warning or a note at the bottom of the picture."""
         if self._info_timer:
             GLib.source_remove(self._info_timer)
             self._info_timer = None
