@@ -6,12 +6,14 @@
 //
 // The folders hold scenes of ./dev bench with object numbers (build-bench/tests/bench/scenes;
 // import-scenes). An object is what is connected in a frame, by 0.5 to 50 % of it. The click is on
-// its pixel that is farthest from its border. Beside it: selection by the key under the click, as
-// by intrinsicrecolor's defaults, and the part of that which is connected to the click. "followed":
-// after one click, the same object in the last frame of a video, without another.
+// its pixel that is farthest from its border; the next ones are where the most is wrong. Beside it:
+// selection by the key under the click, as by intrinsicrecolor's defaults, and the part of that
+// which is connected to the click. "followed": after one click, the same object in the last frame
+// of a video, without another.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +29,7 @@ namespace {
 
 constexpr double kSmallest = .005, kLargest = .5;  // shares of the frame
 constexpr size_t kMostFrames = 16;
+constexpr float kBrush = 3;  // radius, pixels
 
 using Mask = std::vector<bool>;
 
@@ -56,11 +59,17 @@ struct Object {
   Mask mask;
 };
 
-/// The pixel of a part that is farthest from its border (in steps along x and y).
-size_t deepest(const std::vector<size_t>& part, const Mask& mask, int width, int height) {
-  Mask rest = mask;
-  std::vector<size_t> now = part;
-  size_t last = part.front();
+struct Deepest {
+  size_t pixel = 0;
+  int depth = 0;  ///< steps along x and y to the border
+};
+
+/// The pixel of a mask that is farthest from its border.
+Deepest deepest(Mask rest, int width, int height) {
+  std::vector<size_t> now;
+  for (size_t n = 0; n < rest.size(); ++n)
+    if (rest[n]) now.push_back(n);
+  Deepest found;
   while (!now.empty()) {
     std::vector<size_t> left;
     for (const size_t n : now) {
@@ -70,13 +79,13 @@ size_t deepest(const std::vector<size_t>& part, const Mask& mask, int width, int
                          rest[n + static_cast<size_t>(width)];
       if (inner) left.push_back(n);
     }
-    last = now[now.size() / 2];
-    Mask next(mask.size());
+    found = {now[now.size() / 2], found.depth + 1};
+    Mask next(rest.size());
     for (const size_t n : left) next[n] = true;
     rest = next;
     now = left;
   }
-  return last;
+  return found;
 }
 
 std::vector<Object> objects_of(const Image& id) {
@@ -92,7 +101,7 @@ std::vector<Object> objects_of(const Image& id) {
     if (own < 0 || share < kSmallest || share > kLargest) continue;
     Object object{own, 0, Mask(pixels)};
     for (const size_t m : part) object.mask[m] = true;
-    object.click = deepest(part, object.mask, id.width, id.height);
+    object.click = deepest(object.mask, id.width, id.height).pixel;
     objects.push_back(std::move(object));
   }
   return objects;
@@ -121,25 +130,23 @@ SelectionStroke click_on(size_t pixel, int width, bool subtract) {
   SelectionStroke stroke;
   stroke.subtract = subtract;
   stroke.points = {{static_cast<float>(x) + .5F, static_cast<float>(y) + .5F}};
-  stroke.radius = 3;
+  stroke.radius = kBrush;
   return stroke;
 }
 
-/// The click on the largest part of what is wrong.
-SelectionStroke next_click(const Mask& mask, const Mask& truth, int width, int height) {
-  Mask seen(mask.size());
-  std::vector<size_t> worst;
-  for (size_t n = 0; n < mask.size(); ++n) {
-    if (seen[n] || mask[n] == truth[n]) continue;
-    const bool missing = truth[n];
-    auto part = connected(n, width, height, seen,
-                          [&](size_t m) { return mask[m] != truth[m] && truth[m] == missing; });
-    if (part.size() > worst.size()) worst = std::move(part);
-  }
-  if (worst.empty()) return {};
-  Mask inside(mask.size());
-  for (const size_t n : worst) inside[n] = true;
-  return click_on(deepest(worst, inside, width, height), width, !truth[worst.front()]);
+/// The click on the pixel that is farthest inside of what is wrong; none if no wrong part is wider
+/// than the brush, as a click there would cover what is right.
+std::optional<SelectionStroke> next_click(const Mask& mask, const Mask& truth, int width,
+                                          int height) {
+  Mask missing(mask.size()), extra(mask.size());
+  for (size_t n = 0; n < mask.size(); ++n)
+    missing[n] = truth[n] && !mask[n], extra[n] = mask[n] && !truth[n];
+  const Deepest in_missing = deepest(missing, width, height),
+                in_extra = deepest(extra, width, height);
+  const bool subtract = in_extra.depth > in_missing.depth;
+  const Deepest& worst = subtract ? in_extra : in_missing;
+  if (worst.depth <= 2 * kBrush) return {};
+  return click_on(worst.pixel, width, subtract);
 }
 
 double mean(const std::vector<double>& values) {
@@ -201,11 +208,12 @@ void measure(const Lab& lab, const Scene& scene, Figures& all) {
       figures.followed.push_back(overlap(mask, truth));
     }
     Selection corrected(lab.device(), extent);
-    std::vector<SelectionStroke> strokes{stroke};
+    std::optional<SelectionStroke> next = stroke;
+    Mask mask;
     for (size_t count = 1, at = 0; at < std::size(kClicks); ++count) {
-      const Mask mask = select(corrected, frames[0], {&strokes.back(), 1});
+      if (next) mask = select(corrected, frames[0], {&*next, 1});
       if (count == kClicks[at]) figures.clicks[at++].push_back(overlap(mask, object.mask));
-      strokes.push_back(next_click(mask, object.mask, first.id.width, first.id.height));
+      if (next) next = next_click(mask, object.mask, first.id.width, first.id.height);
     }
     SelectionParams by_key;
     by_key.by = SelectBy::key;
@@ -214,7 +222,7 @@ void measure(const Lab& lab, const Scene& scene, Figures& all) {
     Layers layers = frames[0];
     Selection keyed(lab.device(), extent);
     lab.run([&](gpu::Commands& commands) { keyed.record(commands, layers, by_key, {}, nullptr); });
-    const Mask mask = selected(lab, layers);
+    mask = selected(lab, layers);
     figures.key.push_back(overlap(mask, object.mask));
     Mask seen(mask.size()), part(mask.size());
     for (const size_t n : connected(object.click, first.id.width, first.id.height, seen,

@@ -9,11 +9,18 @@ const vec3 kBinLow = vec3(0.0, -0.3, -0.3), kBinHigh = vec3(1.05, 0.3, 0.3);
 
 const float kOwnColor = 0.1;      // share of the object's largest density from which on a color is its own
 const float kDensityFloor = 0.002;  // of that density: rarer colors are neither the object's nor the background's
-const float kPriorWeight = 0.2;   // of a certain cell's color, against edges
+const float kPriorWeight = 0.05;  // of a certain cell's color, against edges
 const float kPriorFloor = 1e-3;
 const float kSeedWeight = 10.0;
 const float kEdgeWeight = 2.0;
 const float kEdgeScale = 0.04;    // difference of Oklab colors that separates neighbors
+
+// Shortest paths from strokes: a step to a neighbor, in edges of kEdgeScale; the difference that makes a cell one's own; none.
+const float kStep = 0.005, kPathScale = 0.3, kNoPath = 1e6;
+const float kPathWeight = 0.05;   // of what strokes decide where color is uncertain
+// `memory`: the color of a cell when strokes were drawn, and in w what they decide: 1 to -1, or kUnderStroke.
+const float kMemoryReach = 0.08;  // change of color from which on a cell forgets them
+const float kUnderStroke = 2.0;
 
 const uint kSeedAdd = 1u, kSeedSubtract = 2u;
 const uint kFullCount = 255u;     // counts of a whole cell of the object

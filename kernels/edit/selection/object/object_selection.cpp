@@ -14,13 +14,13 @@ constexpr auto kBins = static_cast<uint32_t>(Count::kBinCount);
 // Rounds of learning and segmenting in a frame with new strokes, and steps of diffusion in each.
 constexpr int kRounds = 5;
 constexpr uint32_t kSteps = 48;
-// With strokes that subtract, which have to reach the end of what has their color.
-constexpr uint32_t kSubtractSteps = 240;
+// Passes of shortest paths, along rows and columns: paths have some corners.
+constexpr int kPasses = 8;
 // Those of a frame that follows, which starts from the frame before.
 constexpr uint32_t kFollowSteps = 8;
 constexpr float kFollowRate = .1F;
 // Reach of the object's surroundings, share of the frame's diagonal.
-constexpr float kLeastReach = .02F;
+constexpr float kMinReach = .02F;
 
 Extent blocks_of(Extent cells) {
   constexpr auto side = static_cast<uint32_t>(Count::kCoarse);
@@ -37,6 +37,11 @@ ObjectSelection::ObjectSelection(const std::shared_ptr<gpu::Device>& device, con
       learn_(device, {.raise = false}, device->variant().lone_workgroup),
       raise_(device, {.raise = true}, device->variant().lone_workgroup),
       start_(device),
+      marks_(device),
+      first_rows_(device, {.rows = true, .first = true}),
+      rows_(device, {.rows = true, .first = false}),
+      columns_(device, {.rows = false, .first = false}),
+      remember_(device),
       terms_of_(device),
       diffuse_first_(device, {.first = true}),
       diffuse_(device, {.first = false}),
@@ -56,7 +61,10 @@ ObjectSelection::ObjectSelection(const std::shared_ptr<gpu::Device>& device, con
     count_[density] = {device, {.density = density}};
   for (auto& alpha : alpha_) alpha = make(Element::scalar, cells);
   region_ = make(Element::word, cells);
-  no_seeds_ = make(Element::word, cells);
+  none_drawn_ = make(Element::word, cells);
+  seeds_ = make(Element::word, cells);
+  memory_ = make(Element::vec4, cells);
+  paths_ = make(Element::vec4, cells);
   terms_ = make(Element::vec4, cells);
   labels_ = make(Element::vec4, cells);
   claims_ = make(Element::word, 3 * cells);
@@ -72,14 +80,14 @@ ObjectSelection::ObjectSelection(const std::shared_ptr<gpu::Device>& device, con
 
 void ObjectSelection::select(gpu::Commands& commands, const gpu::BufferPtr& colors,
                              std::span<const SelectionStroke> strokes, Extent drawn, bool anew) {
-  commands.write_table(seeds_, gpu::Element::word, draw_seeds(strokes, drawn, grid_));
-  if (!active_) commands.fill(no_seeds_);
-  drawn_ = seeds_;
+  commands.write_table(drawn_, gpu::Element::word, draw_seeds(strokes, drawn, grid_));
+  if (!active_) commands.fill(none_drawn_);
   const bool first = anew || !active_;
   if (first)  // densities of nothing, so that a frame without strokes that add selects nothing
     for (const auto& buffer :
-         {model_, totals_, region_, near_, status_, last_area_, alpha_[0], terms_})
+         {model_, totals_, region_, near_, status_, last_area_, alpha_[0], terms_, memory_})
       commands.fill(buffer);
+  mark(commands, colors, drawn_);
   learn(commands, colors, Count::kAddedDensity, 1);
   learn(commands, colors, Count::kSubtractedDensity, 1);
   if (first) {
@@ -90,31 +98,47 @@ void ObjectSelection::select(gpu::Commands& commands, const gpu::BufferPtr& colo
     find_region(commands, true);
     learn(commands, colors, 1);
   }
-  const bool subtracts = std::any_of(strokes.begin(), strokes.end(),
-                                     [](const auto& stroke) { return stroke.subtract; });
+  find_paths(commands, colors);
   for (int round = 0; round < kRounds; ++round) {
-    segment(commands, colors, subtracts ? kSubtractSteps : kSteps);
+    segment(commands, colors, kSteps);
     learn(commands, colors, 1);
   }
-  drawn_ = no_seeds_;
   active_ = true;
 }
 
 void ObjectSelection::follow(gpu::Commands& commands, const gpu::BufferPtr& colors) {
-  drawn_ = no_seeds_;
+  mark(commands, colors, none_drawn_);
   segment(commands, colors, kFollowSteps);
   learn(commands, colors, kFollowRate);
 }
 
+void ObjectSelection::mark(gpu::Commands& commands, const gpu::BufferPtr& colors,
+                           const gpu::BufferPtr& drawn) {
+  commands.dispatch(marks_, {.colors = colors, .drawn = drawn, .memory = memory_, .seeds = seeds_},
+                    {.cells = grid_.cells}, per_cell());
+}
+
+void ObjectSelection::find_paths(gpu::Commands& commands, const gpu::BufferPtr& colors) {
+  for (int pass = 0; pass < kPasses; ++pass) {
+    commands.dispatch(pass ? rows_ : first_rows_,
+                      {.colors = colors, .seeds = seeds_, .paths = paths_}, {.cells = grid_.cells},
+                      line_of(grid_.cells.height));
+    commands.dispatch(columns_, {.colors = colors, .seeds = seeds_, .paths = paths_},
+                      {.cells = grid_.cells}, line_of(grid_.cells.width));
+  }
+  commands.dispatch(remember_,
+                    {.colors = colors, .paths = paths_, .seeds = seeds_, .memory = memory_},
+                    {.cells = grid_.cells}, per_cell());
+}
+
 void ObjectSelection::segment(gpu::Commands& commands, const gpu::BufferPtr& colors,
                               uint32_t steps) {
-  static_assert(kSteps % 2 == 0 && kSubtractSteps % 2 == 0 && kFollowSteps % 2 == 0,
-                "the last step writes alpha_[0]");
+  static_assert(kSteps % 2 == 0 && kFollowSteps % 2 == 0, "the last step writes alpha_[0]");
   commands.dispatch(terms_of_,
                     {.colors = colors,
                      .model = model_,
                      .totals = totals_,
-                     .seeds = drawn_,
+                     .memory = memory_,
                      .region = region_,
                      .terms = terms_},
                     {.cells = grid_.cells}, per_cell());
@@ -135,7 +159,7 @@ void ObjectSelection::find_region(gpu::Commands& commands, bool seeded) {
                     {.labels = labels_,
                      .region = region_,
                      .roots = components_.roots(),
-                     .seeds = drawn_,
+                     .seeds = seeds_,
                      .terms = terms_,
                      .status = status_,
                      .claims = claims_},
@@ -156,7 +180,7 @@ void ObjectSelection::find_region(gpu::Commands& commands, bool seeded) {
              height = static_cast<float>(grid_.cells.height);
   commands.dispatch(
       near_of_, {.occupied = occupied_, .status = status_, .near = near_, .last_area = last_area_},
-      {.blocks = blocks_, .least = kLeastReach * std::hypot(width, height)},
+      {.blocks = blocks_, .least = kMinReach * std::hypot(width, height)},
       {blocks_.width, blocks_.height});
 }
 

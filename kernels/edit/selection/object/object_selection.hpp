@@ -9,8 +9,11 @@
 #include "kernels/edit_selection_object_keep.spv.hpp"
 #include "kernels/edit_selection_object_label.spv.hpp"
 #include "kernels/edit_selection_object_learn.spv.hpp"
+#include "kernels/edit_selection_object_marks.spv.hpp"
 #include "kernels/edit_selection_object_near.spv.hpp"
 #include "kernels/edit_selection_object_occupied.spv.hpp"
+#include "kernels/edit_selection_object_paths.spv.hpp"
+#include "kernels/edit_selection_object_remember.spv.hpp"
 #include "kernels/edit_selection_object_smooth.spv.hpp"
 #include "kernels/edit_selection_object_start.spv.hpp"
 #include "kernels/edit_selection_object_terms.spv.hpp"
@@ -23,10 +26,11 @@ namespace inverse {
 /// Selects an object that a user points at, and follows it through the frames
 /// (tests/reference/edit/selection/object.hpp).
 ///
-/// Densities of color of the object and of the background tell the cells of the two apart; edges
-/// join cells whose colors are in neither, or in both. The object is what is connected to the
-/// user's strokes, later to itself in the frame before. Both densities are learned from what was
-/// selected.
+/// Densities of color of the object and of the background tell the cells of the two apart. Cells
+/// whose colors are in neither, or in both, go by their neighbors across weak edges, and by the
+/// nearer stroke if there are strokes that add and that subtract. The object is what is connected
+/// to the user's strokes, later to itself in the frame before. Both densities are learned from what
+/// was selected. A cell remembers strokes until its color changes.
 class ObjectSelection {
  public:
   ObjectSelection(const std::shared_ptr<gpu::Device>& device, const CellGrid& grid);
@@ -56,6 +60,10 @@ class ObjectSelection {
   Place place_of(const uint32_t* status) const;
 
  private:
+  /// Finds the cells under strokes, with those that were drawn now.
+  void mark(gpu::Commands& commands, const gpu::BufferPtr& colors, const gpu::BufferPtr& drawn);
+  /// Finds which strokes are nearest to each cell.
+  void find_paths(gpu::Commands& commands, const gpu::BufferPtr& colors);
   /// `steps` of diffusion from the alpha that there is, then the components that belong to it.
   void segment(gpu::Commands& commands, const gpu::BufferPtr& colors, uint32_t steps);
   void find_region(gpu::Commands& commands, bool seeded);
@@ -71,6 +79,9 @@ class ObjectSelection {
   gpu::Program<shaders::edit_selection_object_smooth> smooth_counts_, smooth_again_;
   gpu::Program<shaders::edit_selection_object_learn> learn_, raise_;
   gpu::Program<shaders::edit_selection_object_start> start_;
+  gpu::Program<shaders::edit_selection_object_marks> marks_;
+  gpu::Program<shaders::edit_selection_object_paths> first_rows_, rows_, columns_;
+  gpu::Program<shaders::edit_selection_object_remember> remember_;
   gpu::Program<shaders::edit_selection_object_terms> terms_of_;
   gpu::Program<shaders::edit_selection_object_diffuse> diffuse_first_, diffuse_;
   gpu::Program<shaders::edit_selection_object_label> label_;
@@ -79,9 +90,9 @@ class ObjectSelection {
   gpu::Program<shaders::edit_selection_object_occupied> occupy_;
   gpu::Program<shaders::edit_selection_object_near> near_of_;
   Components components_;
-  gpu::BufferPtr alpha_[2], region_, seeds_, no_seeds_, terms_, labels_, claims_;
+  gpu::BufferPtr alpha_[2], region_, drawn_, none_drawn_, seeds_, memory_, paths_, terms_, labels_,
+      claims_;
   gpu::BufferPtr counts_, smoothed_[2], model_, totals_, occupied_, near_, status_, last_area_;
-  gpu::BufferPtr drawn_;  // no_seeds_, or seeds_ in frames with new strokes
   bool active_ = false;
 };
 

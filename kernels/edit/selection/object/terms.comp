@@ -4,12 +4,12 @@
 #include "gpu/common.glsl"
 #include "object.glsl"
 
-// The terms of a cell in the energy of alpha: (weight x probability, weight) of its color, and the weights of the edges to its left
-// and upper neighbor.
+// The terms of a cell in the energy of alpha: (weight x probability, weight) of its color and of strokes, and the weights of the edges
+// to its left and upper neighbor.
 PLANE_IN(0, colors);
 SCALAR_IN(1, model);
 PLANE_IN(2, totals);
-WORD_IN(3, seeds);
+PLANE_IN(3, memory);
 WORD_IN(4, region);
 PLANE_OUT(5, terms);
 layout(push_constant) uniform Push { uvec2 cells; } push;
@@ -32,12 +32,9 @@ void main() {
   float certain = min(abs(log(own / other)) / 3.0, 1.0);
   // Where colors tell nothing, a cell stays what it was unless its neighbors change.
   float p = mix(float(FETCH1(region, n)), own / (own + other), certain), weight = kPriorWeight * certain * certain + kPriorFloor;
-  uint seed = FETCH1(seeds, n);
-  if (seed != 0u) {
-    p = seed == kSeedAdd ? 1.0 : 0.0;
-    weight = kSeedWeight;
-  }
+  float strokes = FETCH(memory, n).w;
+  float decided = abs(strokes) > 1.0 ? kSeedWeight : kPathWeight * abs(strokes) * (1.0 - certain) * (1.0 - certain);
   STORE(terms, uint(n),
-        vec4(weight * p, weight, cell.x > 0u ? edge(color, FETCH(colors, n - 1).rgb) : 0.0,
+        vec4(weight * p + (strokes > 0.0 ? decided : 0.0), weight + decided, cell.x > 0u ? edge(color, FETCH(colors, n - 1).rgb) : 0.0,
              cell.y > 0u ? edge(color, FETCH(colors, n - int(push.cells.x)).rgb) : 0.0));
 }

@@ -13,6 +13,10 @@ constexpr double kOwnColor = .1, kFloor = .002;
 
 double max_of(const std::vector<double>& v) { return *std::max_element(v.begin(), v.end()); }
 
+double distance(const Vec3& a, const Vec3& b) {
+  return std::sqrt(std::pow(a[0] - b[0], 2) + std::pow(a[1] - b[1], 2) + std::pow(a[2] - b[2], 2));
+}
+
 }  // namespace
 
 Vec3 oklab(const Vec3& rgb) {
@@ -77,20 +81,56 @@ ObjectSelection::ObjectSelection(int width, int height)
       added_(kColorBins),
       subtracted_(kColorBins),
       p_(alpha.size()),
-      weight_(alpha.size()) {}
+      weight_(alpha.size()),
+      memory_(alpha.size()) {}
 
 int ObjectSelection::area() const {
   return static_cast<int>(std::count(region.begin(), region.end(), 1U));
 }
 
-void ObjectSelection::select(const std::vector<Vec3>& colors, const std::vector<uint32_t>& seeds,
+std::vector<uint32_t> ObjectSelection::marks(const std::vector<Vec3>& colors,
+                                             const std::vector<uint32_t>& drawn) {
+  std::vector<uint32_t> seeds(alpha.size());
+  for (size_t n = 0; n < seeds.size(); ++n) {
+    Memory& memory = memory_[n];
+    if (distance(colors[n], memory.color) > .08) memory = {};
+    if (drawn[n] != no_seed) memory = {colors[n], drawn[n] == seed_add ? 2. : -2.};
+    seeds[n] = memory.s > 1 ? seed_add : memory.s < -1 ? seed_subtract : no_seed;
+  }
+  return seeds;
+}
+
+std::vector<double> ObjectSelection::distances(const std::vector<Vec3>& colors,
+                                               const std::vector<uint32_t>& seeds,
+                                               Seed kind) const {
+  std::vector<double> d(alpha.size());
+  for (size_t n = 0; n < d.size(); ++n) d[n] = seeds[n] == kind ? 0 : 1e6;
+  const auto line = [&](int first, int stride, int count) {
+    for (int i = 1; i < count; ++i) {
+      const int n = first + i * stride;
+      d[n] = std::min(d[n], d[n - stride] + .005 + distance(colors[n], colors[n - stride]) / .04);
+    }
+    for (int i = count - 2; i >= 0; --i) {
+      const int n = first + i * stride;
+      d[n] = std::min(d[n], d[n + stride] + .005 + distance(colors[n], colors[n + stride]) / .04);
+    }
+  };
+  for (int pass = 0; pass < 8; ++pass) {
+    for (int y = 0; y < height_; ++y) line(y * width_, 1, width_);
+    for (int x = 0; x < width_; ++x) line(x, width_, height_);
+  }
+  return d;
+}
+
+void ObjectSelection::select(const std::vector<Vec3>& colors, const std::vector<uint32_t>& drawn,
                              bool anew) {
   const bool first = anew || !active_;
   if (first) *this = ObjectSelection(width_, height_);
+  const std::vector<uint32_t> seeds = marks(colors, drawn);
   for (const Seed kind : {seed_add, seed_subtract}) {
     std::vector<double> counts(kColorBins), density(kColorBins);
-    for (size_t n = 0; n < seeds.size(); ++n)
-      if (seeds[n] == kind) counts[color_bin(colors[n])] += 255;
+    for (size_t n = 0; n < drawn.size(); ++n)
+      if (drawn[n] == kind) counts[color_bin(colors[n])] += 255;
     blend(density, counts, 1);
     std::vector<double>& all = kind == seed_add ? added_ : subtracted_;
     for (size_t n = 0; n < all.size(); ++n) all[n] = std::max(all[n], density[n]);
@@ -104,18 +144,23 @@ void ObjectSelection::select(const std::vector<Vec3>& colors, const std::vector<
     find_region(seeds, true);
     learn(colors, 1);
   }
-  // Strokes that subtract have to reach the end of what has their color.
-  const bool subtracts = std::count(seeds.begin(), seeds.end(), uint32_t{seed_subtract}) > 0;
+  const std::vector<double> to_added = distances(colors, seeds, seed_add),
+                            to_subtracted = distances(colors, seeds, seed_subtract);
+  for (size_t n = 0; n < seeds.size(); ++n) {
+    if (seeds[n] != no_seed) continue;
+    const bool both = std::max(to_added[n], to_subtracted[n]) < 1e5;
+    const double ahead = std::clamp((to_added[n] - to_subtracted[n]) / .3, -40., 40.);
+    memory_[n] = {colors[n], both ? 2 / (1 + std::exp(ahead)) - 1 : 0};
+  }
   for (int round = 0; round < 5; ++round) {
-    segment(colors, seeds, subtracts ? 240 : 48);
+    segment(colors, seeds, 48);
     learn(colors, 1);
   }
   active_ = true;
 }
 
 void ObjectSelection::follow(const std::vector<Vec3>& colors) {
-  const std::vector<uint32_t> none(alpha.size());
-  segment(colors, none, 8);
+  segment(colors, marks(colors, std::vector<uint32_t>(alpha.size())), 8);
   learn(colors, .1);
 }
 
@@ -127,10 +172,12 @@ void ObjectSelection::segment(const std::vector<Vec3>& colors, const std::vector
     const double own = std::max(object_[bin], added_[bin]) + e,
                  other = std::max(background_[bin], subtracted_[bin]) + e;
     const double certain = std::min(std::abs(std::log(own / other)) / 3, 1.);
-    p_[n] = certain * own / (own + other) + (1 - certain) * region[n];
-    weight_[n] = .2 * certain * certain + 1e-3;
-    if (seeds[n] != no_seed) p_[n] = seeds[n] == seed_add, weight_[n] = 10;
-    alpha[n] += std::min(weight_[n] / .2, 1.) * (p_[n] - alpha[n]);
+    const double p = certain * own / (own + other) + (1 - certain) * region[n],
+                 w = .05 * certain * certain + 1e-3, s = memory_[n].s,
+                 m = seeds[n] != no_seed ? 10 : .05 * std::abs(s) * (1 - certain) * (1 - certain);
+    weight_[n] = w + m;
+    p_[n] = (w * p + m * (s > 0)) / weight_[n];
+    alpha[n] += std::min(weight_[n] / .05, 1.) * (p_[n] - alpha[n]);
   }
   const auto edge = [&](size_t a, size_t b) {
     double d2 = 0;
@@ -171,7 +218,7 @@ void ObjectSelection::find_region(const std::vector<uint32_t>& seeds, bool seede
     bool has_seed = false;
     for (size_t i = 0; i < component.size(); ++i) {
       const size_t n = component[i];
-      claimed += lost ? p_[n] > .9 && weight_[n] > .9 * .2 : region[n] == 1;
+      claimed += lost ? p_[n] > .9 && weight_[n] > .9 * .05 : region[n] == 1;
       has_seed |= seeds[n] == seed_add;
       const int x = static_cast<int>(n) % width_, y = static_cast<int>(n) / width_;
       const auto visit = [&](bool there, size_t m) {

@@ -7,11 +7,17 @@
 //            under strokes that add, and that subtract, the largest since a selection was begun
 //   c        min(|ln ((O + e) / (B + e))| / 3, 1), e = .002 max O: how certain a color is
 //   p        c (O + e) / (O + B + 2 e) + (1 - c) region: how likely a cell is the object's
-//   w        .2 c^2 + 1e-3; 10 under strokes, with p = 1 or 0
-//   alpha    minimum of sum w (alpha - p)^2
+//   w        .05 c^2 + 1e-3
+//   d_a, d_s shortest paths from strokes that add, and that subtract: a step to a neighbor costs
+//            .005 + |f_i - f_j| / .04; eight passes along rows and columns
+//   s        2 / (1 + exp((d_a - d_s) / .3)) - 1; 0 without strokes of both kinds
+//   m, v     .05 |s| (1 - c)^2 and whether s > 0: what strokes decide where colors do not; under
+//            strokes m = 10. A cell forgets them once its color is .08 from that when they were
+//            drawn
+//   alpha    minimum of sum w (alpha - p)^2 + m (alpha - v)^2
 //              + sum 2 exp(-|f_i - f_j|^2 / (2 .04^2)) (alpha_i - alpha_j)^2
-//            over cells and pairs of neighbors, by Jacobi steps from alpha + min(w / .2, 1) (p -
-//            alpha), alpha of the frame before
+//            over cells and pairs of neighbors, by Jacobi steps from alpha + min((w + m) / .05, 1)
+//            ((w p + m v) / (w + m) - alpha), alpha of the frame before
 //   region   connected components of alpha > 1/2 of which the region of the frame before had a
 //            tenth, or which have a stroke that adds
 //
@@ -54,6 +60,15 @@ class ObjectSelection {
   int area() const;
 
  private:
+  /// What strokes say of a cell: s, 2 or -2 under them, and its color then.
+  struct Memory {
+    Vec3 color{};
+    double s = 0;
+  };
+  /// Forgets strokes on what has moved away; returns those that are left, with the new ones.
+  std::vector<uint32_t> marks(const std::vector<Vec3>& colors, const std::vector<uint32_t>& drawn);
+  std::vector<double> distances(const std::vector<Vec3>& colors, const std::vector<uint32_t>& seeds,
+                                Seed kind) const;
   void segment(const std::vector<Vec3>& colors, const std::vector<uint32_t>& seeds, int steps);
   void find_region(const std::vector<uint32_t>& seeds, bool seeded);
   void learn(const std::vector<Vec3>& colors, double rate);
@@ -64,6 +79,7 @@ class ObjectSelection {
   bool active_ = false;
   std::vector<double> object_, background_, added_, subtracted_;  // densities
   std::vector<double> p_, weight_;
+  std::vector<Memory> memory_;
 };
 
 }  // namespace inverse::reference
