@@ -13,6 +13,7 @@ import pathlib
 import re
 import shlex
 import sys
+import time
 
 import gi
 gi.require_version("Gst", "1.0")
@@ -24,6 +25,7 @@ PICTURES = ROOT / "docs" / "images" / "gallery"
 WIDTH = 1000  # of a picture, pixels
 GAP = 4
 SECONDS = 2
+TIMEOUT = 120  # s, for a line to come to its frame
 SHOWN = "autovideosink"  # which a line of the page ends with
 TAKEN = ["videoconvert", "!", "video/x-raw,format=RGB", "!", "appsink", "name=taken", "sync=false", "max-buffers=1"]
 # A picture of the page, and the block of launch lines below it.
@@ -73,12 +75,17 @@ def take_frame(words, seconds):
     try:
         pipeline.set_state(Gst.State.PLAYING)
         sink, bus = pipeline.get_by_name("taken"), pipeline.get_bus()
-        while sample := sink.emit("try-pull-sample", 120 * Gst.SECOND):
-            if sample.get_segment().to_running_time(Gst.Format.TIME, sample.get_buffer().pts) >= seconds * Gst.SECOND:
-                caps, buffer = sample.get_caps().get_structure(0), sample.get_buffer()
-                return caps.get_value("width"), caps.get_value("height"), buffer.extract_dup(0, buffer.get_size())
-        error = bus.pop_filtered(Gst.MessageType.ERROR)
-        raise LineError(f"{error.parse_error()[0].message if error else f'ends before {seconds} s'}: {shlex.join(words)}")
+        deadline = time.monotonic() + TIMEOUT
+        while time.monotonic() < deadline:
+            if sample := sink.emit("try-pull-sample", Gst.SECOND // 10):
+                if sample.get_segment().to_running_time(Gst.Format.TIME, sample.get_buffer().pts) >= seconds * Gst.SECOND:
+                    caps, buffer = sample.get_caps().get_structure(0), sample.get_buffer()
+                    return caps.get_value("width"), caps.get_value("height"), buffer.extract_dup(0, buffer.get_size())
+            elif error := bus.pop_filtered(Gst.MessageType.ERROR):
+                raise LineError(f"{error.parse_error()[0].message}: {shlex.join(words)}")
+            elif sink.props.eos:
+                break
+        raise LineError(f"no frame at {seconds} s: {shlex.join(words)}")
     finally:
         pipeline.set_state(Gst.State.NULL)
 
