@@ -128,7 +128,8 @@ class TextureElement final : public Filter {
     pending_.reset();
     place_.reset();
     hangs_ = false;
-    reported_stays_ = false;
+    reported_stays_ = reported_nothing_ = false;
+    waited_ = 0;
   }
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     edit_.emplace(device, extent);
@@ -160,6 +161,7 @@ class TextureElement final : public Filter {
     const bool shows = source_.take(running_time(frame)) && params.opacity > 0;
     const bool known =
         pending_ || place_ || tracker_.searches() || tracker_.result().state == State::found;
+    warn_of_nothing(frame, params);
     if (known && (shows || pending_) && (params.track || !place_)) follow(frame, report);
     report.state = tracker_.result().state;
     if (pending_ && !params.track) report.state = State::fixed;
@@ -213,6 +215,29 @@ class TextureElement final : public Filter {
   }
 
  private:
+  /// A warning, once, if there is a place without a picture, or a picture whose poster is not
+  /// found.
+  void warn_of_nothing(FrameContext& frame, const Params& params) {
+    constexpr unsigned kEnough = 100;  // frames
+    const bool place = pending_ || place_, searches = !place && tracker_.has_poster();
+    if (reported_nothing_ || !(params.opacity > 0) || !(place || searches)) return;
+    std::string warning;
+    if (!source_.has_picture() && !source_.has_pad()) {
+      if (params.location.empty())
+        warning = "there is no picture to hang; set location, or link a video to the pad texture";
+    } else if (++waited_ < kEnough) {
+      return;
+    } else if (!source_.has_picture()) {
+      warning = "no frame has come on the pad texture; link a video that plays, or set location";
+    } else if (searches) {
+      warning =
+          "the picture of poster is not found in the video; show more of the poster, larger and "
+          "from the front, or set corners";
+    }
+    reported_nothing_ = true;
+    if (!warning.empty()) frame.warnings.push_back(warning);
+  }
+
   struct Report {
     State state = State::none;
     std::optional<Corners> place;
@@ -378,7 +403,8 @@ class TextureElement final : public Filter {
   std::optional<uint64_t> version_;  // of the corners that were taken
   std::optional<Corners> pending_;   // of which the tracker has not seen the frame
   std::optional<Corners> place_;     // in this frame
-  bool hangs_ = false, reported_stays_ = false;
+  bool hangs_ = false, reported_stays_ = false, reported_nothing_ = false;
+  unsigned waited_ = 0;  // frames for a picture or its poster
   gpu::FrameRing<Report> reports_;
 
   mutable std::mutex mouse_mutex_;

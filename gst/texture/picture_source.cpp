@@ -49,6 +49,11 @@ void PictureSource::release(GstPad*) {
   }
 }
 
+bool PictureSource::has_pad() {
+  const std::lock_guard lock(pad_mutex_);
+  return pad_ != nullptr;
+}
+
 bool PictureSource::take(GstClockTime now) {
   const std::lock_guard lock(pad_mutex_);
   if (pad_)

@@ -31,6 +31,7 @@ class PictureSource : public SidePads {
   /// Takes what the pad has for this running time; whether there is a picture.
   bool take(GstClockTime now);
   bool has_picture() const { return frame_ || file_; }
+  bool has_pad();
   /// Records bringing the picture to the device, if it is another one. There must be one.
   const TexturePyramid& pyramid(gpu::Commands& commands, uint64_t frame);
 

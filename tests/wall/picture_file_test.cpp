@@ -126,6 +126,9 @@ TEST(PictureFile, RefusesWhatIsNone) {
   expect_error(ErrorKind::file, "not a URI", [&] { load_picture("file:///a.png"); });
   refused("empty.png", "", "no picture");
   refused("text.png", "this is a text", "no picture");
+  std::string large = png(3);
+  large.replace(16, 8, "\0\0\x4e\x20\0\0\x4e\x20"s);
+  refused("large.png", large, "20000x20000 pixels; scale it");
   refused("half.png", png(3).substr(0, png(3).size() / 2), "ends too early");
   refused("half.jpg", jpeg().substr(0, jpeg().size() / 2), "ends too early");
   refused("other.ppm", "P6 1 1 255\n\1\2\3", "no picture");

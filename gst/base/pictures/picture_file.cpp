@@ -201,13 +201,18 @@ Picture8 load_picture(const std::string& path) {
   if (!has_its_end(file)) refuse("it ends too early");
   if (file.starts_with(kJpeg) && !has_good_tables(file))
     refuse("a damaged picture (its Huffman tables are too long)");
-  if (!stbi_info_from_memory(bytes, size, &width, &height, &channels))
-    refuse(std::string("no picture (") + stbi_failure_reason() + ")");
-  const uint64_t pixels = static_cast<uint64_t>(width) * static_cast<uint64_t>(height);
-  if (pixels > kMaxPixels)
+  const auto check_size = [&path](uint64_t width, uint64_t height) {
+    if (width * height <= kMaxPixels) return;
     throw Error(ErrorKind::file, path + ": a picture of " + std::to_string(width) + "x" +
                                      std::to_string(height) + " pixels; scale it to less than " +
                                      std::to_string(kMaxPixels >> 20) + " million");
+  };
+  // stb says only that it does not know a picture that is too large for it.
+  if (file.starts_with(kPng)) check_size(Bytes(file).number(16, 4), Bytes(file).number(20, 4));
+  if (!stbi_info_from_memory(bytes, size, &width, &height, &channels))
+    refuse(std::string("no picture (") + stbi_failure_reason() + ")");
+  const uint64_t pixels = static_cast<uint64_t>(width) * static_cast<uint64_t>(height);
+  check_size(static_cast<uint64_t>(width), static_cast<uint64_t>(height));
   if (pixels == 0) refuse("no picture (it has no pixels)");
   // stb takes memory for what a damaged file declares. No coding here shrinks a pixel to less.
   constexpr uint64_t kMaxRatio = 16 * 1032;

@@ -66,7 +66,8 @@ bool ReturnPad::activate(bool active) {
   set_flushing(!active);
   if (!active) return true;
   const std::lock_guard lock(shared_->mutex);
-  stalled = silent = warned = false;
+  stalled = silent = warned = came = false;
+  absent = 0;
   sent_.reset();
   format_.reset();
   return true;

@@ -59,7 +59,9 @@ class ReturnPad {
   /// Under Shared::mutex. The branch did not deliver in time: the next frames do not wait as long.
   /// `silent`: nor since.
   bool stalled = false, silent = false;
-  bool warned = false;  ///< of that
+  bool warned = false;  ///< of that, or of nothing but absent pictures
+  unsigned absent = 0;  ///< frames without a picture, up to the first picture
+  bool came = false;    ///< a picture
 
  private:
   static ReturnPad& self_of(GstPad* pad);

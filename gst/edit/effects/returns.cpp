@@ -29,6 +29,7 @@ const char* name_of(SplitLayer layer) {
 constexpr GstClockTime kUsualDuration = GST_SECOND / 25;
 
 /// How long frames wait for a branch that did not deliver within kPatience.
+constexpr unsigned kEnoughAbsent = 100;  // frames without any picture
 constexpr auto kStalledPatience = std::chrono::milliseconds(100);
 
 struct Latency {
@@ -79,6 +80,12 @@ std::string no_picture(SplitLayer layer, const std::string& element) {
          " s; frames go on without: if the effect holds frames back, put a queue of as many before "
          "pad sink of " +
          element;
+}
+
+std::string only_absent(SplitLayer layer, const std::string& element) {
+  return std::string("none of ") + std::to_string(kEnoughAbsent) + " pictures came back to pad " +
+         name_of(layer) + " of " + element +
+         "; frames go on without: take out what drops or keeps pictures in the branch";
 }
 
 Error wrong_layer(SplitLayer layer, const std::string& element, SplitLayer shown) {
@@ -239,11 +246,16 @@ std::vector<Returns::Arrival> Returns::collect(GstElement* element, GstBuffer* i
     lock.lock();
   }
   if (shared_->flushing) throw Flushing{};
-  for (const Arrival& arrival : arrivals) {
-    if (arrival.found == Found::picture)
-      arrival.pad->stalled = false;
-    else
+  for (Arrival& arrival : arrivals) {
+    ReturnPad& pad = *arrival.pad;
+    if (arrival.found == Found::picture) {
+      pad.stalled = false;
+      pad.came = true;
+    } else {
       ++shared_->missing;
+      arrival.never_came =
+          !pad.came && ++pad.absent >= kEnoughAbsent && !std::exchange(pad.warned, true);
+    }
   }
   return arrivals;
 }
@@ -262,6 +274,7 @@ void Returns::apply(GstElement* element, FrameContext& frame, const ReturnParams
   for (const Arrival& arrival : arrivals) {
     const SplitLayer layer = arrival.pad->layer();
     if (arrival.gave_up) frame.warnings.push_back(no_picture(layer, label));
+    if (arrival.never_came) frame.warnings.push_back(only_absent(layer, label));
     if (arrival.found != ReturnPad::Found::picture || !(params.strength > 0)) continue;
     const SplitLayer shown = arrival.picture.format->sent.layer;
     if (shown != layer) throw wrong_layer(layer, label, shown);

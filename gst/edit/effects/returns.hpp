@@ -63,7 +63,8 @@ class Returns final : public SidePads {
     PadPtr pad;
     ReturnPad::Found found = ReturnPad::Found::nothing_yet;
     ReturnPad::Picture picture;
-    bool gave_up = false;  ///< it was waited for in vain, for the first time
+    bool gave_up = false;     ///< it was waited for in vain, for the first time
+    bool never_came = false;  ///< nor did any other, for the first time
   };
   using Deadline = std::chrono::steady_clock::time_point;
 

@@ -236,6 +236,14 @@ TEST(Effects, OneThatSendsNothingHoldsUpTheFirstFrameOnly) {
   expect_one(edited.line.warnings, "no picture came to pad shading", "queue");
 }
 
+TEST(Effects, OneThatDropsEverythingIsWarnedOf) {
+  const Counted edited = run_counted(source("RGBA", 16, 16, 120) +
+                                     edit("shading", "identity drop-probability=1") + sink());
+  expect_frames(edited.line, 120);
+  EXPECT_EQ(edited.missing, 120U);
+  expect_one(edited.line.warnings, "none of 100 pictures came back to pad shading");
+}
+
 TEST(Effects, EachFaultIsOneErrorThatSaysWhatToDo) {
   const auto errors = [](const std::string& effect, const std::string& more = {}) {
     return run_line(source() + edit("shading", effect, more) + " ! fakesink").errors;

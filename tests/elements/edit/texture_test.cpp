@@ -104,7 +104,10 @@ TEST_F(Texture, CostsNothingIfThereIsNothingToShow) {
     for (int n = 0; n < 3; ++n)
       EXPECT_LE(largest_difference(harness.process(wall_frame(n)), wall_frame(n)), 1) << neutral;
     EXPECT_EQ(stat<guint>(harness.find("intrinsictexture"), "dispatches"), 0U) << neutral;
-    EXPECT_TRUE(harness.warnings().empty());
+    if (neutral == kBox)
+      expect_one(harness.warnings(), "there is no picture to hang; set location");
+    else
+      EXPECT_TRUE(harness.warnings().empty());
   }
 }
 
@@ -180,6 +183,15 @@ TEST_F(Texture, IsFoundByAPosterOnTheWall) {
   const auto [x, y] = middle_of(wall().corners_at(5));
   EXPECT_TRUE(red_at(out, x, y));
   EXPECT_FALSE(red_at(out, 5, 5));
+}
+
+TEST_F(Texture, APosterThatIsNotFoundIsWarnedOfOnce) {
+  const std::string path = write_picture(pictures.folder() / "poster.png", wall().poster());
+  VideoHarness harness(chain("location=" + pictures.red + " poster=" + path), kCaps, kCaps);
+  harness.process(flat(), 99);
+  EXPECT_TRUE(harness.warnings().empty());
+  harness.process(flat(), 30);
+  expect_one(harness.warnings(), "poster is not found", "set corners");
 }
 
 TEST_F(Texture, CornersThatCannotBeAreWarnedOfOnce) {
