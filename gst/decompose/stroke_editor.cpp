@@ -4,10 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/error.hpp"
 #include "decomposer.hpp"
 #include "gst/base/color.hpp"
-#include "gst/base/json/text_property.hpp"
 #include "kernels/image/view/mosaic.hpp"
 #include "stroke_properties.hpp"
 #include "stroke_text.hpp"
@@ -15,22 +13,14 @@
 namespace inverse {
 namespace {
 
-constexpr size_t kMaxUndo = 100;
 constexpr float kUnsatisfied = 0.15F;      // rms, natural log units
 constexpr unsigned kFramesToSatisfy = 10;  // of a stroke, before a warning
 
-/// The property as it is now, for a frame of this size.
-StrokeList strokes_of(const Log& log, Extent frame) {
-  StrokeList list = read_strokes(text_property(log, "strokes"));
+/// The strokes of the property, for a frame of this size.
+StrokeList strokes_of(const std::string& text, Extent frame) {
+  StrokeList list = read_strokes(text);
   if (list.frame.pixels() == 0) list.frame = frame;
   return list;
-}
-
-/// A point of `from`, in pixels of `to`.
-Stroke::Point scaled(Stroke::Point point, Extent from, Extent to) {
-  if (from.pixels() == 0 || to.pixels() == 0 || from == to) return point;
-  return {point[0] * static_cast<float>(to.width) / static_cast<float>(from.width),
-          point[1] * static_cast<float>(to.height) / static_cast<float>(from.height)};
 }
 
 /// The strokes of one sort out of `all`; `before`, if that has the same.
@@ -65,20 +55,8 @@ std::string wrong_strokes(const GValue* value) {
   return wrong_text(value, "strokes", read_strokes);
 }
 
-void StrokeEditor::set(const Log& log, const StrokeList& list) {
-  {
-    std::string before = text_property(log, "strokes");
-    const Lock lock(mutex_);
-    undo_.push_back(std::move(before));
-    if (undo_.size() > kMaxUndo) undo_.erase(undo_.begin());
-  }
-  g_object_set(log.object, "strokes", text_of(list).c_str(), nullptr);
-}
-
 void StrokeEditor::extend(Stroke::Point point) {
-  const Stroke::Point& last = drawing_->points.back();
-  const float step = std::max(drawing_->radius / 4, 1.0F);
-  if (std::hypot(point[0] - last[0], point[1] - last[1]) < step) return;
+  if (!goes_on(drawing_->points, point, drawing_->radius)) return;
   if (drawing_->points.size() == kMaxStrokePoints) {
     warnings_.push_back("the stroke has " + std::to_string(kMaxStrokePoints) +
                         " points and does not get longer; draw another one");
@@ -97,19 +75,19 @@ Stroke::Point StrokeEditor::as_drawn(const Stroke& stroke, Stroke::Point now) co
 
 void StrokeEditor::mouse(const Log& log, const MouseEvent& event, const StrokeParams& params) {
   using Kind = MouseEvent::Kind;
+  const auto place = mouse_place(event);
+  if (!place) return;
+  Stroke::Point point = *place;
   std::optional<Stroke> finished;
-  Stroke::Point point{};
   Extent frame;
   {
     const Lock lock(mutex_);
-    if (frame_.pixels() == 0 || !std::isfinite(event.x) || !std::isfinite(event.y)) return;
-    constexpr double kFar = 1e6;
-    double x = std::clamp(event.x, -kFar, kFar), y = std::clamp(event.y, -kFar, kFar);
+    if (frame_.pixels() == 0) return;
     if (mosaic_) {
-      const auto shown = Mosaic::shown_at(static_cast<int>(x), static_cast<int>(y), frame_);
-      x = shown.first + 0.5, y = shown.second + 0.5;
+      const auto [x, y] =
+          Mosaic::shown_at(static_cast<int>(point[0]), static_cast<int>(point[1]), frame_);
+      point = {static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F};
     }
-    point = {static_cast<float>(x), static_cast<float>(y)};
     frame = frame_;
     const auto kind = kind_of(params.stroke_mode);
     if (event.kind == Kind::press && kind) {
@@ -122,65 +100,43 @@ void StrokeEditor::mouse(const Log& log, const MouseEvent& event, const StrokePa
     }
   }
   if (finished) {
-    StrokeList list = strokes_of(log, frame);
+    StrokeList list = strokes_of(text(log), frame);
     if (list.strokes.size() == kMaxStrokes) {
       const Lock lock(mutex_);
       drawing_changed_ = true;
-      warnings_.push_back("there are " + std::to_string(kMaxStrokes) +
-                          " strokes already; remove one to draw another");
+      warnings_.push_back(full(kMaxStrokes) + "; remove one to draw another");
       return;
     }
-    for (Stroke::Point& at : finished->points) at = scaled(at, frame, list.frame);
+    scale(finished->points, frame, list.frame);
     list.strokes.push_back(std::move(*finished));
-    set(log, list);
+    set(log, text_of(list));
   } else if (event.kind == Kind::press && params.stroke_mode == StrokeMode::erase) {
-    StrokeList list = strokes_of(log, frame);
+    StrokeList list = strokes_of(text(log), frame);
     const auto last =
         std::find_if(list.strokes.rbegin(), list.strokes.rend(), [&](const Stroke& stroke) {
           return covers(stroke, scaled(as_drawn(stroke, point), frame, list.frame));
         });
     if (last == list.strokes.rend()) return;
     list.strokes.erase(std::next(last).base());
-    set(log, list);
+    set(log, text_of(list));
   }
 }
 
 void StrokeEditor::add(const Log& log, const std::string& stroke) {
-  Extent frame;
-  {
-    const Lock lock(mutex_);
-    frame = frame_;
-  }
+  const Extent size = frame();
   Stroke added = read_stroke(stroke);
-  StrokeList list = strokes_of(log, frame);
+  StrokeList list = strokes_of(text(log), size);
   if (list.strokes.size() == kMaxStrokes)
-    throw Error(ErrorKind::unsupported, "there are " + std::to_string(kMaxStrokes) +
-                                            " strokes already; remove one to add another");
-  for (Stroke::Point& at : added.points) at = scaled(at, frame, list.frame);
+    json_list::refuse(full(kMaxStrokes) + "; remove one to add another");
+  scale(added.points, size, list.frame);
   list.strokes.push_back(std::move(added));
-  set(log, list);
+  set(log, text_of(list));
 }
 
 void StrokeEditor::remove(const Log& log, unsigned index) {
-  StrokeList list = strokes_of(log, {});
-  if (index < 1 || index > list.strokes.size())
-    throw Error(ErrorKind::unsupported, "there is no stroke " + std::to_string(index) +
-                                            "; there are " + std::to_string(list.strokes.size()));
-  list.strokes.erase(list.strokes.begin() + (index - 1));
-  set(log, list);
-}
-
-void StrokeEditor::clear(const Log& log) { set(log, {}); }
-
-void StrokeEditor::undo(const Log& log) {
-  std::string before;
-  {
-    const Lock lock(mutex_);
-    if (undo_.empty()) throw Error(ErrorKind::unsupported, "no change of strokes is left to undo");
-    before = std::move(undo_.back());
-    undo_.pop_back();
-  }
-  g_object_set(log.object, "strokes", before.c_str(), nullptr);
+  StrokeList list = read_strokes(text(log));
+  erase(list.strokes, index);
+  set(log, text_of(list));
 }
 
 bool StrokeEditor::changed(const std::string& strokes) const {
@@ -195,11 +151,10 @@ StrokeLists StrokeEditor::take(const std::string& strokes, Extent frame, bool mo
   if (!drawing_changed_ && strokes == taken_ && !resized) return lists_;
   drawing_changed_ = false;
   taken_ = strokes;
-  StrokeList list = read_strokes(strokes);
-  if (list.frame.pixels() == 0) list.frame = frame;
+  StrokeList list = strokes_of(strokes, frame);
   if (drawing_ && list.strokes.size() < kMaxStrokes) {
     list.strokes.push_back(*drawing_);
-    for (Stroke::Point& at : list.strokes.back().points) at = scaled(at, frame, list.frame);
+    scale(list.strokes.back().points, frame, list.frame);
   }
   lists_.solved = part_of(list, false, lists_.solved);
   lists_.recolored = part_of(list, true, lists_.recolored);
@@ -248,27 +203,10 @@ std::vector<Action> stroke_actions() {
   static constexpr auto kEditor = [](Filter& filter) -> StrokeEditor& {
     return *static_cast<Decomposer&>(filter).method().strokes();
   };
-  return {{"add-stroke",
-           {G_TYPE_STRING},
-           [](Filter& filter, const GValue* stroke) {
-             const char* text = g_value_get_string(stroke);
-             kEditor(filter).add(filter.log(), text ? text : "");
-           },
-           true},
-          {"remove-stroke",
-           {G_TYPE_UINT},
-           [](Filter& filter, const GValue* index) {
-             kEditor(filter).remove(filter.log(), g_value_get_uint(index));
-           },
-           true},
-          {"clear-strokes",
-           {},
-           [](Filter& filter, const GValue*) { kEditor(filter).clear(filter.log()); },
-           true},
-          {"undo-stroke",
-           {},
-           [](Filter& filter, const GValue*) { kEditor(filter).undo(filter.log()); },
-           true}};
+  return {edit_action<kEditor, &StrokeEditor::add>("add-stroke"),
+          edit_action<kEditor, &StrokeEditor::remove>("remove-stroke"),
+          edit_action<kEditor, &StrokeEditor::clear>("clear-strokes"),
+          edit_action<kEditor, &StrokeEditor::undo>("undo-stroke")};
 }
 
 }  // namespace inverse

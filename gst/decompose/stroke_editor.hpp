@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include <mutex>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "gst/base/filter.hpp"
+#include "gst/base/json/list_editor.hpp"
 #include "kernels/image/strokes/stroke_tracker.hpp"
 
 namespace inverse {
@@ -38,27 +36,21 @@ struct StrokePlace {
 };
 
 /// The strokes of an element's user. The property `strokes` has all of them but the one that is
-/// being drawn; whatever changes them sets that property, so that applications see it. Thread-safe.
-class StrokeEditor {
+/// being drawn.
+class StrokeEditor : public ListEditor {
  public:
+  StrokeEditor() : ListEditor("stroke") {}
   /// The mouse over the picture. Ignored before the first frame.
   void mouse(const Log& log, const MouseEvent& event, const StrokeParams& params);
   /// What the action signals do; throw Error(unsupported).
   void add(const Log& log, const std::string& stroke);
   void remove(const Log& log, unsigned index);  ///< from 1 on
-  void clear(const Log& log);
-  void undo(const Log& log);
 
   /// Whether `take` would return others than the last time. `strokes` is the property.
   bool changed(const std::string& strokes) const;
   /// The strokes for a frame of this size. `mosaic`: the picture that the
   /// mouse moves over shows several layers side by side.
   StrokeLists take(const std::string& strokes, Extent frame, bool mosaic);
-  /// Warnings since the last call.
-  std::vector<std::string> take_warnings() {
-    const std::lock_guard lock(mutex_);
-    return std::exchange(warnings_, {});
-  }
   /// Forgets the stroke that is being drawn: its picture is gone.
   void flush();
 
@@ -68,21 +60,15 @@ class StrokeEditor {
              std::vector<StrokePlace> places);
 
  private:
-  using Lock = std::lock_guard<std::mutex>;
-  void set(const Log& log, const StrokeList& list);
   void extend(Stroke::Point point);
   /// The place where a stroke was drawn that is now at `now`, in pixels of the frame.
   Stroke::Point as_drawn(const Stroke& stroke, Stroke::Point now) const;
 
-  mutable std::mutex mutex_;
-  Extent frame_{};
   bool mosaic_ = false;
   std::optional<Stroke> drawing_;
   bool drawing_changed_ = false;
   std::string taken_;  // the property
   StrokeLists lists_;
-  std::vector<std::string> undo_;  // the property before each change
-  std::vector<std::string> warnings_;
   StrokesPtr checked_;
   unsigned checked_frames_ = 0;
   std::vector<StrokePlace> places_;  // of `checked_`

@@ -73,14 +73,11 @@ Stroke read_stroke(const std::string& text) { return stroke_of(parsed(text), "th
 std::string text_of(const StrokeList& list) {
   OrderedJson strokes = OrderedJson::array();
   for (const Stroke& stroke : list.strokes) {
-    OrderedJson points = OrderedJson::array();
-    for (const Stroke::Point& point : stroke.points)
-      points.push_back({rounded(point[0], 1), rounded(point[1], 1)});
     OrderedJson entry{{"kind", kKinds[static_cast<size_t>(stroke.kind)].name}};
     if (stroke.kind == Stroke::Kind::recolor) entry["color"] = color_text(srgb_color(stroke.color));
     entry["radius"] = rounded(stroke.radius, 1);
     if (stroke.fill) entry["fill"] = true;
-    entry["points"] = std::move(points);
+    entry["points"] = points_json(stroke.points);
     strokes.push_back(std::move(entry));
   }
   return json_list::text_of(std::move(strokes), "strokes", list.frame);

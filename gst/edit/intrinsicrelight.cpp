@@ -149,23 +149,9 @@ class RelightElement final : public Filter {
 LampEditor& editor_of(Filter& filter) { return static_cast<RelightElement&>(filter).editor(); }
 
 std::vector<Action> lamp_actions() {
-  return {{"add-lamp",
-           {G_TYPE_STRING},
-           [](Filter& filter, const GValue* lamp) {
-             const char* text = g_value_get_string(lamp);
-             editor_of(filter).add(filter.log(), text ? text : "");
-           },
-           true},
-          {"remove-lamp",
-           {G_TYPE_UINT},
-           [](Filter& filter, const GValue* index) {
-             editor_of(filter).remove(filter.log(), g_value_get_uint(index));
-           },
-           true},
-          {"clear-lamps",
-           {},
-           [](Filter& filter, const GValue*) { editor_of(filter).clear(filter.log()); },
-           true}};
+  return {edit_action<editor_of, &LampEditor::add>("add-lamp"),
+          edit_action<editor_of, &LampEditor::remove>("remove-lamp"),
+          edit_action<editor_of, &LampEditor::clear>("clear-lamps")};
 }
 
 }  // namespace

@@ -237,21 +237,9 @@ class SelectElement final : public Filter {
 SelectionEditor& editor_of(Filter& filter) { return static_cast<SelectElement&>(filter).editor(); }
 
 std::vector<Action> actions() {
-  return {{"add-stroke",
-           {G_TYPE_STRING},
-           [](Filter& filter, const GValue* stroke) {
-             const char* text = g_value_get_string(stroke);
-             editor_of(filter).add(filter.log(), text ? text : "");
-           },
-           true},
-          {"clear-strokes",
-           {},
-           [](Filter& filter, const GValue*) { editor_of(filter).clear(filter.log()); },
-           true},
-          {"undo-stroke",
-           {},
-           [](Filter& filter, const GValue*) { editor_of(filter).undo(filter.log()); },
-           true}};
+  return {edit_action<editor_of, &SelectionEditor::add>("add-stroke"),
+          edit_action<editor_of, &SelectionEditor::clear>("clear-strokes"),
+          edit_action<editor_of, &SelectionEditor::undo>("undo-stroke")};
 }
 
 }  // namespace

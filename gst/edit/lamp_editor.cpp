@@ -4,28 +4,25 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/error.hpp"
-#include "gst/base/json/text_property.hpp"
 #include "lamp_text.hpp"
 
 namespace inverse {
 namespace {
 
 constexpr float kGrasp = 1.F / 30;  // of the longer side of the frame: how near a press must be
+constexpr const char* kRemoveOne = "; remove one to add another";
 
-/// The property as it is now, in pixels of `frame` if it names none.
-LampList lamps_of(const Log& log, Extent frame) {
-  LampList list = read_lamps(text_property(log, "lamps"));
+/// The lamps of the property, in pixels of `frame` if it names none.
+LampList lamps_of(const std::string& text, Extent frame) {
+  LampList list = read_lamps(text);
   if (list.frame.pixels() == 0) list.frame = frame;
   return list;
 }
 
-void set(const Log& log, const LampList& list) {
-  g_object_set(log.object, "lamps", text_of(list).c_str(), nullptr);
-}
-
-std::string no_room() {
-  return "there are " + std::to_string(kMaxLamps) + " lamps already; remove one to add another";
+/// From pixels of `from` to those of `to`.
+void scale(Lamp& lamp, Extent from, Extent to) {
+  const Place at = scaled({lamp.position[0], lamp.position[1]}, from, to);
+  lamp.position[0] = at[0], lamp.position[1] = at[1];
 }
 
 /// The place of a lamp of a list, in pixels of `frame`.
@@ -53,11 +50,9 @@ std::string wrong_lamps(const GValue* value) { return wrong_text(value, "lamps",
 
 void LampEditor::mouse(const Log& log, const MouseEvent& event, const LampParams& params) {
   using Kind = MouseEvent::Kind;
-  if (params.lamp_mode == LampMode::off || !std::isfinite(event.x) || !std::isfinite(event.y))
-    return;
-  constexpr double kFar = 1e6;
-  const Place place{static_cast<float>(std::clamp(event.x, -kFar, kFar)),
-                    static_cast<float>(std::clamp(event.y, -kFar, kFar))};
+  const auto mouse = mouse_place(event);
+  if (params.lamp_mode == LampMode::off || !mouse) return;
+  const Place place = *mouse;
   Extent frame;
   std::optional<Drag> drag;
   {
@@ -67,24 +62,24 @@ void LampEditor::mouse(const Log& log, const MouseEvent& event, const LampParams
     if (event.kind == Kind::release) drag_.reset();
   }
   if (frame.pixels() == 0 || (event.kind != Kind::press && !drag)) return;
-  LampList list = lamps_of(log, frame);
+  LampList list = lamps_of(text(log), frame);
   if (event.kind != Kind::press) {
     if (drag->lamp >= list.lamps.size()) return;  // removed meanwhile
     const Place to{std::clamp(place[0] + drag->off[0], 0.F, static_cast<float>(frame.width)),
                    std::clamp(place[1] + drag->off[1], 0.F, static_cast<float>(frame.height))};
     move_to(list.lamps[drag->lamp], scaled(to, frame, list.frame), list.frame);
-    return set(log, list);
+    return set(log, text_of(list));
   }
   std::optional<size_t> pressed = lamp_at(list, place, frame);
   if (params.lamp_mode == LampMode::remove) {
     if (!pressed) return;
     list.lamps.erase(list.lamps.begin() + static_cast<long>(*pressed));
-    return set(log, list);
+    return set(log, text_of(list));
   }
   if (!pressed && params.lamp_mode == LampMode::add) {
     if (list.lamps.size() == kMaxLamps) {
       const Lock lock(mutex_);
-      warnings_.push_back(no_room());
+      warnings_.push_back(full(kMaxLamps) + kRemoveOne);
       return;
     }
     Lamp lamp{.kind = params.lamp_kind,
@@ -94,7 +89,7 @@ void LampEditor::mouse(const Log& log, const MouseEvent& event, const LampParams
     move_to(lamp, scaled(place, frame, list.frame), list.frame);
     pressed = list.lamps.size();
     list.lamps.push_back(lamp);
-    set(log, list);
+    set(log, text_of(list));
   }
   if (!pressed) return;
   const Place at = place_in(list.lamps[*pressed], list.frame, frame);
@@ -103,40 +98,27 @@ void LampEditor::mouse(const Log& log, const MouseEvent& event, const LampParams
 }
 
 void LampEditor::add(const Log& log, const std::string& lamp) {
-  Extent frame;
-  {
-    const Lock lock(mutex_);
-    frame = frame_;
-  }
+  const Extent size = frame();
   Lamp added = read_lamp(lamp);
-  LampList list = lamps_of(log, frame);
-  if (list.lamps.size() == kMaxLamps) throw Error(ErrorKind::unsupported, no_room());
-  const Place at = scaled({added.position[0], added.position[1]}, frame, list.frame);
-  added.position[0] = at[0], added.position[1] = at[1];
+  LampList list = lamps_of(text(log), size);
+  if (list.lamps.size() == kMaxLamps) json_list::refuse(full(kMaxLamps) + kRemoveOne);
+  scale(added, size, list.frame);
   list.lamps.push_back(added);
-  set(log, list);
+  set(log, text_of(list));
 }
 
 void LampEditor::remove(const Log& log, unsigned index) {
-  LampList list = lamps_of(log, {});
-  if (index < 1 || index > list.lamps.size())
-    throw Error(ErrorKind::unsupported, "there is no lamp " + std::to_string(index) +
-                                            "; there are " + std::to_string(list.lamps.size()));
-  list.lamps.erase(list.lamps.begin() + (index - 1));
-  set(log, list);
+  LampList list = read_lamps(text(log));
+  erase(list.lamps, index);
+  set(log, text_of(list));
 }
-
-void LampEditor::clear(const Log& log) { set(log, {}); }
 
 std::vector<Lamp> LampEditor::take(const std::string& lamps, Extent frame) {
   const Lock lock(mutex_);
   frame_ = frame;
   if (taken_ && taken_->first == lamps && taken_->second == frame) return lamps_;
   LampList list = read_lamps(lamps);
-  for (Lamp& lamp : list.lamps) {
-    const Place at = scaled({lamp.position[0], lamp.position[1]}, list.frame, frame);
-    lamp.position[0] = at[0], lamp.position[1] = at[1];
-  }
+  for (Lamp& lamp : list.lamps) scale(lamp, list.frame, frame);
   lamps_ = std::move(list.lamps);
   taken_.emplace(lamps, frame);
   return lamps_;

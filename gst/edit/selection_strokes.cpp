@@ -2,18 +2,14 @@
 #include "selection_strokes.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
-
-#include "gst/base/json/json_list.hpp"
-#include "gst/base/json/text_property.hpp"
 
 namespace inverse {
 namespace {
 
 using namespace json_list;
 
-constexpr size_t kMaxStrokes = 64, kMaxPoints = 4096, kMaxUndo = 100;
+constexpr size_t kMaxStrokes = 64, kMaxPoints = 4096;
 constexpr float kMaxRadius = 1e4F;
 
 SelectionStroke stroke_of(const Json& json, const std::string& name) {
@@ -58,13 +54,10 @@ SelectionList read_selection(const std::string& text) {
 std::string text_of(const SelectionList& list) {
   OrderedJson strokes = OrderedJson::array();
   for (const SelectionStroke& stroke : list.strokes) {
-    OrderedJson points = OrderedJson::array();
-    for (const auto& point : stroke.points)
-      points.push_back({rounded(point[0], 1), rounded(point[1], 1)});
     OrderedJson entry{{"kind", stroke.subtract ? "subtract" : "add"},
                       {"radius", rounded(stroke.radius, 1)}};
     if (stroke.closed) entry["closed"] = true;
-    entry["points"] = std::move(points);
+    entry["points"] = points_json(stroke.points);
     strokes.push_back(std::move(entry));
   }
   return json_list::text_of(std::move(strokes), "strokes", list.frame);
@@ -75,78 +68,47 @@ std::string wrong_selection(const GValue* value) {
 }
 
 void SelectionEditor::resize(Extent frame) {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   frame_ = frame;
 }
 
 void SelectionEditor::flush() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   drawing_.reset();
-}
-
-void SelectionEditor::set(const Log& log, const SelectionList& list) {
-  {
-    std::string before = text_property(log, "strokes");
-    const std::lock_guard lock(mutex_);
-    undo_.push_back(std::move(before));
-    if (undo_.size() > kMaxUndo) undo_.erase(undo_.begin());
-  }
-  g_object_set(log.object, "strokes", text_of(list).c_str(), nullptr);
 }
 
 void SelectionEditor::mouse(const Log& log, const MouseEvent& event, SelectMode mode,
                             float radius) {
   using Kind = MouseEvent::Kind;
+  const auto point = mouse_place(event);
+  if (!point) return;
   std::optional<SelectionStroke> finished;
   Extent frame;
   {
-    const std::lock_guard lock(mutex_);
-    if (frame_.pixels() == 0 || !std::isfinite(event.x) || !std::isfinite(event.y)) return;
-    const auto at = [](double value) {
-      return static_cast<float>(
-          std::clamp(value, -static_cast<double>(kMaxCoordinate), double{kMaxCoordinate}));
-    };
-    const SelectionStroke::Point point{at(event.x), at(event.y)};
+    const Lock lock(mutex_);
+    if (frame_.pixels() == 0) return;
     if (event.kind == Kind::press && mode != SelectMode::off)
-      drawing_ =
-          SelectionStroke{mode == SelectMode::subtract, mode == SelectMode::lasso, {point}, radius};
+      drawing_ = SelectionStroke{
+          mode == SelectMode::subtract, mode == SelectMode::lasso, {*point}, radius};
     else if (drawing_ && drawing_->points.size() < kMaxPoints &&
-             std::hypot(point[0] - drawing_->points.back()[0],
-                        point[1] - drawing_->points.back()[1]) >= std::max(radius / 4, 1.F))
-      drawing_->points.push_back(point);
+             goes_on(drawing_->points, *point, radius))
+      drawing_->points.push_back(*point);
     if (event.kind == Kind::release) finished = std::exchange(drawing_, std::nullopt);
     frame = frame_;
   }
   if (!finished) return;
-  SelectionList list = read_selection(text_property(log, "strokes"));
+  SelectionList list = read_selection(text(log));
   if (list.strokes.size() == kMaxStrokes) list.strokes.erase(list.strokes.begin());
-  if (list.frame.pixels() > 0)
-    for (auto& point : finished->points)
-      point = {point[0] * static_cast<float>(list.frame.width) / static_cast<float>(frame.width),
-               point[1] * static_cast<float>(list.frame.height) / static_cast<float>(frame.height)};
+  scale(finished->points, frame, list.frame);
   list.strokes.push_back(std::move(*finished));
-  set(log, list);
+  set(log, text_of(list));
 }
 
 void SelectionEditor::add(const Log& log, const std::string& stroke) {
-  SelectionList list = read_selection(text_property(log, "strokes"));
-  if (list.strokes.size() == kMaxStrokes)
-    refuse("there are " + std::to_string(kMaxStrokes) + " strokes already; clear them first");
+  SelectionList list = read_selection(text(log));
+  if (list.strokes.size() == kMaxStrokes) refuse(full(kMaxStrokes) + "; clear them first");
   list.strokes.push_back(stroke_of(parsed(stroke), "the stroke"));
-  set(log, list);
-}
-
-void SelectionEditor::clear(const Log& log) { set(log, {}); }
-
-void SelectionEditor::undo(const Log& log) {
-  std::string before;
-  {
-    const std::lock_guard lock(mutex_);
-    if (undo_.empty()) refuse("no change of strokes is left to undo");
-    before = std::move(undo_.back());
-    undo_.pop_back();
-  }
-  g_object_set(log.object, "strokes", before.c_str(), nullptr);
+  set(log, text_of(list));
 }
 
 }  // namespace inverse

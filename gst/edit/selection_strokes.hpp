@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "gst/base/filter.hpp"
+#include "gst/base/json/list_editor.hpp"
 #include "kernels/edit/selection/object/seeds.hpp"
 
 namespace inverse {
@@ -34,27 +33,20 @@ std::string wrong_selection(const GValue* value);
 /// What the mouse draws.
 enum class SelectMode : uint8_t { off, add, subtract, lasso };
 
-/// Draws strokes with the mouse: whatever changes them sets the property `strokes`, which has all
-/// of them. Thread-safe.
-class SelectionEditor {
+/// Draws the strokes of the property `strokes` with the mouse.
+class SelectionEditor : public ListEditor {
  public:
+  SelectionEditor() : ListEditor("stroke") {}
   void mouse(const Log& log, const MouseEvent& event, SelectMode mode, float radius);
-  /// What the action signals do; throw Error(unsupported).
+  /// What the action signal does; throws Error(unsupported).
   void add(const Log& log, const std::string& stroke);
-  void clear(const Log& log);
-  void undo(const Log& log);
   /// Frames have this size from now on.
   void resize(Extent frame);
   /// Forgets the stroke that is being drawn: its picture is gone.
   void flush();
 
  private:
-  void set(const Log& log, const SelectionList& list);
-
-  std::mutex mutex_;
-  Extent frame_{};
   std::optional<SelectionStroke> drawing_;
-  std::vector<std::string> undo_;  // the property before each change
 };
 
 }  // namespace inverse

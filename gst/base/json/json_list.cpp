@@ -53,6 +53,12 @@ std::vector<std::array<float, 2>> points_of(const Json& json, size_t max, const 
   return points;
 }
 
+OrderedJson points_json(const std::vector<std::array<float, 2>>& points) {
+  OrderedJson json = OrderedJson::array();
+  for (const auto& [x, y] : points) json.push_back({rounded(x, 1), rounded(y, 1)});
+  return json;
+}
+
 std::vector<Json> entries_of(const std::string& text, const std::string& what, size_t max,
                              Extent& frame) {
   frame = {};

@@ -29,6 +29,9 @@ uint32_t color_of(const Json& json, const std::string& name);
 /// Of [[x, y], ...] the points, at most `max`; `name` is of what they belong to.
 std::vector<std::array<float, 2>> points_of(const Json& json, size_t max, const std::string& name);
 
+/// What `points_of` reads, rounded to a tenth of a pixel.
+OrderedJson points_json(const std::vector<std::array<float, 2>>& points);
+
 /// The entries of a text, of at most `max`: a list of them, or {"frame": [width, height], NAME:
 /// [...]}. Empty text has none. `what` is what they are called. `frame` is empty if the text has
 /// none.

@@ -55,12 +55,6 @@ void move_to(Lamp& lamp, Place place, Extent frame) {
   lamp.direction = above > 0 ? Lamp::Vector{x, y, -std::sqrt(above)} : unit({x, y, 0});
 }
 
-Place scaled(Place place, Extent from, Extent to) {
-  if (from.pixels() == 0 || to.pixels() == 0 || from == to) return place;
-  return {place[0] * static_cast<float>(to.width) / static_cast<float>(from.width),
-          place[1] * static_cast<float>(to.height) / static_cast<float>(from.height)};
-}
-
 Lamp::Vector View::place(float x, float y, float z) const {
   const float depth = std::max(plane_depth - z, kMinDepth);
   const float scale = focal_length > 0 ? depth / focal_length : 1 / static_cast<float>(frame.width);

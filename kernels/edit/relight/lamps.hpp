@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernels/image/plane.hpp"
+#include "kernels/image/place.hpp"
 
 namespace inverse {
 
@@ -38,17 +38,11 @@ struct LampList {
   std::vector<Lamp> lamps;
 };
 
-/// Where lamps are seen.
-using Place = std::array<float, 2>;
-
-/// Where a lamp is in a frame, pixels. A directional one is where its light would be brightest on a
+/// Where a lamp is seen in a frame. A directional one is where its light would be brightest on a
 /// ball that fills the frame.
 Place place_of(const Lamp& lamp, Extent frame);
 /// Moves a lamp there; z stays, as do the directions of spots.
 void move_to(Lamp& lamp, Place place, Extent frame);
-
-/// A position in pixels of `from`, in those of `to`.
-Place scaled(Place place, Extent from, Extent to);
 
 /// How pixels of a frame are places in the scene: of pixel p at height z above the picture plane,
 /// x = (p − center) · scale(z).

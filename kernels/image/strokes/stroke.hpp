@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "kernels/image/plane.hpp"
+#include "kernels/image/place.hpp"
 
 namespace inverse {
 
@@ -13,7 +13,7 @@ namespace inverse {
 /// 4.5), or gets the reflectance `color`. In pixels of the frame, the first one's center at .5.
 struct Stroke {
   enum class Kind : uint8_t { shading, reflectance, recolor };
-  using Point = std::array<float, 2>;
+  using Point = Place;
   Kind kind = Kind::shading;
   std::vector<Point> points;  ///< at least one; may be outside of the frame
   float radius = 8;           ///< of the round brush, > 0
@@ -25,8 +25,6 @@ struct Stroke {
 
 constexpr size_t kMaxStrokes = 64;
 
-/// Squared distance of a point from the line between two others.
-float squared_distance(Stroke::Point p, Stroke::Point from, Stroke::Point to);
 /// Whether a point, in pixels of the frame, lies under the brush.
 bool covers(const Stroke& stroke, Stroke::Point point);
 

@@ -94,21 +94,8 @@ void draw(const Stroke& stroke, const Brush& brush, uint32_t step, Extent extent
 
 }  // namespace
 
-float squared_distance(Stroke::Point p, Stroke::Point from, Stroke::Point to) {
-  const float dx = to[0] - from[0], dy = to[1] - from[1], length = dx * dx + dy * dy;
-  const float along =
-      length > 0 ? std::clamp(((p[0] - from[0]) * dx + (p[1] - from[1]) * dy) / length, 0.0F, 1.0F)
-                 : 0;
-  const float x = p[0] - from[0] - along * dx, y = p[1] - from[1] - along * dy;
-  return x * x + y * y;
-}
-
 bool covers(const Stroke& stroke, Stroke::Point point) {
-  for (size_t i = 0; i < stroke.points.size(); ++i)
-    if (squared_distance(point, stroke.points[i > 0 ? i - 1 : 0], stroke.points[i]) <
-        stroke.radius * stroke.radius)
-      return true;
-  return false;
+  return squared_distance(point, stroke.points) < stroke.radius * stroke.radius;
 }
 
 StrokePatches draw_patches(const StrokeList& list, Extent extent) {

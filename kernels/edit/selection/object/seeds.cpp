@@ -1,24 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "seeds.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "kernels/edit_selection_object_count.spv.hpp"
 
 namespace inverse {
 namespace {
 
 using Point = SelectionStroke::Point;
-
-/// Squared distance of `p` from the line between two points; NaN if one of them is.
-float distance2(Point p, Point a, Point b) {
-  const float dx = b[0] - a[0], dy = b[1] - a[1], length2 = dx * dx + dy * dy;
-  const float along =
-      length2 > 0 ? std::clamp(((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / length2, 0.F, 1.F) : 0;
-  const float x = a[0] + along * dx - p[0], y = a[1] + along * dy - p[1];
-  return x * x + y * y;
-}
 
 bool inside(Point p, const std::vector<Point>& line) {
   bool odd = false;
@@ -32,10 +20,8 @@ bool inside(Point p, const std::vector<Point>& line) {
 }
 
 bool covers(const SelectionStroke& stroke, Point p, float reach) {
-  if (stroke.closed && stroke.points.size() > 2 && inside(p, stroke.points)) return true;
-  for (size_t i = 0; i < stroke.points.size(); ++i)
-    if (distance2(p, stroke.points[i ? i - 1 : 0], stroke.points[i]) <= reach * reach) return true;
-  return false;
+  return (stroke.closed && stroke.points.size() > 2 && inside(p, stroke.points)) ||
+         squared_distance(p, stroke.points) <= reach * reach;
 }
 
 }  // namespace

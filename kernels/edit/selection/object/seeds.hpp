@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "kernels/edit/selection/grid.hpp"
+#include "kernels/image/place.hpp"
 
 namespace inverse {
 
 /// What a user draws to select an object: a click, a line over it, or a line around it. In pixels
 /// of a frame, the first one's center at .5.
 struct SelectionStroke {
-  using Point = std::array<float, 2>;
+  using Point = Place;
   bool subtract = false;      ///< it belongs to something else
   bool closed = false;        ///< everything inside of the line, too
   std::vector<Point> points;  ///< may be outside of the frame

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "list_editor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace inverse {
+
+void ListEditor::set(const Log& log, const std::string& text) {
+  {
+    std::string before = this->text(log);
+    const Lock lock(mutex_);
+    undo_.push_back(std::move(before));
+    if (undo_.size() > max_undo_) undo_.erase(undo_.begin());
+  }
+  g_object_set(log.object, property_.c_str(), text.c_str(), nullptr);
+}
+
+void ListEditor::undo(const Log& log) {
+  std::string before;
+  {
+    const Lock lock(mutex_);
+    if (undo_.empty()) json_list::refuse("no change of " + property_ + " is left to undo");
+    before = std::move(undo_.back());
+    undo_.pop_back();
+  }
+  g_object_set(log.object, property_.c_str(), before.c_str(), nullptr);
+}
+
+std::vector<std::string> ListEditor::take_warnings() {
+  const Lock lock(mutex_);
+  return std::exchange(warnings_, {});
+}
+
+Extent ListEditor::frame() const {
+  const Lock lock(mutex_);
+  return frame_;
+}
+
+std::string ListEditor::full(size_t max) const {
+  return "there are " + std::to_string(max) + " " + property_ + " already";
+}
+
+std::optional<Place> ListEditor::mouse_place(const MouseEvent& event) {
+  if (!std::isfinite(event.x) || !std::isfinite(event.y)) return {};
+  constexpr double kFar{json_list::kMaxCoordinate};
+  return Place{static_cast<float>(std::clamp(event.x, -kFar, kFar)),
+               static_cast<float>(std::clamp(event.y, -kFar, kFar))};
+}
+
+bool ListEditor::goes_on(const std::vector<Place>& line, Place to, float radius) {
+  return std::hypot(to[0] - line.back()[0], to[1] - line.back()[1]) >= std::max(radius / 4, 1.0F);
+}
+
+}  // namespace inverse

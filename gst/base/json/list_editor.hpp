@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <mutex>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "gst/base/filter.hpp"
+#include "json_list.hpp"
+#include "kernels/image/place.hpp"
+#include "text_property.hpp"
+
+namespace inverse {
+
+/// Edits a property that is a list in JSON (json_list.hpp). Whatever changes the list sets the
+/// property, so that applications see it. Thread-safe.
+class ListEditor {
+ public:
+  /// What the action signals do; throw Error(unsupported).
+  void clear(const Log& log) { set(log, ""); }
+  void undo(const Log& log);
+  /// Warnings since the last call.
+  std::vector<std::string> take_warnings();
+
+ protected:
+  using Lock = std::lock_guard<std::mutex>;
+  static constexpr size_t kMaxUndo = 100;
+  /// `entry`: what an entry is called, like the property but for the plural. So many changes can be
+  /// undone.
+  explicit ListEditor(const char* entry, size_t max_undo = kMaxUndo)
+      : entry_(entry), max_undo_(max_undo) {}
+
+  std::string text(const Log& log) const { return text_property(log, property_.c_str()); }
+  void set(const Log& log, const std::string& text);
+  Extent frame() const;
+  /// That a list has as many entries as it may.
+  std::string full(size_t max) const;
+  /// Removes entry `index`, from 1 on. Throws Error(unsupported).
+  template <typename Entry>
+  void erase(std::vector<Entry>& entries, unsigned index) const {
+    if (index < 1 || index > entries.size())
+      json_list::refuse("there is no " + entry_ + " " + std::to_string(index) + "; there are " +
+                        std::to_string(entries.size()));
+    entries.erase(entries.begin() + (index - 1));
+  }
+  /// Where the mouse is, within kMaxCoordinate; none if that is no number.
+  static std::optional<Place> mouse_place(const MouseEvent& event);
+  /// Whether a line goes on to a place: it is a quarter of the radius away from the line's end.
+  static bool goes_on(const std::vector<Place>& line, Place to, float radius);
+
+  mutable std::mutex mutex_;
+  Extent frame_{};  // that the mouse is over; empty before the first one
+  std::vector<std::string> warnings_;
+
+ private:
+  const std::string entry_, property_ = entry_ + "s";
+  const size_t max_undo_;
+  std::vector<std::string> undo_;  // the property before each change
+};
+
+/// Places in pixels of `from` become those of `to`.
+inline void scale(std::vector<Place>& places, Extent from, Extent to) {
+  for (Place& place : places) place = scaled(place, from, to);
+}
+
+/// The action signal `name`. It calls a member function of the editor that `editor_of` gives for a
+/// filter: f(log), f(log, text) or f(log, number).
+template <auto editor_of, auto member>
+Action edit_action(const char* name) {
+  using Editor = std::invoke_result_t<decltype(editor_of), Filter&>;
+  constexpr bool kText =
+      std::is_invocable_v<decltype(member), Editor, const Log&, const std::string&>;
+  constexpr bool kNumber = std::is_invocable_v<decltype(member), Editor, const Log&, unsigned>;
+  std::vector<GType> arguments;
+  if constexpr (kText || kNumber) arguments.push_back(kText ? G_TYPE_STRING : G_TYPE_UINT);
+  const auto run = [](Filter& filter, [[maybe_unused]] const GValue* argument) {
+    Editor editor = editor_of(filter);
+    if constexpr (kText) {
+      const char* text = g_value_get_string(argument);
+      (editor.*member)(filter.log(), text ? text : "");
+    } else if constexpr (kNumber) {
+      (editor.*member)(filter.log(), g_value_get_uint(argument));
+    } else {
+      (editor.*member)(filter.log());
+    }
+  };
+  return {name, std::move(arguments), run, true};
+}
+
+}  // namespace inverse
