@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "common/error.hpp"
-#include "recolor.hpp"
+#include "replace_layer.hpp"
 
 namespace inverse {
 namespace {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "replace_layer.hpp"
+
 namespace inverse {
 namespace {
 
@@ -50,14 +52,6 @@ Push push_of(const RecolorParams& params, Extent extent) {
 }
 
 }  // namespace
-
-PlanePtr plane_to_edit(const PlanePtr& plane, PlanePool& planes) {
-  return plane.use_count() == 1 ? plane : planes.acquire();
-}
-
-void replace(gpu::Commands& commands, Layers& layers, Role role, PlanePtr plane) {
-  if (layers[role] != plane) commands.keep(std::exchange(layers[role], std::move(plane)));
-}
 
 Recolor::Recolor(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : device_(device),

@@ -36,7 +36,7 @@ layout(push_constant) uniform Push {
 const float kValueFloor = 1e-3;
 
 // Least matte by which light behind an object is taken off.
-const float kLeastMatte = 0.1;
+const float kMinMatte = 0.1;
 
 // Turned around the axis of grays in linear RGB, which keeps the mean of the channels. Channels below 0 become 0.
 vec3 turned(vec3 color) {
@@ -50,7 +50,7 @@ void recolor(uint n, vec4 layers, float selection, float key_value) {
     vec4 seen = FETCH(mask, int(n));
     float matte = min(finite(seen).x, 1.0);
     vec3 behind = mix(vec3(0.0), seen.yzw, lessThan(abs(seen.yzw), vec3(kLargest)));
-    object = clamp(object - (1.0 - matte) / max(matte, kLeastMatte) * behind, vec3(0.0), vec3(kLargest));
+    object = clamp(object - (1.0 - matte) / max(matte, kMinMatte) * behind, vec3(0.0), vec3(kLargest));
     selection *= matte;
   }
   if (PUBLISH) STORE(published, BY_ROWS(n), vec4(selection, 0.0, 0.0, 0.0));

@@ -105,10 +105,4 @@ class Recolor {
   std::optional<LightEdit> light_;       // made when light first has layers
 };
 
-/// The plane to write the edited `plane` to: itself if nothing else holds it, else a new one.
-PlanePtr plane_to_edit(const PlanePtr& plane, PlanePool& planes);
-/// Puts `plane` in the place of a layer. The one before stays until this work is done, whoever else
-/// releases it: its pool may belong to another thread, which would write to it first.
-void replace(gpu::Commands& commands, Layers& layers, Role role, PlanePtr plane);
-
 }  // namespace inverse

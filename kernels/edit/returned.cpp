@@ -5,7 +5,7 @@
 #include <bit>
 
 #include "kernels/edit_returned.spv.hpp"
-#include "recolor.hpp"
+#include "replace_layer.hpp"
 
 namespace inverse {
 namespace {

@@ -2,7 +2,7 @@
 #include "stroke_recolor.hpp"
 
 #include "kernels/image/pack4.hpp"
-#include "recolor.hpp"
+#include "replace_layer.hpp"
 
 namespace inverse {
 

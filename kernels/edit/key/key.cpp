@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "kernels/edit/recolor.hpp"
+#include "kernels/edit/replace_layer.hpp"
 
 namespace inverse {
 namespace {

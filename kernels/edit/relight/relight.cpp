@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/edit/recolor.hpp"
+#include "kernels/edit/replace_layer.hpp"
 
 namespace inverse {
 namespace {
