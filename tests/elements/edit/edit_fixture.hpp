@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/elements/draw.hpp"
@@ -52,5 +53,72 @@ inline void ramp(GstElement* element, const char* property, double from, double 
   gst_timed_value_control_source_set(values, GST_SECOND, to);
   gst_object_unref(source);
 }
+
+/// Expects that a line of elements takes frames of any format and size, and gives as many bytes.
+inline void expect_any_format_and_size(const std::string& line) {
+  for (const char* format : {"RGBA", "GRAY8", "NV12", "RGB"})
+    for (const auto& [width, height] : {std::pair{1, 1}, {2, 3}, {15, 10}, {349, 287}}) {
+      const std::string caps = VideoHarness::caps(format, width, height);
+      VideoHarness harness(line, caps, caps);
+      const auto picture = random_frame(caps, 1);
+      EXPECT_EQ(harness.process(picture, 2).size(), picture.size()) << line << caps;
+      EXPECT_TRUE(harness.errors().empty()) << line << caps;
+    }
+}
+
+/// An editor of layers and a frame of lit paints.
+class EditorElement : public ::testing::Test {
+ protected:
+  static constexpr int kWidth = 96, kHeight = 64;
+  static constexpr const char* kGlobal =
+      "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS "), layers=(string)global";
+
+  static std::string rgba() { return VideoHarness::caps("RGBA", kWidth, kHeight); }
+  /// A decomposed frame's way through an editor.
+  static std::string line(const std::string& editor) {
+    return "intrinsicdecomp ! " + editor + " ! intrinsiccompose";
+  }
+
+  /// Expects that settings with which an editor changes nothing cost nothing.
+  void expect_neutral(const std::string& editor, const std::vector<std::string>& settings) {
+    VideoHarness without("intrinsicdecomp ! intrinsiccompose", rgba(), rgba());
+    const auto expected = without.process(frame, 4);
+    for (const std::string& some : settings) {
+      VideoHarness harness(line(editor + " " + some), rgba(), rgba());
+      EXPECT_LE(largest_difference(harness.process(frame, 3), frame), 1) << some;
+      EXPECT_EQ(dispatches_of(harness, editor.c_str()), 0u) << some;
+      EXPECT_EQ(harness.process(frame), expected) << some;
+    }
+  }
+
+  /// Expects that the frame changes more and more, every so many frames, as `strength` goes up.
+  void expect_strength_follows_a_controller(VideoHarness& harness, GstElement* editor, int every) {
+    ramp(editor, "strength", 0, 1);
+    int before = 0;
+    for (int n = 0; n < 25; ++n) {
+      const int change = largest_difference(harness.process(frame), frame);
+      if (n == 0) {
+        EXPECT_LE(change, 1);
+      }
+      if (n % every == every - 1) {
+        EXPECT_GT(change, before + 10) << n;
+        before = change;
+      }
+    }
+  }
+
+  /// Expects that a mask of the paint at the right confines an editor that changes both.
+  void expect_confined_by_a_mask(const std::string& editor) {
+    const std::string masked =
+        "intrinsicrecolor key=0xff3c5ac8 strength=0 write-mask=true ! " + editor;
+    const auto confined = VideoHarness(line(masked), rgba(), rgba()).process(frame);
+    EXPECT_GT(half_difference(confined, frame, kWidth, true), 25);
+    EXPECT_LE(half_difference(confined, frame, kWidth, false), 1);
+    const auto all = VideoHarness(line(masked + " use-mask=false"), rgba(), rgba()).process(frame);
+    EXPECT_GT(half_difference(all, frame, kWidth, false), 25);
+  }
+
+  const std::vector<uint8_t> frame = lit_paints(kWidth, kHeight);
+};
 
 }  // namespace inverse::testing

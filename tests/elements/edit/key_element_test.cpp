@@ -209,15 +209,8 @@ TEST_F(KeyElement, DoesNotFlicker) {
 }
 
 TEST_F(KeyElement, AnyFormatAndSizeWorks) {
-  for (const char* format : {"RGBA", "GRAY8", "NV12", "RGB"})
-    for (const auto& [width, height] : {std::pair{1, 1}, {2, 3}, {15, 10}, {349, 287}})
-      for (const char* settings : {"", "key=0 shrink=2.5 invert=true"}) {
-        const std::string caps = VideoHarness::caps(format, width, height);
-        VideoHarness harness(std::string("intrinsicdecomp ! intrinsickey ") + settings, caps, caps);
-        const auto picture = random_frame(caps, 1);
-        EXPECT_EQ(harness.process(picture, 2).size(), picture.size()) << caps;
-        EXPECT_TRUE(harness.errors().empty()) << caps;
-      }
+  for (const char* settings : {"", "key=0 shrink=2.5 invert=true"})
+    expect_any_format_and_size(std::string("intrinsicdecomp ! intrinsickey ") + settings);
 }
 
 TEST_F(KeyElement, WithoutADecomposerItSaysWhatToInsert) {

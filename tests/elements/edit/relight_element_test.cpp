@@ -12,13 +12,10 @@
 namespace inverse::testing {
 namespace {
 
-constexpr int kWidth = 96, kHeight = 64;
 constexpr const char* kLine = "intrinsicdecomp ! intrinsicrelight ! intrinsiccompose";
 constexpr const char* kSun = R"([{"kind":"directional","direction":[0,0,-1],"power":1}])";
 
-std::string rgba() { return VideoHarness::caps("RGBA", kWidth, kHeight); }
-
-class RelightElement : public ::testing::Test {
+class RelightElement : public EditorElement {
  protected:
   explicit RelightElement(const std::string& line = kLine)
       : harness_(line, rgba(), rgba()), element_(harness_.find("intrinsicrelight")) {}
@@ -53,7 +50,6 @@ class RelightElement : public ::testing::Test {
     return sum / 49;
   }
 
-  const std::vector<uint8_t> frame = lit_paints(kWidth, kHeight);
   VideoHarness harness_;
   GstElement* element_;
 };
@@ -101,16 +97,9 @@ TEST_F(RelightElement, AmbientTakesTheLightAway) {
 }
 
 TEST_F(RelightElement, NeutralSettingsReturnTheFrameAndDispatchNothing) {
-  for (const std::string settings :
-       {"", "lamps=\"[]\"", "geometry=flat show-lamps=true",
-        "strength=0 lamps=\"[{\\\"kind\\\":\\\"point\\\",\\\"position\\\":[4,4,1]}]\""}) {
-    VideoHarness harness("intrinsicdecomp ! intrinsicrelight " + settings + " ! intrinsiccompose",
-                         rgba(), rgba());
-    EXPECT_LE(largest_difference(harness.process(frame, 3), frame), 1) << settings;
-    EXPECT_EQ(dispatches_of(harness, "intrinsicrelight"), 0u) << settings;
-    VideoHarness without("intrinsicdecomp ! intrinsiccompose", rgba(), rgba());
-    EXPECT_EQ(harness.process(frame), without.process(frame, 4)) << settings;
-  }
+  expect_neutral("intrinsicrelight",
+                 {"", "lamps=\"[]\"", "geometry=flat show-lamps=true",
+                  "strength=0 lamps=\"[{\\\"kind\\\":\\\"point\\\",\\\"position\\\":[4,4,1]}]\""});
 }
 
 TEST_F(RelightElement, FollowsItsPropertiesWhilePlaying) {
@@ -137,36 +126,15 @@ TEST_F(RelightElement, FollowsItsPropertiesWhilePlaying) {
 
 TEST_F(RelightElement, StrengthFollowsAController) {
   set(kSun);
-  ramp(element_, "strength", 0, 1);
-  int before = 0;
-  for (int n = 0; n < 25; ++n) {
-    const int change = largest_difference(harness_.process(frame), frame);
-    if (n == 0) {
-      EXPECT_LE(change, 1);
-    }
-    if (n % 12 == 11) {
-      EXPECT_GT(change, before + 10) << n;
-      before = change;
-    }
-  }
+  expect_strength_follows_a_controller(harness_, element_, 12);
 }
 
 TEST_F(RelightElement, AMaskConfinesIt) {
-  const std::string select =
-      "intrinsicdecomp ! intrinsicrecolor key=0xff3c5ac8 strength=0 write-mask=true ! ";
-  VideoHarness harness(select + "intrinsicrelight ! intrinsiccompose", rgba(), rgba());
-  GstElement* relight = harness.find("intrinsicrelight");
-  g_object_set(relight, "lamps", kSun, nullptr);
-  const auto confined = harness.process(frame);
-  EXPECT_GT(half_difference(confined, frame, kWidth, true), 25);
-  EXPECT_LE(half_difference(confined, frame, kWidth, false), 1);
-  g_object_set(relight, "use-mask", FALSE, nullptr);
-  EXPECT_GT(half_difference(harness.process(frame), frame, kWidth, false), 25);
+  expect_confined_by_a_mask(
+      R"(intrinsicrelight lamps="[{\"kind\":\"directional\",\"direction\":[0,0,-1],\"power\":1}]")");
 }
 
 TEST_F(RelightElement, LightWithLayersGetsTheLampAsDirectLight) {
-  const char* kGlobal =
-      "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS "), layers=(string)global";
   VideoHarness plain("globalintrinsic", rgba(), kGlobal);
   VideoHarness relit("globalintrinsic ! intrinsicrelight", rgba(), kGlobal);
   g_object_set(relit.find("intrinsicrelight"), "lamps", kSun, "geometry", 2 /* flat */, nullptr);
@@ -397,16 +365,8 @@ TEST_F(RelightElement, ABadFileIsOneErrorWithItsPath) {
 }
 
 TEST_F(RelightElement, AnyFormatAndSizeWorks) {
-  for (const char* format : {"RGBA", "GRAY8", "NV12", "RGB"})
-    for (const auto& [width, height] : {std::pair{1, 1}, {2, 3}, {15, 10}, {349, 287}}) {
-      const std::string caps = VideoHarness::caps(format, width, height);
-      VideoHarness harness(kLine, caps, caps);
-      g_object_set(harness.find("intrinsicrelight"), "lamps",
-                   R"([{"kind":"point","position":[1,1,0.3],"color":"#ff8000"}])", nullptr);
-      const auto picture = random_frame(caps, 1);
-      EXPECT_EQ(harness.process(picture, 2).size(), picture.size()) << caps;
-      EXPECT_TRUE(harness.errors().empty()) << caps;
-    }
+  expect_any_format_and_size(line(
+      R"(intrinsicrelight lamps="[{\"kind\":\"point\",\"position\":[1,1,0.3],\"color\":\"#ff8000\"}]")"));
 }
 
 TEST_F(RelightElement, NaNInLayersStaysInItsPixel) {

@@ -8,20 +8,16 @@
 namespace inverse::testing {
 namespace {
 
-constexpr int kWidth = 96, kHeight = 64;
 constexpr const char* kTwiceAsBright = "curve=\"-4,-3 4,5\"";
 constexpr const char* kLooks[] = {"velvet", "shiny", "metal", "matte"};
 
-std::string rgba() { return VideoHarness::caps("RGBA", kWidth, kHeight); }
-
-class ToneElement : public ::testing::Test {
+class ToneElement : public EditorElement {
  protected:
   std::vector<uint8_t> through(const std::string& tone, int times = 1) const {
     VideoHarness harness("intrinsicdecomp light-color-slope=0 ! " + tone + " ! intrinsiccompose",
                          rgba(), rgba());
     return harness.process(frame, times);
   }
-  const std::vector<uint8_t> frame = lit_paints(kWidth, kHeight);
 };
 
 }  // namespace
@@ -49,16 +45,8 @@ TEST_F(ToneElement, EveryLookIsAnotherPicture) {
 }
 
 TEST_F(ToneElement, NeutralSettingsReturnTheFrameAndDispatchNothing) {
-  for (const std::string settings :
-       {"", "curve=\"-2,-2 3,3\"", "look=metal strength=0", "strength=0 curve=\"0,1 1,5\""}) {
-    VideoHarness harness("intrinsicdecomp ! intrinsictone " + settings + " ! intrinsiccompose",
-                         rgba(), rgba());
-    EXPECT_LE(largest_difference(harness.process(frame, 3), frame), 1) << settings;
-    EXPECT_EQ(dispatches_of(harness, "intrinsictone"), 0u) << settings;
-    // Nothing at all is different from a line without it.
-    VideoHarness without("intrinsicdecomp ! intrinsiccompose", rgba(), rgba());
-    EXPECT_EQ(harness.process(frame), without.process(frame, 4)) << settings;
-  }
+  expect_neutral("intrinsictone", {"", "curve=\"-2,-2 3,3\"", "look=metal strength=0",
+                                   "strength=0 curve=\"0,1 1,5\""});
 }
 
 TEST_F(ToneElement, FollowsItsPropertiesWhilePlaying) {
@@ -84,29 +72,12 @@ TEST_F(ToneElement, FollowsItsPropertiesWhilePlaying) {
 }
 
 TEST_F(ToneElement, StrengthFollowsAController) {
-  VideoHarness harness("intrinsicdecomp ! intrinsictone curve=\"-4,-6 4,2\" ! intrinsiccompose",
-                       rgba(), rgba());
-  ramp(harness.find("intrinsictone"), "strength", 0, 1);
-  int before = 0;
-  for (int n = 0; n < 25; ++n) {
-    const int change = largest_difference(harness.process(frame), frame);
-    if (n == 0) {
-      EXPECT_LE(change, 1);
-    }
-    if (n % 6 == 5) {
-      EXPECT_GT(change, before + 10) << n;
-      before = change;
-    }
-  }
+  VideoHarness harness(line("intrinsictone curve=\"-4,-6 4,2\""), rgba(), rgba());
+  expect_strength_follows_a_controller(harness, harness.find("intrinsictone"), 6);
 }
 
 TEST_F(ToneElement, AMaskConfinesIt) {
-  const std::string select = "intrinsicrecolor key=0xff3c5ac8 strength=0 write-mask=true ! ";
-  const auto confined = through(select + "intrinsictone " + kTwiceAsBright);
-  EXPECT_GT(half_difference(confined, frame, kWidth, true), 25);
-  EXPECT_LE(half_difference(confined, frame, kWidth, false), 1);
-  const auto free = through(select + "intrinsictone use-mask=false " + kTwiceAsBright);
-  EXPECT_GT(half_difference(free, frame, kWidth, false), 25);
+  expect_confined_by_a_mask(std::string("intrinsictone ") + kTwiceAsBright);
 }
 
 TEST_F(ToneElement, TheColorOfLightFollowsShading) {
@@ -125,11 +96,8 @@ TEST_F(ToneElement, TheColorOfLightFollowsShading) {
 }
 
 TEST_F(ToneElement, LightWithLayersKeepsItsShares) {
-  const std::string caps = VideoHarness::caps("RGBA", kWidth, kHeight);
-  const char* kGlobal =
-      "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS "), layers=(string)global";
-  VideoHarness plain("globalintrinsic", caps, kGlobal);
-  VideoHarness tone(std::string("globalintrinsic ! intrinsictone ") + kTwiceAsBright, caps,
+  VideoHarness plain("globalintrinsic", rgba(), kGlobal);
+  VideoHarness tone(std::string("globalintrinsic ! intrinsictone ") + kTwiceAsBright, rgba(),
                     kGlobal);
   const Buffer a = plain.process_buffer(frame), b = tone.process_buffer(frame);
   EXPECT_EQ(layer_of(a.get(), GST_INVERSE_ROLE_LIGHT), layer_of(b.get(), GST_INVERSE_ROLE_LIGHT));
@@ -171,15 +139,7 @@ TEST_F(ToneElement, AWrongCurveOfALineIsAnErrorThatSaysWhatToWrite) {
 }
 
 TEST_F(ToneElement, AnyFormatAndSizeWorks) {
-  for (const char* format : {"RGBA", "GRAY8", "NV12", "RGB"})
-    for (const auto& [width, height] : {std::pair{1, 1}, {2, 3}, {15, 10}, {349, 287}}) {
-      const std::string caps = VideoHarness::caps(format, width, height);
-      VideoHarness harness("intrinsicdecomp ! intrinsictone look=metal ! intrinsiccompose", caps,
-                           caps);
-      const auto picture = random_frame(caps, 1);
-      EXPECT_EQ(harness.process(picture, 2).size(), picture.size()) << caps;
-      EXPECT_TRUE(harness.errors().empty()) << caps;
-    }
+  expect_any_format_and_size(line("intrinsictone look=metal"));
 }
 
 TEST_F(ToneElement, BlackStaysBlackAndWhiteIsNoError) {
