@@ -3,15 +3,13 @@
 #include "kernels/edit/key/key.hpp"
 
 #include <cmath>
-#include <iterator>
 
-#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/kernels/edit/edit_fixture.hpp"
 #include "tests/reference/edit/key.hpp"
 
 namespace inverse::testing {
 namespace {
 
-constexpr float kEvil[] = {0, -0.F, 1e-30F, -1, 1e30F, kInf, -kInf, kNan, 65504, 1e-3F, 3.4e38F};
 constexpr float kScreen[3] = {.05F, .34F, .09F};
 
 /// Light and reflectance of a screen with a disk and noise before it.
@@ -37,17 +35,10 @@ struct Scene {
         }
       }
     if (!hostile) return;
-    for (Pixels* pixels : {&frame, &intrinsic})
-      for (float& p : *pixels)
-        if (random() % 9 == 0) p = kEvil[random() % std::size(kEvil)];
+    frame = with_extremes(std::move(frame), seed + 1);
+    intrinsic = with_extremes(std::move(intrinsic), seed + 2);
   }
 };
-
-reference::Plane reference_of(Extent extent, const Pixels& pixels) {
-  reference::Plane plane(static_cast<int>(extent.width), static_cast<int>(extent.height));
-  for (size_t i = 0; i < pixels.size(); ++i) plane.data[i / 4][i % 4] = pixels[i];
-  return plane;
-}
 
 reference::KeySpec spec_of(const KeyParams& p) {
   return {{p.key[0], p.key[1], p.key[2]},
@@ -96,20 +87,20 @@ class KeyTest : public GpuTest {
     }
     for (const bool over_black : {false, true}) {
       const Result got = record(frame, params, over_black);
-      const auto seen = reference_of(extent, scene.frame);
-      const auto paint = reference_of(extent, scene.intrinsic);
+      const auto seen = to_reference(extent, scene.frame);
+      const auto paint = to_reference(extent, scene.intrinsic);
       const reference::KeySpec spec = spec_of(params);
       const auto screen = reference::screen_of(paint, spec);
       for (size_t c = 0; c < 4; ++c)
         ASSERT_NEAR(double{got.screen[c]}, screen[c], 1e-3 * (1 + screen[c])) << what << " screen";
       const int side = static_cast<int>(Key::grid_of(extent).side);
       const auto light = reference::key_light(seen, paint, screen, side, spec.tolerance);
-      const auto came_in = mask.empty() ? reference::Plane() : reference_of(extent, mask);
+      const auto came_in = mask.empty() ? reference::Plane() : to_reference(extent, mask);
       const auto matte =
           reference::key_matte(seen, paint, light, side, mask.empty() ? nullptr : &came_in, spec);
       const auto shrunk = reference::shrunk(matte, params.invert ? -spec.shrink : spec.shrink);
       ASSERT_NO_FATAL_FAILURE(expect_near(got.mask, shrunk, 4e-3, what + " mask"));
-      const auto drawn = edited.empty() ? reference::Plane() : reference_of(extent, composed);
+      const auto drawn = edited.empty() ? reference::Plane() : to_reference(extent, composed);
       ASSERT_NO_FATAL_FAILURE(
           expect_near(got.picture,
                       reference::keyed_picture(seen, edited.empty() ? nullptr : &drawn, light, side,

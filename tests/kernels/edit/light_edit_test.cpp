@@ -2,33 +2,18 @@
 // Light with layers: edits, pictures and composing against their specification.
 #include "tests/reference/edit/light_edit.hpp"
 
-#include <functional>
-#include <limits>
-
 #include "kernels/edit/compose.hpp"
 #include "kernels/edit/light_edit.hpp"
 #include "kernels/edit/recolor.hpp"
 #include "kernels/image/view/light_picture.hpp"
 #include "tests/differences.hpp"
-#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/kernels/edit/edit_fixture.hpp"
 #include "tests/reference/image/light_color.hpp"
 
 namespace inverse::testing {
-namespace {
 
 using reference::Rgb;
 using reference::Rgba;
-
-/// Every ninth number is one that breaks careless arithmetic.
-Pixels hostile(Pixels pixels) {
-  using Limits = std::numeric_limits<float>;
-  const float evil[] = {
-      0, -1, kInf, -kInf, kNan, 1e-30f, 65504, Limits::max(), Limits::denorm_min()};
-  for (size_t i = 0; i < pixels.size(); i += 9) pixels[i] = evil[i / 9 % std::size(evil)];
-  return pixels;
-}
-
-}  // namespace
 
 class LightEditTest : public GpuTest {
  protected:
@@ -41,7 +26,7 @@ class LightEditTest : public GpuTest {
   Frame frame(Extent extent, uint32_t count, unsigned seed, bool evil = false) {
     const auto random = [&](Extent size, float high) {
       Pixels pixels = random_pixels(size, seed++, 0, high);
-      return evil ? hostile(pixels) : pixels;
+      return evil ? with_extremes(std::move(pixels), seed) : pixels;
     };
     Frame made;
     made.model = random(extent, 1);

@@ -5,30 +5,13 @@
 #include <array>
 #include <cmath>
 
-#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/kernels/edit/edit_fixture.hpp"
 #include "tests/reference/edit/relight.hpp"
 
 namespace inverse::testing {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-
-/// Layers over 24 stops, a few values of which break careless arithmetic.
-Pixels evil_pixels(Extent extent, unsigned seed) {
-  Pixels pixels = random_pixels(extent, seed);
-  const float evil[] = {0, -0.F, 1e-30F, -1, 1e30F, kInf, -kInf, kNan, 65504, 1e-3F, 3.4e38F};
-  std::mt19937 random(seed);
-  for (size_t i = 3; i < pixels.size(); i += 4) pixels[i] = std::exp2(24 * pixels[i] - 14);
-  for (float& p : pixels)
-    if (random() % 20 == 0) p = evil[random() % std::size(evil)];
-  return pixels;
-}
-
-std::vector<reference::Rgba> reference_of(const Pixels& pixels) {
-  std::vector<reference::Rgba> result;
-  for (size_t n = 0; n < pixels.size() / 4; ++n) result.push_back(pixel_of(pixels, n));
-  return result;
-}
 
 double linear_of(uint32_t code) {
   const double v = (code & 255) / 255.0;
@@ -81,14 +64,8 @@ std::vector<Lamp> lamps_of(Extent frame) {
   };
 }
 
-class RelightTest : public GpuTest {
+class RelightTest : public EditorTest {
  protected:
-  Layers layers(Extent extent, const Pixels& intrinsic) {
-    Layers result;
-    result.extent = extent;
-    result[Role::intrinsic] = result[Role::model] = shared_plane(extent, intrinsic);
-    return result;
-  }
   void record(Relight& relight, Layers& layers, const RelightParams& params) {
     run([&](gpu::Commands& commands) { relight.record(commands, layers, params); });
   }
@@ -149,8 +126,10 @@ TEST_F(RelightTest, AgreesWithReference) {
         const std::string what = name_of(extent) + (beside.light ? " light" : "") +
                                  (beside.slope ? " slope" : "") + (beside.mask ? " mask" : "");
         const unsigned seed = extent.width;
-        const Pixels pixels = evil_pixels(extent, seed), light = evil_pixels(extent, seed + 1),
-                     matte = evil_pixels(extent, seed + 2), shares = evil_pixels(extent, seed + 3);
+        const Pixels pixels = layers_over_24_stops(extent, seed),
+                     light = layers_over_24_stops(extent, seed + 1),
+                     matte = layers_over_24_stops(extent, seed + 2),
+                     shares = layers_over_24_stops(extent, seed + 3);
         Layers frame = layers(extent, pixels);
         if (beside.light)
           frame[Role::light] = frame[Role::model_light] = shared_plane(extent, light);
@@ -247,7 +226,7 @@ TEST_F(RelightTest, ReliefAgreesWithReferenceAndFollows) {
     std::vector<double> cells;
     const std::array<float, 4> gains{1, 1.05F, 1.3F, 40};
     for (const float gain : gains) {
-      Pixels pixels = evil_pixels(extent, 5);
+      Pixels pixels = layers_over_24_stops(extent, 5);
       for (float& p : pixels) p *= gain;
       const Plane frame = plane(extent, pixels);
       run([&](gpu::Commands& commands) { relief.record(commands, frame); });

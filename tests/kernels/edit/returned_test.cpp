@@ -2,10 +2,8 @@
 // What effects changed in pictures of layers: the kernel against its specification.
 #include "tests/reference/edit/returned.hpp"
 
-#include <limits>
-
 #include "kernels/edit/returned.hpp"
-#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/kernels/edit/edit_fixture.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -25,25 +23,11 @@ struct Case {
   Extent picture{};
 };
 
-Pixels hostile(Pixels pixels) {
-  using Limits = std::numeric_limits<float>;
-  const float evil[] = {
-      0, -1, kInf, -kInf, kNan, 1e-30F, 65504, Limits::max(), Limits::denorm_min()};
-  for (size_t i = 0; i < pixels.size(); i += 9) pixels[i] = evil[i / 9 % std::size(evil)];
-  return pixels;
-}
-
 /// As pictures are: of few values, many of them the same, some 0 and some 1.
 Pixels codes(Extent extent, unsigned seed, float levels = 16) {
   Pixels pixels = random_pixels(extent, seed);
   for (float& p : pixels) p = std::round(p * levels) / levels;
   return pixels;
-}
-
-std::vector<Rgba> pixels_of(const Pixels& pixels) {
-  std::vector<Rgba> result;
-  for (size_t n = 0; n < pixels.size() / 4; ++n) result.push_back(pixel_of(pixels, n));
-  return result;
 }
 
 }  // namespace
@@ -59,7 +43,7 @@ class ReturnedTest : public GpuTest {
     Frame made;
     const auto layer = [&](float high) {
       Pixels pixels = random_pixels(extent, ++seed, 0, high);
-      return with.evil ? hostile(pixels) : pixels;
+      return with.evil ? with_extremes(std::move(pixels), seed) : pixels;
     };
     made.intrinsic = layer(1.5F);
     made.light = layer(1.5F);
@@ -70,8 +54,8 @@ class ReturnedTest : public GpuTest {
     made.sent = codes(size, ++seed);
     made.returned = codes(size, ++seed);
     if (with.evil) {
-      made.sent = hostile(made.sent);
-      made.returned = hostile(made.returned);
+      made.sent = with_extremes(made.sent, ++seed);
+      made.returned = with_extremes(made.returned, ++seed);
     }
     if (with.gamut) made.gamut = gamut_between(Primaries::bt709(), Primaries::bt2020());
     Layers& layers = made.layers;
@@ -121,7 +105,7 @@ class ReturnedTest : public GpuTest {
                  std::to_string(with.matte) + " gamut " + std::to_string(with.gamut) + " evil " +
                  std::to_string(with.evil));
     Frame made = frame(extent, with, seed);
-    reference::ReturnedPicture picture{pixels_of(made.sent), pixels_of(made.returned)};
+    reference::ReturnedPicture picture{reference_of(made.sent), reference_of(made.returned)};
     const Extent size = with.picture.width ? with.picture : extent;
     picture.width = size.width;
     picture.height = size.height;

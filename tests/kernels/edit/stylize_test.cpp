@@ -4,30 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
-#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/kernels/edit/edit_fixture.hpp"
 #include "tests/reference/edit/stylize.hpp"
 #include "tests/update_max.hpp"
 
 namespace inverse::testing {
 namespace {
 
-constexpr float kEvil[] = {0, -0.F, 1e-30F, -1, 1e30F, kInf, -kInf, kNan, 65504, 1e-3F, 3.4e38F};
-
-Pixels any_pixels(Extent extent, unsigned seed, bool hostile) {
-  Pixels pixels = random_pixels(extent, seed, 0, 1.5F);
-  std::mt19937 random(seed);
-  if (hostile)
-    for (float& p : pixels)
-      if (random() % 9 == 0) p = kEvil[random() % std::size(kEvil)];
-  return pixels;
-}
-
 reference::LayersField reference_of(Extent extent, const Pixels& pixels) {
-  reference::LayersField result{extent.width, extent.height, {}};
-  for (size_t n = 0; n < extent.pixels(); ++n) result.pixels.push_back(pixel_of(pixels, n));
-  return result;
+  return {extent.width, extent.height, reference_of(pixels)};
 }
 
 reference::StylizeSpec spec_of(const StylizeParams& p) {
@@ -44,14 +30,8 @@ Pixels step_pixels(Extent extent, float dark = .25F) {
 
 }  // namespace
 
-class StylizeTest : public GpuTest {
+class StylizeTest : public EditorTest {
  protected:
-  Layers layers(Extent extent, const Pixels& intrinsic) {
-    Layers result;
-    result.extent = extent;
-    result[Role::intrinsic] = result[Role::model] = shared_plane(extent, intrinsic);
-    return result;
-  }
   Pixels record(Layers& layers, const StylizeParams& params) {
     Stylize stylize(device, layers.extent);
     run([&](gpu::Commands& commands) { stylize.record(commands, layers, params); });

@@ -4,7 +4,7 @@
 
 #include "kernels/edit/texture/plane_luminance.hpp"
 #include "kernels/edit/texture/texture_edit.hpp"
-#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/kernels/edit/edit_fixture.hpp"
 #include "tests/update_max.hpp"
 
 namespace inverse::testing {
@@ -13,21 +13,8 @@ namespace {
 using reference::Grid;
 using reference::Rgba;
 
-Pixels any_pixels(Extent extent, unsigned seed, bool hostile) {
-  Pixels pixels = random_pixels(extent, seed, 0, 1.2F);
-  if (!hostile) return pixels;
-  const float evil[] = {0, -1, 1e30F, kInf, -kInf, kNan, 65504, 1e-30F};
-  std::mt19937 random(seed + 1);
-  for (float& p : pixels)
-    if (random() % 7 == 0) p = evil[random() % std::size(evil)];
-  return pixels;
-}
-
 Grid<Rgba> grid_of(Extent extent, const Pixels& pixels) {
-  Grid<Rgba> grid{extent.width, extent.height, {}};
-  for (size_t n = 0; n < extent.pixels(); ++n)
-    grid.data.push_back({pixels[4 * n], pixels[4 * n + 1], pixels[4 * n + 2], pixels[4 * n + 3]});
-  return grid;
+  return {extent.width, extent.height, reference_of(pixels)};
 }
 
 reference::Matrix matrix_of(const Homography& h) {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "tests/expect_error.hpp"
-#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/kernels/edit/edit_fixture.hpp"
 #include "tests/reference/edit/tone.hpp"
 
 namespace inverse::testing {
@@ -27,25 +27,6 @@ std::vector<reference::TonePoint> reference_of(const ToneCurve& curve) {
   std::vector<reference::TonePoint> points;
   for (const auto& [x, y] : curve) points.push_back({x, y});
   return points;
-}
-
-/// Shading over 24 stops, a few values of which break careless arithmetic.
-Pixels shading_pixels(Extent extent, unsigned seed) {
-  Pixels pixels = random_pixels(extent, seed);
-  const float evil[] = {0, -0.F, 1e-30F, -1, 1e30F, kInf, -kInf, kNan, 65504, 1e-3F, 3.4e38F};
-  std::mt19937 random(seed);
-  for (size_t i = 3; i < pixels.size(); i += 4)
-    pixels[i] =
-        random() % 5 == 0 ? evil[random() % std::size(evil)] : std::exp2(24 * pixels[i] - 14);
-  for (float& p : pixels)
-    if (random() % 40 == 0) p = evil[random() % std::size(evil)];
-  return pixels;
-}
-
-std::vector<reference::Rgba> reference_of(const Pixels& pixels) {
-  std::vector<reference::Rgba> result;
-  for (size_t n = 0; n < pixels.size() / 4; ++n) result.push_back(pixel_of(pixels, n));
-  return result;
 }
 
 std::vector<double> matte_of(const Pixels& pixels) {
@@ -120,14 +101,8 @@ TEST(ToneCurve, TheSpecificationNeverOvershoots) {
   }
 }
 
-class ToneTest : public GpuTest {
+class ToneTest : public EditorTest {
  protected:
-  Layers layers(Extent extent, const Pixels& intrinsic) {
-    Layers result;
-    result.extent = extent;
-    result[Role::intrinsic] = result[Role::model] = shared_plane(extent, intrinsic);
-    return result;
-  }
   Pixels record(Tone& tone, Layers& layers, const ToneParams& params) {
     run([&](gpu::Commands& commands) { tone.record(commands, layers, params); });
     return download(layers[Role::intrinsic]);
@@ -159,7 +134,7 @@ TEST_F(ToneTest, AgreesWithReference) {
     for (const std::string& text : kCurves)
       for (const float strength : {1.F, .3F}) {
         if (extent.pixels() > 5000 && text != kCurves.back()) continue;
-        const Pixels pixels = shading_pixels(extent, extent.width);
+        const Pixels pixels = layers_over_24_stops(extent, extent.width);
         Layers frame = layers(extent, pixels);
         Tone tone(device, extent);
         const ToneParams params{
@@ -172,7 +147,7 @@ TEST_F(ToneTest, AgreesWithReference) {
 
 TEST_F(ToneTest, MaskMultipliesTheChangeInStops) {
   const Extent extent{37, 11};
-  const Pixels pixels = shading_pixels(extent, 3), matte = shading_pixels(extent, 4);
+  const Pixels pixels = layers_over_24_stops(extent, 3), matte = layers_over_24_stops(extent, 4);
   for (const bool use_mask : {true, false}) {
     Layers frame = layers(extent, pixels);
     frame[Role::mask] = shared_plane(extent, matte);
@@ -192,7 +167,7 @@ TEST_F(ToneTest, MiddleIsThatOfWhatTheMaskSelectsAndFollows) {
     // Of the frames, the fourth is twice as bright as the third, and the fifth 16 times.
     const std::array<float, 6> gains{1, 1.2F, 1.1F, 2.1F, 30, 31};
     for (size_t t = 0; t < gains.size(); ++t) {
-      Pixels pixels = shading_pixels(extent, 7), matte = random_pixels(extent, 8);
+      Pixels pixels = layers_over_24_stops(extent, 7), matte = random_pixels(extent, 8);
       for (float& p : pixels) p *= gains[t];
       Layers frame = layers(extent, pixels);
       const bool masked = t > 1;
@@ -206,7 +181,7 @@ TEST_F(ToneTest, MiddleIsThatOfWhatTheMaskSelectsAndFollows) {
     }
     // After a reset, the first frame counts alone.
     tone.reset();
-    const Pixels pixels = shading_pixels(extent, 9);
+    const Pixels pixels = layers_over_24_stops(extent, 9);
     Layers frame = layers(extent, pixels);
     const auto alone = reference::tone_level(reference_of(pixels), {}, extent.width, extent.height);
     ASSERT_NO_FATAL_FAILURE(expect_shading(record(tone, frame, params), pixels, {}, params,

@@ -1,63 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Recoloring and composing against their specification, on ordinary and on hostile layers.
-#include "tests/reference/edit/edit.hpp"
-
-#include <functional>
-#include <limits>
-
-#include "kernels/edit/compose.hpp"
+// Recoloring against its specification, on ordinary and on hostile layers.
 #include "kernels/edit/recolor.hpp"
-#include "tests/differences.hpp"
-#include "tests/kernels/gpu_fixture.hpp"
-#include "tests/reference/image/light_color.hpp"
+
+#include "tests/kernels/edit/edit_fixture.hpp"
+#include "tests/reference/edit/edit.hpp"
 
 namespace inverse::testing {
 namespace {
-
-/// Random layers, every seventh number replaced by one that breaks careless arithmetic.
-Pixels hostile_pixels(Extent extent, unsigned seed) {
-  using Limits = std::numeric_limits<float>;
-  const float evil[] = {0,
-                        -0.0f,
-                        1e-30f,
-                        Limits::denorm_min(),
-                        -1,
-                        1e30f,
-                        Limits::max(),
-                        kInf,
-                        -Limits::max(),
-                        65504,
-                        1,
-                        -kInf,
-                        1e-6f,
-                        Limits::min(),
-                        1e8f,
-                        kNan,
-                        255,
-                        -1e-30f,
-                        -kNan};
-  Pixels pixels = random_pixels(extent, seed);
-  std::mt19937 random(seed + 1);
-  for (float& p : pixels)
-    if (random() % 7 == 0) p = evil[random() % std::size(evil)];
-  return pixels;
-}
-
-Pixels any_pixels(Extent extent, unsigned seed, bool hostile) {
-  return hostile ? hostile_pixels(extent, seed) : random_pixels(extent, seed, 0, 1.5f);
-}
-
-void expect_pixels(const Pixels& got, const std::function<reference::Rgba(size_t)>& expected,
-                   double tolerance, const char* what) {
-  for (size_t n = 0; n < got.size() / 4; ++n) {
-    const reference::Rgba wanted = expected(n);
-    for (int c = 0; c < 4; ++c) {
-      ASSERT_TRUE(std::isfinite(got[4 * n + c])) << what << " at " << n << " channel " << c;
-      ASSERT_NEAR(got[4 * n + c], wanted[c], tolerance * (1 + std::abs(wanted[c])))
-          << what << " at " << n << " channel " << c;
-    }
-  }
-}
 
 reference::RecolorSpec spec_of(const RecolorParams& params) {
   const auto &k = params.key, &t = params.target;
@@ -68,15 +17,8 @@ reference::RecolorSpec spec_of(const RecolorParams& params) {
 
 }  // namespace
 
-class EditTest : public GpuTest {
+class RecolorTest : public EditorTest {
  protected:
-  Layers layers(Extent extent, const Pixels& intrinsic) {
-    Layers result;
-    result.extent = extent;
-    result[Role::input] = shared_plane(extent, random_pixels(extent, 91));
-    result[Role::intrinsic] = result[Role::model] = shared_plane(extent, intrinsic);
-    return result;
-  }
   void run_recolor(Layers& layers, const RecolorParams& params) {
     Recolor recolor(device, layers.extent);
     record(recolor, layers, params);
@@ -89,7 +31,7 @@ class EditTest : public GpuTest {
   }
 };
 
-TEST_F(EditTest, RecolorAgreesWithReference) {
+TEST_F(RecolorTest, RecolorAgreesWithReference) {
   RecolorParams params{.key = {0.6f, 0.3f, 0.2f}, .target = {0.1f, 0.7f, 0.9f}};
   for (const Extent extent : kOddSizes)
     for (const bool hostile : {false, true})
@@ -111,7 +53,7 @@ TEST_F(EditTest, RecolorAgreesWithReference) {
         }
 }
 
-TEST_F(EditTest, HardEdgeSelectsExactlyTheKeysNeighborhood) {
+TEST_F(RecolorTest, HardEdgeSelectsExactlyTheKeysNeighborhood) {
   const Extent extent{64, 33};
   const Pixels pixels = random_pixels(extent, 5);
   const RecolorParams params{.key = {0.5f, 0.4f, 0.3f}, .softness = 0, .texture = 0};
@@ -136,12 +78,12 @@ TEST_F(EditTest, HardEdgeSelectsExactlyTheKeysNeighborhood) {
   EXPECT_GT(outside, 100u);
 }
 
-TEST_F(EditTest, HueBrightnessAndMasksAgreeWithReference) {
+TEST_F(RecolorTest, HueBrightnessAndMasksAgreeWithReference) {
   const Extent extent{61, 34};
   for (const bool hostile : {false, true}) {
     const Pixels pixels = any_pixels(extent, 15, hostile);
-    Pixels mask = random_pixels(extent, 16, -.3F, 1.1F);
-    if (hostile) mask = hostile_pixels(extent, 16);
+    const Pixels mask =
+        hostile ? any_pixels(extent, 16, true) : random_pixels(extent, 16, -.3F, 1.1F);
     for (const bool own : {false, true})
       for (const float hue : {0.F, 30.F, -120.F, 400.F}) {
         const RecolorParams params{.by_mask = true,
@@ -180,7 +122,7 @@ TEST_F(EditTest, HueBrightnessAndMasksAgreeWithReference) {
 }
 
 // At the edge of an object, a pixel is a mixture. Its share of what is behind stays.
-TEST_F(EditTest, AnObjectsEdgeKeepsWhatIsBehind) {
+TEST_F(RecolorTest, AnObjectsEdgeKeepsWhatIsBehind) {
   const float red[] = {.6F, .06F, .03F}, green[] = {.1F, .4F, .1F};
   Pixels pixels, mask;
   for (int n = 0; n <= 10; ++n) {
@@ -202,7 +144,7 @@ TEST_F(EditTest, AnObjectsEdgeKeepsWhatIsBehind) {
           << n;
 }
 
-TEST_F(EditTest, WithoutAMaskNothingIsRecoloredByIt) {
+TEST_F(RecolorTest, WithoutAMaskNothingIsRecoloredByIt) {
   Layers frame = layers({16, 16}, random_pixels({16, 16}, 3));
   Recolor recolor(device, frame.extent);
   run([&](gpu::Commands& commands) {
@@ -211,7 +153,7 @@ TEST_F(EditTest, WithoutAMaskNothingIsRecoloredByIt) {
   });
 }
 
-TEST_F(EditTest, KeyBecomesTargetAndShadingStays) {
+TEST_F(RecolorTest, KeyBecomesTargetAndShadingStays) {
   const RecolorParams params{.key = {0.6f, 0.2f, 0.1f}, .target = {0.2f, 0.3f, 0.8f}};
   Layers frame = layers({1, 1}, {0.6f, 0.2f, 0.1f, 0.7f});
   run_recolor(frame, params);
@@ -220,7 +162,7 @@ TEST_F(EditTest, KeyBecomesTargetAndShadingStays) {
   EXPECT_EQ(got[3], 0.7f);
 }
 
-TEST_F(EditTest, SelectionSurvivesShadowAndDarkPaint) {
+TEST_F(RecolorTest, SelectionSurvivesShadowAndDarkPaint) {
   // The same paint in light, in shadow and twice as dark is one color; texture keeps its variation.
   const RecolorParams params{.key = {0.6f, 0.2f, 0.1f}, .target = {0.2f, 0.3f, 0.8f}};
   Layers frame =
@@ -234,9 +176,9 @@ TEST_F(EditTest, SelectionSurvivesShadowAndDarkPaint) {
   }
 }
 
-TEST_F(EditTest, MaskMultipliesAndSelectionIsPassedOn) {
+TEST_F(RecolorTest, MaskMultipliesAndSelectionIsPassedOn) {
   const Extent extent{37, 11};
-  const Pixels pixels = random_pixels(extent, 7), matte = hostile_pixels(extent, 8);
+  const Pixels pixels = random_pixels(extent, 7), matte = any_pixels(extent, 8, true);
   RecolorParams params{.write_mask = true};
   for (const bool use_mask : {true, false}) {
     params.use_mask = use_mask;
@@ -278,7 +220,7 @@ Pixels striped_pixels(Extent extent, const std::vector<reference::Rgb>& colors, 
   return pixels;
 }
 
-TEST_F(EditTest, ClusterRecolorsItsStripeOnly) {
+TEST_F(RecolorTest, ClusterRecolorsItsStripeOnly) {
   const Extent extent{320, 200};  // larger than the palette's sample
   const std::vector<reference::Rgb> colors{
       {0.8, 0.8, 0.8}, {0.1, 0.1, 0.1}, {0.6, 0.1, 0.1}, {0.1, 0.2, 0.6}};
@@ -318,7 +260,7 @@ TEST_F(EditTest, ClusterRecolorsItsStripeOnly) {
   }
 }
 
-TEST_F(EditTest, ClusterSelectionAgreesWithReference) {
+TEST_F(RecolorTest, ClusterSelectionAgreesWithReference) {
   for (const Extent extent : kOddSizes)
     for (const bool hostile : {false, true}) {
       const Pixels pixels = any_pixels(extent, 21, hostile);
@@ -355,7 +297,7 @@ TEST_F(EditTest, ClusterSelectionAgreesWithReference) {
     }
 }
 
-TEST_F(EditTest, StrengthZeroRecordsNothing) {
+TEST_F(RecolorTest, StrengthZeroRecordsNothing) {
   Layers frame = layers({16, 16}, random_pixels({16, 16}, 3));
   const Layers before = frame;
   Recolor recolor(device, frame.extent);
@@ -367,7 +309,7 @@ TEST_F(EditTest, StrengthZeroRecordsNothing) {
   EXPECT_EQ(frame.planes, before.planes);
 }
 
-TEST_F(EditTest, SharedPlanesStayUnchangedAndOwnOnesAreReused) {
+TEST_F(RecolorTest, SharedPlanesStayUnchangedAndOwnOnesAreReused) {
   const Extent extent{40, 9};
   const Pixels pixels = random_pixels(extent, 4);
   Layers frame = layers(extent, pixels);
@@ -396,7 +338,7 @@ TEST_F(EditTest, SharedPlanesStayUnchangedAndOwnOnesAreReused) {
 }
 
 // The pool of another thread's editor may reuse a plane at once when its last owner releases it.
-TEST_F(EditTest, PlanesThatAnEditReplacesStayUntilItsWorkIsDone) {
+TEST_F(RecolorTest, PlanesThatAnEditReplacesStayUntilItsWorkIsDone) {
   const Extent extent{40, 9};
   Layers frame = layers(extent, random_pixels(extent, 4));
   frame[Role::mask] = shared_plane(extent, random_pixels(extent, 5));
@@ -415,10 +357,10 @@ TEST_F(EditTest, PlanesThatAnEditReplacesStayUntilItsWorkIsDone) {
   EXPECT_TRUE(intrinsic.expired());
 }
 
-TEST_F(EditTest, ExtremeParametersGiveFinitePictures) {
+TEST_F(RecolorTest, ExtremeParametersGiveFinitePictures) {
   using Limits = std::numeric_limits<float>;
   const Extent extent{33, 5};
-  const Pixels pixels = hostile_pixels(extent, 2);
+  const Pixels pixels = any_pixels(extent, 2, true);
   for (const float absurd : {kNan, kInf, -kInf, -1.0f, Limits::max(), 0.0f, Limits::denorm_min()}) {
     const RecolorParams params{.key = {absurd, absurd, absurd},
                                .tolerance = absurd,
@@ -434,140 +376,6 @@ TEST_F(EditTest, ExtremeParametersGiveFinitePictures) {
     for (const Role role : {Role::intrinsic, Role::mask})
       ASSERT_TRUE(all_finite(download(frame[role]))) << "parameters " << absurd;
   }
-}
-
-TEST_F(EditTest, ComposeAgreesWithReference) {
-  for (const Extent extent : kOddSizes)
-    for (const auto& [hostile, color] : {std::pair{false, reference::LightColor{}},
-                                         {true, {}},
-                                         {false, {0.6, 0, -0.3}},
-                                         {false, {-1.2, 0, 0.2}}}) {
-      const Pixels input = any_pixels(extent, 1, hostile), model = any_pixels(extent, 2, hostile),
-                   intrinsic = any_pixels(extent, 3, hostile);
-      Layers frame;
-      frame.extent = extent;
-      frame[Role::input] = shared_plane(extent, input);
-      frame[Role::model] = shared_plane(extent, model);
-      frame[Role::intrinsic] = shared_plane(extent, intrinsic);
-      if (color.slope != 0)
-        frame[Role::slope] = shared_plane({1, 1}, {float(color.slope), float(color.white), 1, 0});
-      const reference::LightColor light = color;
-      const auto seen = [&](const Pixels& pixels, size_t n) {
-        return light.slope != 0 ? reference::in_gray_light(pixel_of(pixels, n), light)
-                                : pixel_of(pixels, n);
-      };
-      Compose compose(device, extent);
-      // Sums of numbers up to 65504² lose the small ones.
-      const double tolerance = hostile ? 1e-2 : 1e-5;
-      for (const Residual residual : {Residual::add, Residual::ratio, Residual::none})
-        for (const float strength : {1.0f, 0.4f}) {
-          const Pixels got = result_of([&](gpu::Commands& commands) {
-            return compose.record(commands, frame, {residual, strength});
-          });
-          ASSERT_NO_FATAL_FAILURE(expect_pixels(
-              got,
-              [&](size_t n) {
-                const auto in = pixel_of(input, n), before = seen(model, n),
-                           now = seen(intrinsic, n);
-                reference::Rgba wanted = reference::compose(
-                    in, before, now, static_cast<reference::Residual>(residual), strength);
-                // Where two huge products cancel, single precision keeps nothing to compare.
-                for (int c = 0; c < 3; ++c)
-                  if (reference::finite(before)[c] * reference::finite(before)[3] > 1e4 &&
-                      residual != Residual::none)
-                    wanted[c] = got[4 * n + c];
-                return wanted;
-              },
-              tolerance, hostile ? "hostile" : "random"));
-        }
-      ASSERT_NO_FATAL_FAILURE(expect_pixels(
-          result_of(
-              [&](gpu::Commands& commands) { return compose.record_difference(commands, frame); }),
-          [&](size_t n) {
-            return reference::difference(pixel_of(input, n), seen(model, n), seen(intrinsic, n));
-          },
-          tolerance, "difference"));
-    }
-}
-
-TEST_F(EditTest, UneditedLayersGiveTheInputsOwnPlane) {
-  Layers frame = layers({15, 10}, random_pixels({15, 10}, 6));
-  Compose compose(device, frame.extent);
-  run([&](gpu::Commands& commands) {
-    for (const Residual residual : {Residual::add, Residual::ratio})
-      EXPECT_EQ(compose.record(commands, frame, {residual, 1}), frame[Role::input]);
-    EXPECT_EQ(compose.record(commands, frame, {Residual::none, 0}), frame[Role::input]);
-    EXPECT_EQ(commands.dispatches(), 0u);
-  });
-}
-
-TEST_F(EditTest, EqualCopiesGiveTheInputBack) {
-  // An edit that changed nothing, bit by bit: the picture is the input but for rounding.
-  const Extent extent{349, 287};
-  const Pixels intrinsic = random_pixels(extent, 12, 0, 2);
-  Layers frame = layers(extent, intrinsic);
-  frame[Role::intrinsic] = shared_plane(extent, intrinsic);
-  Compose compose(device, extent);
-  const Pixels input = download(frame[Role::input]);
-  for (const Residual residual : {Residual::add, Residual::ratio}) {
-    const Pixels got = result_of([&](gpu::Commands& commands) {
-      return compose.record(commands, frame, {residual, 1});
-    });
-    EXPECT_LE(max_difference(got, input), 1e-6);
-  }
-}
-
-TEST_F(EditTest, DiffuseAndSpecularAreTheFrameAgain) {
-  for (const Extent extent : kOddSizes)
-    for (const bool hostile : {false, true}) {
-      const Pixels input = any_pixels(extent, 1, hostile), diffuse = any_pixels(extent, 2, hostile),
-                   specular = any_pixels(extent, 3, hostile);
-      const Layers frame =
-          material_layers(shared_plane(extent, input), shared_plane(extent, diffuse),
-                          shared_plane(extent, specular));
-      Compose compose(device, extent);
-      const double tolerance = hostile ? 1e-2 : 1e-5;  // sums of large numbers lose small ones
-      for (const float strength : {1.0f, 0.4f, 0.0f}) {
-        PlanePtr picture;
-        run([&](gpu::Commands& commands) {
-          picture = compose.record(commands, frame, {Residual::add, strength});
-        });
-        if (strength == 0) {
-          EXPECT_EQ(picture, frame[Role::input]);
-          continue;
-        }
-        ASSERT_NO_FATAL_FAILURE(expect_pixels(
-            download(picture),
-            [&](size_t n) {
-              return reference::recombine(pixel_of(input, n), pixel_of(diffuse, n),
-                                          pixel_of(specular, n), strength);
-            },
-            tolerance, "recombined"));
-      }
-      ASSERT_NO_FATAL_FAILURE(expect_pixels(
-          result_of(
-              [&](gpu::Commands& commands) { return compose.record_difference(commands, frame); }),
-          [&](size_t n) {
-            return reference::recombine_difference(pixel_of(input, n), pixel_of(diffuse, n),
-                                                   pixel_of(specular, n));
-          },
-          tolerance, "difference"));
-    }
-}
-
-TEST_F(EditTest, MaskIsDrawnAsGray) {
-  const Extent extent{17, 5};
-  const Pixels matte = random_pixels(extent, 9);
-  Layers frame = layers(extent, random_pixels(extent, 10));
-  frame[Role::mask] = shared_plane(extent, matte);
-  const Pixels input = download(frame[Role::input]);
-  Compose compose(device, extent);
-  expect_pixels(
-      result_of([&](gpu::Commands& commands) { return compose.record_mask(commands, frame); }),
-      [&](size_t n) -> reference::Rgba {
-        return {matte[4 * n], matte[4 * n], matte[4 * n], input[4 * n + 3]};
-      },
-      0, "mask");
 }
 
 }  // namespace inverse::testing
