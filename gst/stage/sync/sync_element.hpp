@@ -111,6 +111,7 @@ class SyncElement {
   void report_event(const char* event, const SyncCamera& camera, GstStructure* more = nullptr);
   void post(Lock& lock);
 
+  static constexpr auto kCheckEvery = std::chrono::milliseconds(50);  ///< while a thread waits
   static constexpr uint32_t kLongestWait = 30;  ///< periods that a frame may wait for its label
 
   GstElement* element_;

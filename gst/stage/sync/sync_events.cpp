@@ -11,7 +11,6 @@
 namespace inverse {
 namespace {
 
-constexpr auto kCheckEvery = std::chrono::milliseconds(50);
 constexpr double kSameRate = 1e-3;  // of the program's
 
 }  // namespace
