@@ -12,7 +12,7 @@
 #include "element_class.hpp"
 #include "filter_element.hpp"
 #include "gst/base/log/errors.hpp"
-#include "missing_layers.hpp"
+#include "gst/base/pads/missing_layers.hpp"
 #include "report.hpp"
 
 using inverse::ElementInfo;

@@ -8,15 +8,15 @@
 #include <string>
 #include <vector>
 
-#include "caps.hpp"
 #include "gst/base/frames/picture.hpp"
 #include "gst/base/log/log.hpp"
 #include "gst/base/meta/view_meta.hpp"
+#include "gst/base/pads/caps.hpp"
+#include "gst/base/pads/side_pads.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/layers.hpp"
 #include "kernels/image/tiles/tile_list.hpp"
 #include "property_table.hpp"
-#include "side_pads.hpp"
 
 namespace inverse {
 

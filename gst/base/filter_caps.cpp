@@ -8,8 +8,8 @@
 #include "filter_element.hpp"
 #include "gst/base/frames/video_format.hpp"
 #include "gst/base/log/errors.hpp"
-#include "largest_size.hpp"
-#include "missing_layers.hpp"
+#include "gst/base/pads/largest_size.hpp"
+#include "gst/base/pads/missing_layers.hpp"
 #include "report.hpp"
 
 // Members log into the category of their element.

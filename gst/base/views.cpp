@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "pads.hpp"
+#include "gst/base/pads/pads.hpp"
 
 namespace inverse {
 

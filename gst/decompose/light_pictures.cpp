@@ -4,7 +4,7 @@
 #include <string>
 
 #include "common/error.hpp"
-#include "gst/base/missing_layers.hpp"
+#include "gst/base/pads/missing_layers.hpp"
 
 namespace inverse {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "effects/returns.hpp"
-#include "gst/base/missing_layers.hpp"
+#include "gst/base/pads/missing_layers.hpp"
 #include "gst/decompose/light_pictures.hpp"
 #include "kernels/edit/compose.hpp"
 

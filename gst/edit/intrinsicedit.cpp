@@ -3,8 +3,8 @@
 #include <gst/gst.h>
 
 #include "effects/effect_bin.hpp"
-#include "gst/base/caps.hpp"
 #include "gst/base/element_class.hpp"
+#include "gst/base/pads/caps.hpp"
 
 using inverse::EffectBin;
 using inverse::Flow;

@@ -5,9 +5,9 @@
 #include <cstring>
 #include <string>
 
-#include "gst/base/caps.hpp"
 #include "gst/base/element_class.hpp"
-#include "gst/base/pads.hpp"
+#include "gst/base/pads/caps.hpp"
+#include "gst/base/pads/pads.hpp"
 #include "split_element.hpp"
 
 using inverse::SplitBranch;

@@ -3,10 +3,10 @@
 
 #include <string>
 
-#include "gst/base/caps.hpp"
 #include "gst/base/meta/view_meta.hpp"
-#include "gst/base/missing_layers.hpp"
-#include "gst/base/pads.hpp"
+#include "gst/base/pads/caps.hpp"
+#include "gst/base/pads/missing_layers.hpp"
+#include "gst/base/pads/pads.hpp"
 
 namespace inverse {
 namespace {

@@ -5,11 +5,11 @@
 #include <chrono>
 #include <optional>
 
-#include "gst/base/caps.hpp"
 #include "gst/base/log/errors.hpp"
 #include "gst/base/log/log.hpp"
 #include "gst/base/meta/layers_meta.hpp"
-#include "gst/base/missing_layers.hpp"
+#include "gst/base/pads/caps.hpp"
+#include "gst/base/pads/missing_layers.hpp"
 #include "gst/base/report.hpp"
 #include "start_watch.hpp"
 

@@ -6,7 +6,7 @@
 #include <atomic>
 
 #include "gst/base/log/log.hpp"
-#include "gst/base/pads.hpp"
+#include "gst/base/pads/pads.hpp"
 
 namespace inverse {
 namespace {

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "gst/base/frames/frame_io.hpp"
+#include "gst/base/pads/side_pads.hpp"
 #include "gst/base/pictures/picture_file.hpp"
-#include "gst/base/side_pads.hpp"
 #include "kernels/edit/texture/texture_pyramid.hpp"
 #include "kernels/gpu/frame_ring.hpp"
 #include "texture_pad.hpp"

@@ -8,7 +8,7 @@ extern "C" {  // missing in gstvkqueue.h of 1.22
 
 #include <memory>
 
-#include "gst/base/pads.hpp"
+#include "gst/base/pads/pads.hpp"
 #include "kernels/gpu/device.hpp"
 
 namespace inverse::bridge {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "effect_bin.hpp"
 
-#include "gst/base/caps.hpp"
 #include "gst/base/log/errors.hpp"
-#include "gst/base/pads.hpp"
+#include "gst/base/pads/caps.hpp"
+#include "gst/base/pads/pads.hpp"
 #include "returns.hpp"
 
 namespace inverse {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "gst/base/pads.hpp"
+#include "gst/base/pads/pads.hpp"
 #include "gst/base/property_table.hpp"
 
 namespace inverse {

@@ -3,7 +3,7 @@
 
 #include "gst/base/frames/frame_io.hpp"
 #include "gst/base/log/log.hpp"
-#include "gst/base/pads.hpp"
+#include "gst/base/pads/pads.hpp"
 
 namespace inverse {
 namespace {

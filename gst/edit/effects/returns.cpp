@@ -7,7 +7,7 @@
 #include <array>
 #include <string>
 
-#include "gst/base/pads.hpp"
+#include "gst/base/pads/pads.hpp"
 #include "gst/base/report.hpp"
 
 namespace inverse {

@@ -7,10 +7,10 @@
 #include <memory>
 
 #include "aravis_source.hpp"
-#include "gst/base/caps.hpp"
 #include "gst/base/element_class.hpp"
 #include "gst/base/log/errors.hpp"
 #include "gst/base/log/log.hpp"
+#include "gst/base/pads/caps.hpp"
 
 using inverse::AravisSource;
 

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "gst/base/caps.hpp"
 #include "gst/base/element_class.hpp"
 #include "gst/base/log/errors.hpp"
 #include "gst/base/log/log.hpp"
+#include "gst/base/pads/caps.hpp"
 #include "test_source.hpp"
 
 using inverse::TestSource;

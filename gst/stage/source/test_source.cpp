@@ -7,7 +7,7 @@
 #include <functional>
 #include <numbers>
 
-#include "gst/base/caps.hpp"
+#include "gst/base/pads/caps.hpp"
 #include "gst/base/report.hpp"
 #include "gst/stage/meta/light_stage_meta.hpp"
 #include "kernels/virtual_stage/virtual_head.hpp"

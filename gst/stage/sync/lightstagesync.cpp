@@ -7,8 +7,8 @@
 #include <cstring>
 #include <string>
 
-#include "gst/base/caps.hpp"
 #include "gst/base/element_class.hpp"
+#include "gst/base/pads/caps.hpp"
 #include "sync_element.hpp"
 
 using inverse::SyncElement;

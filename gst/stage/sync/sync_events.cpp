@@ -2,8 +2,8 @@
 // Events and queries of lightstagesync's pads.
 #include <cmath>
 
-#include "gst/base/caps.hpp"
 #include "gst/base/log/errors.hpp"
+#include "gst/base/pads/caps.hpp"
 #include "gst/base/report.hpp"
 #include "gst/stage/sync/assemble/olat_assembler.hpp"
 #include "sync_element.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The size that an error about a limit recommends.
-#include "gst/base/largest_size.hpp"
+#include "gst/base/pads/largest_size.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "gst/base/caps.hpp"
+#include "gst/base/pads/caps.hpp"
 
 namespace inverse {
 namespace {

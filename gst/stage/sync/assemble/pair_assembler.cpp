@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "frame_picture.hpp"
-#include "gst/base/caps.hpp"
 #include "gst/base/log/log.hpp"
 #include "gst/base/meta/view_meta.hpp"
-#include "gst/base/pads.hpp"
+#include "gst/base/pads/caps.hpp"
+#include "gst/base/pads/pads.hpp"
 #include "motion.hpp"
 #include "stage/gray_gradients.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "upstream.hpp"
 
-#include "gst/base/pads.hpp"
+#include "gst/base/pads/pads.hpp"
 
 namespace inverse {
 namespace {
