@@ -12,7 +12,7 @@
 namespace inverse::testing {
 namespace {
 
-reference::LayersField reference_of(Extent extent, const Pixels& pixels) {
+reference::LayersField field_of(Extent extent, const Pixels& pixels) {
   return {extent.width, extent.height, reference_of(pixels)};
 }
 
@@ -44,7 +44,7 @@ class StylizeTest : public EditorTest {
   void expect_reference(Extent extent, const Pixels& pixels, const StylizeParams& params,
                         const std::string& what) {
     const Pixels got = stylized(extent, pixels, params);
-    const auto expected = reference::stylize(reference_of(extent, pixels), {}, spec_of(params));
+    const auto expected = reference::stylize(field_of(extent, pixels), {}, spec_of(params));
     for (size_t i = 0; i < got.size(); ++i) {
       const double wanted = expected.pixels[i / 4][i % 4];
       ASSERT_TRUE(std::isfinite(got[i])) << what << " at " << i;
@@ -89,7 +89,7 @@ TEST_F(StylizeTest, TheGridIsNearToAGaussian) {
         n / extent.width < 70)
       pixels[4 * n + 3] = noise[n];
   pixels[4 * (20 * 160 + 130) + 3] = 1000;
-  const auto field = reference::encoded_shading(reference_of(extent, pixels));
+  const auto field = reference::encoded_shading(field_of(extent, pixels));
   for (const double sigma : {.5, 1.5, 2.9, 3.1, 5.9, 6.1, 11.0, 13.0, 25.0})
     for (const double ratio : {1.0, 1.6}) {
       const auto got = reference::blurred(field, sigma, ratio);
@@ -195,7 +195,7 @@ TEST_F(StylizeTest, MaskMultiplies) {
     params.use_mask = use_mask;
     const Pixels got = record(frame, params);
     const auto expected = reference::stylize(
-        reference_of(extent, pixels), use_mask ? weights : std::vector<double>(), spec_of(params));
+        field_of(extent, pixels), use_mask ? weights : std::vector<double>(), spec_of(params));
     for (size_t i = 0; i < got.size(); ++i)
       ASSERT_NEAR(double{got[i]}, expected.pixels[i / 4][i % 4], 2e-3) << use_mask << " " << i;
   }
