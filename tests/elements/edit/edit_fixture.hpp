@@ -76,8 +76,8 @@ class EditorElement : public ::testing::Test {
 
   static std::string rgba() { return VideoHarness::caps("RGBA", kWidth, kHeight); }
   /// A decomposed frame's way through an editor.
-  static std::string line(const std::string& editor) {
-    return "intrinsicdecomp ! " + editor + " ! intrinsiccompose";
+  static std::string line(const std::string& editor, const std::string& settings = "") {
+    return "intrinsicdecomp ! " + editor + " " + settings + " ! intrinsiccompose";
   }
 
   /// Expects that settings with which an editor changes nothing cost nothing.
@@ -85,7 +85,7 @@ class EditorElement : public ::testing::Test {
     VideoHarness without("intrinsicdecomp ! intrinsiccompose", rgba(), rgba());
     const auto expected = without.process(frame, 4);
     for (const std::string& some : settings) {
-      VideoHarness harness(line(editor + " " + some), rgba(), rgba());
+      VideoHarness harness(line(editor, some), rgba(), rgba());
       EXPECT_LE(largest_difference(harness.process(frame, 3), frame), 1) << some;
       EXPECT_EQ(dispatches_of(harness, editor.c_str()), 0u) << some;
       EXPECT_EQ(harness.process(frame), expected) << some;
@@ -115,7 +115,7 @@ class EditorElement : public ::testing::Test {
     const auto confined = VideoHarness(line(masked), rgba(), rgba()).process(frame);
     EXPECT_GT(half_difference(confined, frame, kWidth, true), 25);
     EXPECT_LE(half_difference(confined, frame, kWidth, false), 1);
-    const auto all = VideoHarness(line(masked + " use-mask=false"), rgba(), rgba()).process(frame);
+    const auto all = VideoHarness(line(masked, "use-mask=false"), rgba(), rgba()).process(frame);
     EXPECT_GT(half_difference(all, frame, kWidth, false), 25);
   }
 
