@@ -34,7 +34,7 @@ const PropertyTable<Params>& table() {
     Property<P> strokes = text<P>(
         "strokes", &P::strokes,
         "JSON list of strokes on objects: [{\"kind\":\"add\",\"points\":[[x,y],...]}], in pixels; "
-        "kind is add or subtract, \"closed\":true also takes what is inside of the line");
+        "kind is add or subtract, \"closed\":true takes what is inside of the line, and nothing that borders on it");
     strokes.wrong = wrong_selection;
     return PropertyTable<P>{
         choice<P>("by", &P::by, "GstInverseSelectBy",
@@ -54,7 +54,7 @@ const PropertyTable<Params>& table() {
                    {static_cast<int>(SelectMode::subtract), "subtract",
                     "Clicks and drags take away what is under them"},
                    {static_cast<int>(SelectMode::lasso), "lasso",
-                    "Drags select what is inside of the line"}},
+                    "Drags select what is inside of the line, and nothing that borders on it"}},
                   "What the mouse draws on the picture"),
         number<P>("stroke-radius", &P::radius, 1.F, 1000.F,
                   "Radius of the brush for strokes, pixels"),

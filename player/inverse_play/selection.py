@@ -12,7 +12,7 @@ MAX_STROKES, MAX_POINTS = 64, 4096  # that the element takes
 
 @dataclasses.dataclass
 class Stroke:
-    """Drawn on an object. `points` are in pixels of the frame; `closed` takes what is inside of the line as well."""
+    """Drawn on an object. `points` are in pixels of the frame; `closed` takes what is inside of the line."""
     kind: str
     radius: float
     points: list

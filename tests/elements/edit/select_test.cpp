@@ -107,7 +107,28 @@ TEST(Select, StrokesAddAndSubtract) {
       "[{\"kind\":\"add\",\"closed\":true,\"radius\":1,\"points\":[[30,40],[70,40],[70,80],[30,"
       "80]]}]",
       nullptr);
-  EXPECT_LT(wrong_share(harness.process(discs(50, 60)), 50, 60), .02);
+  const auto square = harness.process(discs(50, 60));
+  int wrong = 0;
+  for (int v = 0; v < kHeight; ++v)
+    for (int u = 0; u < kWidth; ++u)
+      wrong +=
+          (pixel_at(square, u, v, kWidth)[0] > 127) != (u >= 30 && u < 70 && v >= 40 && v < 80);
+  EXPECT_LT(wrong, 400) << "2.5 pixels along the line";
+}
+
+TEST(Select, ALassoEndsAtItsLineOnOnePaint) {
+  VideoHarness harness(chain("strokes=[{\"kind\":\"add\",\"closed\":true,\"points\":"
+                             "[[40,30],[120,30],[120,90],[40,90]]}]"),
+                       kCaps, kCaps);
+  for (unsigned n = 0; n < 5; ++n) {
+    const auto mask = harness.process(discs(-100, 0, n));
+    int wrong = 0;
+    for (int v = 0; v < kHeight; ++v)
+      for (int u = 0; u < kWidth; ++u)
+        wrong +=
+            (pixel_at(mask, u, v, kWidth)[0] > 127) != (u >= 40 && u < 120 && v >= 30 && v < 90);
+    EXPECT_LT(wrong, 300) << n;
+  }
 }
 
 TEST(Select, InvertsAndCombines) {

@@ -25,7 +25,7 @@ void main() {
   if (DENSITY == kAddedDensity) {
     count = seed == kSeedAdd ? kFullCount : 0u;
   } else if (DENSITY == kSubtractedDensity) {
-    count = seed == kSeedSubtract ? kFullCount : 0u;
+    count = seed == kSeedSubtract || (seed == kSeedAround && FETCH1(region, n) == 0u) ? kFullCount : 0u;
   } else if (DENSITY == kObjectDensity) {
     count = FETCH1(region, n) == 0u ? 0u : uint(float(kFullCount) * clamp(FETCH1(alpha, n), 0.0, 1.0) + 0.5);
   } else {

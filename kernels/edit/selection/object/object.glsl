@@ -23,6 +23,7 @@ const float kMemoryReach = 0.08;  // change of color from which on a cell forget
 const float kUnderStroke = 2.0;
 
 const uint kSeedAdd = 1u, kSeedSubtract = 2u;
+const uint kSeedAround = 3u;      // around a closed stroke that adds: subtracts what is not selected yet
 const uint kFullCount = 255u;     // counts of a whole cell of the object
 
 // Words of `status`: the region in cells, for the next frame and for stats.

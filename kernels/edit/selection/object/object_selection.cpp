@@ -114,8 +114,10 @@ void ObjectSelection::follow(gpu::Commands& commands, const gpu::BufferPtr& colo
 
 void ObjectSelection::mark(gpu::Commands& commands, const gpu::BufferPtr& colors,
                            const gpu::BufferPtr& drawn) {
-  commands.dispatch(marks_, {.colors = colors, .drawn = drawn, .memory = memory_, .seeds = seeds_},
-                    {.cells = grid_.cells}, per_cell());
+  commands.dispatch(
+      marks_,
+      {.colors = colors, .drawn = drawn, .region = region_, .memory = memory_, .seeds = seeds_},
+      {.cells = grid_.cells}, per_cell());
 }
 
 void ObjectSelection::find_paths(gpu::Commands& commands, const gpu::BufferPtr& colors) {

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "seeds.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
 #include "kernels/edit_selection_object_count.spv.hpp"
 
 namespace inverse {
@@ -19,9 +23,25 @@ bool inside(Point p, const std::vector<Point>& line) {
   return odd;
 }
 
-bool covers(const SelectionStroke& stroke, Point p, float reach) {
-  return (stroke.closed && stroke.points.size() > 2 && inside(p, stroke.points)) ||
-         squared_distance(p, stroke.points) <= reach * reach;
+/// Squared distance from a stroke's line, which returns to its beginning if it is closed.
+float distance2(Point p, const SelectionStroke& stroke) {
+  const float open = squared_distance(p, stroke.points);
+  return stroke.closed
+             ? std::min(open, squared_distance(p, stroke.points.back(), stroke.points.front()))
+             : open;
+}
+
+/// The cells whose centers may be so near to a stroke, first and last along x or y.
+std::pair<uint32_t, uint32_t> cells_near(const SelectionStroke& stroke, size_t axis, float reach,
+                                         float cell, uint32_t count) {
+  const auto [low, high] =
+      std::minmax_element(stroke.points.begin(), stroke.points.end(),
+                          [axis](Point a, Point b) { return a[axis] < b[axis]; });
+  const auto at = [&](float place) {
+    return static_cast<uint32_t>(
+        std::clamp(std::floor(place / cell), 0.0F, static_cast<float>(count)));
+  };
+  return {at((*low)[axis] - reach), std::min(at((*high)[axis] + reach) + 1, count)};
 }
 
 }  // namespace
@@ -30,19 +50,28 @@ std::vector<uint32_t> draw_seeds(std::span<const SelectionStroke> strokes, Exten
                                  const CellGrid& grid) {
   using Shader = shaders::edit_selection_object_count;
   std::vector<uint32_t> seeds(grid.cells.pixels());
-  const float scale_x = static_cast<float>(drawn.width) / static_cast<float>(grid.frame.width),
-              scale_y = static_cast<float>(drawn.height) / static_cast<float>(grid.frame.height);
   const auto side = static_cast<float>(grid.side);
+  const float width = side * static_cast<float>(drawn.width) / static_cast<float>(grid.frame.width),
+              height =
+                  side * static_cast<float>(drawn.height) / static_cast<float>(grid.frame.height);
   for (const SelectionStroke& stroke : strokes) {
-    const float reach = stroke.radius + .5F * side * scale_x;
-    for (uint32_t y = 0; y < grid.cells.height; ++y)
-      for (uint32_t x = 0; x < grid.cells.width; ++x)
-        if (covers(stroke,
-                   {(static_cast<float>(x) + .5F) * side * scale_x,
-                    (static_cast<float>(y) + .5F) * side * scale_y},
-                   reach))
-          seeds[size_t{y} * grid.cells.width + x] =
-              stroke.subtract ? Shader::kSeedSubtract : Shader::kSeedAdd;
+    const bool closed = stroke.closed && stroke.points.size() > 2;
+    const float reach = (closed ? 0 : stroke.radius) + .5F * width,
+                around = closed && !stroke.subtract ? reach + 2 * width : 0,
+                most = std::max(reach, around);
+    const auto [left, right] = cells_near(stroke, 0, most, width, grid.cells.width);
+    const auto [top, bottom] = cells_near(stroke, 1, most, height, grid.cells.height);
+    for (uint32_t y = top; y < bottom; ++y)
+      for (uint32_t x = left; x < right; ++x) {
+        const Point p{(static_cast<float>(x) + .5F) * width,
+                      (static_cast<float>(y) + .5F) * height};
+        const float d2 = distance2(p, stroke);
+        uint32_t& seed = seeds[size_t{y} * grid.cells.width + x];
+        if (d2 <= reach * reach || (closed && inside(p, stroke.points)))
+          seed = stroke.subtract ? Shader::kSeedSubtract : Shader::kSeedAdd;
+        else if (d2 <= around * around && seed == 0)
+          seed = Shader::kSeedAround;
+      }
   }
   return seeds;
 }

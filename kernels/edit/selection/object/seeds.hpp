@@ -14,15 +14,17 @@ namespace inverse {
 struct SelectionStroke {
   using Point = Place;
   bool subtract = false;      ///< it belongs to something else
-  bool closed = false;        ///< everything inside of the line, too
+  bool closed = false;        ///< what is inside of the line, and not what borders on it
   std::vector<Point> points;  ///< may be outside of the frame
-  float radius = 6;           ///< of the round brush, > 0
+  float radius = 6;           ///< of the round brush, > 0; not of a closed stroke
   bool operator==(const SelectionStroke&) const = default;
 };
 
 /// Of every cell, row by row: 0, or the constant kSeedAdd or kSeedSubtract of object.glsl if its
 /// center is at most the radius and half a cell away from a stroke, or inside of a closed one
-/// (even-odd). The last stroke counts. `drawn` is the size of the frame that it was drawn on.
+/// (even-odd) or half a cell away from it. The last stroke counts. kSeedAround: up to two cells
+/// farther away from a closed one that adds. `drawn` is the size of the frame that they were drawn
+/// on.
 std::vector<uint32_t> draw_seeds(std::span<const SelectionStroke> strokes, Extent drawn,
                                  const CellGrid& grid);
 

@@ -94,7 +94,8 @@ std::vector<uint32_t> ObjectSelection::marks(const std::vector<Vec3>& colors,
   for (size_t n = 0; n < seeds.size(); ++n) {
     Memory& memory = memory_[n];
     if (distance(colors[n], memory.color) > .08) memory = {};
-    if (drawn[n] != no_seed) memory = {colors[n], drawn[n] == seed_add ? 2. : -2.};
+    if (drawn[n] != no_seed && !(drawn[n] == seed_around && region[n]))
+      memory = {colors[n], drawn[n] == seed_add ? 2. : -2.};
     seeds[n] = memory.s > 1 ? seed_add : memory.s < -1 ? seed_subtract : no_seed;
   }
   return seeds;
@@ -130,7 +131,8 @@ void ObjectSelection::select(const std::vector<Vec3>& colors, const std::vector<
   for (const Seed kind : {seed_add, seed_subtract}) {
     std::vector<double> counts(kColorBins), density(kColorBins);
     for (size_t n = 0; n < drawn.size(); ++n)
-      if (drawn[n] == kind) counts[color_bin(colors[n])] += 255;
+      if (drawn[n] == kind || (kind == seed_subtract && drawn[n] == seed_around && !region[n]))
+        counts[color_bin(colors[n])] += 255;
     blend(density, counts, 1);
     std::vector<double>& all = kind == seed_add ? added_ : subtracted_;
     for (size_t n = 0; n < all.size(); ++n) all[n] = std::max(all[n], density[n]);

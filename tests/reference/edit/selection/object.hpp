@@ -46,7 +46,8 @@ int color_bin(const Vec3& oklab);
 /// Smoothed histogram.
 std::vector<double> smooth_histogram(const std::vector<double>& counts);
 
-enum Seed : uint32_t { no_seed, seed_add, seed_subtract };
+/// seed_around: around a closed stroke that adds; subtracts what is not selected yet.
+enum Seed : uint32_t { no_seed, seed_add, seed_subtract, seed_around };
 
 class ObjectSelection {
  public:
