@@ -34,7 +34,8 @@ const PropertyTable<Params>& table() {
     Property<P> strokes = text<P>(
         "strokes", &P::strokes,
         "JSON list of strokes on objects: [{\"kind\":\"add\",\"points\":[[x,y],...]}], in pixels; "
-        "kind is add or subtract, \"closed\":true takes what is inside of the line, and nothing that borders on it");
+        "kind is add or subtract, \"closed\":true takes what is inside of the line, and nothing "
+        "that borders on it");
     strokes.wrong = wrong_selection;
     return PropertyTable<P>{
         choice<P>("by", &P::by, "GstInverseSelectBy",

@@ -18,12 +18,12 @@ using Layer = ReturnedPicture::Layer;  // in the order of the shader's constants
 ReturnedEdit::ReturnedEdit(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : device_(device), planes_(device, extent) {}
 
-const PlanePtr& ReturnedEdit::white(gpu::Commands& commands) {
-  if (!white_) {
-    white_ = planes_.acquire();
-    commands.fill(white_->buffer, std::bit_cast<uint32_t>(1.0F));
+const PlanePtr& ReturnedEdit::filled(PlanePtr& plane, gpu::Commands& commands, float value) {
+  if (!plane) {
+    plane = planes_.acquire();
+    commands.fill(plane->buffer, std::bit_cast<uint32_t>(value));
   }
-  return white_;
+  return plane;
 }
 
 void ReturnedEdit::record(gpu::Commands& commands, Layers& layers, const ReturnedPicture& picture,
@@ -36,7 +36,8 @@ void ReturnedEdit::record(gpu::Commands& commands, Layers& layers, const Returne
   const PlanePtr& lamp = layers[Role::lamp];
   const bool tint = of_light && (has_light || slope || !picture.gray);
   const Role role = mask ? Role::mask : Role::intrinsic;
-  if (tint && !has_light) layers[Role::light] = layers[Role::model_light] = white(commands);
+  if (tint && !has_light)
+    layers[Role::light] = layers[Role::model_light] = filled(white_, commands, 1);
   // Decided before anything here refers to the planes a second time.
   const PlanePtr edited = plane_to_edit(layers[role], planes_);
   const PlanePtr tinted = tint ? plane_to_edit(layers[Role::light], planes_) : edited;

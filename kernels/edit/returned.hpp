@@ -33,14 +33,16 @@ class ReturnedEdit {
   /// must have what the picture shows.
   void record(gpu::Commands& commands, Layers& layers, const ReturnedPicture& picture,
               float strength, const PlanePtr& matte);
+  /// A mask that selects nothing.
+  const PlanePtr& no_mask(gpu::Commands& commands) { return filled(no_mask_, commands, 0); }
 
  private:
-  /// Light without a color.
-  const PlanePtr& white(gpu::Commands& commands);
+  /// `plane` with one value throughout; made when it is first needed.
+  const PlanePtr& filled(PlanePtr& plane, gpu::Commands& commands, float value);
 
   std::shared_ptr<gpu::Device> device_;
   PlanePool planes_;
-  PlanePtr white_;  // made when it is first needed
+  PlanePtr white_, no_mask_;  // white: light without a color
 };
 
 }  // namespace inverse

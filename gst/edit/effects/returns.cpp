@@ -269,10 +269,18 @@ void Returns::apply(GstElement* element, FrameContext& frame, const ReturnParams
                     " takes back pictures of reflectance, shading and light, and these layers are "
                     "those of limematerial; put intrinsicdecomp in its place");
   const std::string label = label_of(element);
+  if (!edit_ || device_ != frame.commands.device() || extent_ != layers.extent) {
+    device_ = frame.commands.device();
+    extent_ = layers.extent;
+    edit_.emplace(device_, extent_);
+  }
   std::vector<ReturnedPicture> pictures;
   const std::vector<Arrival> arrivals = collect(element, frame.in);
   for (const Arrival& arrival : arrivals) {
     const SplitLayer layer = arrival.pad->layer();
+    // A mask from elsewhere selects, where there was none to change.
+    if (layer == SplitLayer::mask && !layers[Role::mask])
+      layers[Role::mask] = edit_->no_mask(frame.commands);
     if (arrival.gave_up) frame.warnings.push_back(no_picture(layer, label));
     if (arrival.never_came) frame.warnings.push_back(only_absent(layer, label));
     if (arrival.found != ReturnPad::Found::picture || !(params.strength > 0)) continue;
@@ -282,11 +290,6 @@ void Returns::apply(GstElement* element, FrameContext& frame, const ReturnParams
                                               label.c_str()));
   }
   if (pictures.empty()) return;
-  if (!edit_ || device_ != frame.commands.device() || extent_ != layers.extent) {
-    device_ = frame.commands.device();
-    extent_ = layers.extent;
-    edit_.emplace(device_, extent_);
-  }
   for (const ReturnedPicture& picture : pictures) {
     const bool mask = picture.layer == ReturnedPicture::Layer::mask;
     edit_->record(frame.commands, layers, picture, params.strength,

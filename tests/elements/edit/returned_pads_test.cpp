@@ -207,6 +207,32 @@ TEST_F(ReturnedPads, PicturesOfAnotherLayerAreRefused) {
   expect_one(run_line(source).errors, "pad shading", "pictures of reflectance");
 }
 
+TEST_F(ReturnedPads, AMaskFromElsewhereSelects) {
+  const std::string caps = VideoHarness::caps("RGBA", kWidth, kHeight),
+                    left = "video/x-raw,format=GRAY8,width=20,height=30,framerate=25/1";
+  const auto line = [&](const std::string& editor) {
+    return "videotestsrc pattern=solid-color foreground-color=0xff808080 num-buffers=3 ! " + caps +
+           " ! intrinsicdecomp ! intrinsicmerge name=m ! " + editor +
+           " ! video/x-raw,format=RGBA ! appsink name=out sync=false compositor name=c "
+           "background=black sink_0::xpos=0 ! video/x-raw,format=GRAY8,width=40,height=30 ! m.mask "
+           "videotestsrc pattern=white num-buffers=3 ! " +
+           left + " ! c.sink_0";
+  };
+  const auto shown = run_line(line("intrinsiccompose show=mask"));
+  ASSERT_EQ(shown.frames.size(), 3U) << shown.first_error();
+  const auto painted = run_line(line("intrinsicrecolor target=0xffff0000 ! intrinsiccompose"));
+  ASSERT_EQ(painted.frames.size(), 3U) << painted.first_error();
+  for (size_t n = 0; n < 3; ++n) {
+    EXPECT_GT(pixel_at(shown.frames[n], 8, 15, kWidth)[0], 220) << n;
+    EXPECT_LT(pixel_at(shown.frames[n], 32, 15, kWidth)[0], 5) << n;
+    const uint8_t *red = pixel_at(painted.frames[n], 8, 15, kWidth),
+                  *gray = pixel_at(painted.frames[n], 32, 15, kWidth);
+    EXPECT_GT(red[0], red[1] + 60) << n;
+    EXPECT_NEAR(gray[0], 0x80, 2) << n;
+    EXPECT_NEAR(gray[1], 0x80, 2) << n;
+  }
+}
+
 TEST_F(ReturnedPads, PadsComeAndGoAndThereIsOneOfALayer) {
   EXPECT_EQ(gst_element_request_pad_simple(element(), "shading"), nullptr);
   GstPad* pad = gst_element_request_pad_simple(element(), "reflectance");
