@@ -71,13 +71,22 @@ const std::vector<Subject> kEveryElement{
     {"intrinsicdecomp ! intrinsiccompose", {kSmall, kLarge}},
     {"intrinsicdecomp ! intrinsicrecolor key=0xffe01e32 target=0xff2878f0 ! intrinsiccompose",
      {kSmall, kLarge}},
+    {"intrinsicdecomp ! intrinsicselect "
+     "strokes=\"{\\\"frame\\\":[640,480],\\\"strokes\\\":[{\\\"kind\\\":\\\"add\\\","
+     "\\\"points\\\":[[390,300]]}]}\" ! intrinsicrecolor target=0xff2878f0 ! intrinsiccompose",
+     {kSmall, kLarge}},
     {"intrinsicdecomp ! intrinsickey", {kSmall, kLarge}},
     {"intrinsicdecomp ! intrinsictone look=metal ! intrinsiccompose", {kSmall, kLarge}},
     {"intrinsicdecomp ! intrinsicstylize ! intrinsiccompose", {kSmall, kLarge}},
     {"intrinsicdecomp ! intrinsicrelight "
      "lamps=\"[{\\\"kind\\\":\\\"point\\\",\\\"position\\\":[200,200,0.3]}]\" ! intrinsiccompose",
      {kSmall, kLarge}},
-    {"globalintrinsic ! intrinsicdespill key=0xffe01e32 ! intrinsiccompose", {kSmall}},
+    {"intrinsicedit layer=shading effect=\"gaussianblur sigma=4\"", {kSmall, kLarge}},
+    {"intrinsicdecomp ! intrinsicselect ! intrinsicrecolor ! intrinsictone ! intrinsicstylize "
+     "strength=0 ! intrinsicrelight ! intrinsicmerge ! "
+     "intrinsiccompose",
+     {kSmall, kLarge}},
+    {"globalintrinsic ! intrinsicdespill key=0xffe01e32 ! intrinsiccompose", {kSmall, kLarge}},
     {"intrinsicdecomp ! intrinsicsplit name=split split.reflectance ! identity", {kSmall, kLarge}},
     {"limematerial", {kSmall, kLarge}},
     {"materialclone", {kSmall, kLarge}},
