@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "object.glsl"
 
-// Blocks near the object: within .15 of its size, the root of its area, and at least .02 of the frame's diagonal. Colors there may
+// Blocks near the object: within .4 of its size, the root of its area, and at least .02 of the frame's diagonal. Colors there may
 // be its own that are not recognized yet.
 WORD_IN(0, occupied);
 WORD_IN(1, status);
@@ -19,7 +19,7 @@ void main() {
   ivec2 block = ivec2(gl_GlobalInvocationID.xy);
   if (block.x >= push.blocks.x) return;
   uint area = FETCH1(status, kArea);
-  int reach = int(ceil(max(0.15 * sqrt(float(area)), push.least) / float(kCoarse)));
+  int reach = int(ceil(max(0.4 * sqrt(float(area)), push.least) / float(kCoarse)));
   ivec2 first = max(block - reach, ivec2(0)), last = min(block + reach, push.blocks - 1);
   uint found = 0u;
   for (int y = first.y; y <= last.y && found == 0u; ++y)

@@ -7,7 +7,8 @@ const ivec3 kBins = ivec3(10, 24, 24);
 const int kBinCount = 5760;
 const vec3 kBinLow = vec3(0.0, -0.3, -0.3), kBinHigh = vec3(1.05, 0.3, 0.3);
 
-const float kOwnColor = 0.1;      // share of the object's largest density from which on a color is its own
+const float kStartColor = 0.5;    // share of the largest density under strokes from which on a color is the object's at first
+const float kOwnColor = 0.2;      // the same of the object's density, for colors that are not the background's
 const float kDensityFloor = 0.002;  // of that density: rarer colors are neither the object's nor the background's
 const float kPriorWeight = 0.05;  // of a certain cell's color, against edges
 const float kPriorFloor = 1e-3;

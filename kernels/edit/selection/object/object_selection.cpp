@@ -11,7 +11,8 @@ namespace {
 
 using Count = shaders::edit_selection_object_count;
 constexpr auto kBins = static_cast<uint32_t>(Count::kBinCount);
-// Rounds of learning and segmenting in a frame with new strokes, and steps of diffusion in each.
+// Rounds of learning and segmenting with the first strokes (one with others: it would go on
+// growing), and steps of diffusion in each.
 constexpr int kRounds = 5;
 constexpr uint32_t kSteps = 48;
 // Passes of shortest paths, along rows and columns: paths have some corners.
@@ -99,7 +100,7 @@ void ObjectSelection::select(gpu::Commands& commands, const gpu::BufferPtr& colo
     learn(commands, colors, 1);
   }
   find_paths(commands, colors);
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < (first ? kRounds : 1); ++round) {
     segment(commands, colors, kSteps);
     learn(commands, colors, 1);
   }

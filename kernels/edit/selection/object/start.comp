@@ -18,6 +18,6 @@ void main() {
   uint n = cell.y * push.cells.x + cell.x;
   float top = FETCH(totals, kAddedDensity).y;
   uint seed = FETCH1(seeds, int(n));
-  bool own = top > 0.0 && FETCH1(model, kAddedDensity * kBinCount + bin_of(FETCH(colors, int(n)).rgb)) > kOwnColor * top;
+  bool own = top > 0.0 && FETCH1(model, kAddedDensity * kBinCount + bin_of(FETCH(colors, int(n)).rgb)) > kStartColor * top;
   STORE(alpha, n, seed == kSeedAdd || (own && seed != kSeedSubtract) ? 1.0 : 0.0);
 }

@@ -9,7 +9,7 @@ namespace inverse::reference {
 namespace {
 
 constexpr int kBinsL = 10, kBinsAb = 24;
-constexpr double kOwnColor = .1, kFloor = .002;
+constexpr double kStartColor = .5, kOwnColor = .2, kFloor = .002;
 
 double max_of(const std::vector<double>& v) { return *std::max_element(v.begin(), v.end()); }
 
@@ -140,7 +140,7 @@ void ObjectSelection::select(const std::vector<Vec3>& colors, const std::vector<
   if (first) {
     const double top = max_of(added_);
     for (size_t n = 0; n < seeds.size(); ++n) {
-      const bool own = top > 0 && added_[color_bin(colors[n])] > kOwnColor * top;
+      const bool own = top > 0 && added_[color_bin(colors[n])] > kStartColor * top;
       alpha[n] = seeds[n] == seed_add || (own && seeds[n] != seed_subtract);
     }
     find_region(seeds, true);
@@ -154,7 +154,7 @@ void ObjectSelection::select(const std::vector<Vec3>& colors, const std::vector<
     const double ahead = std::clamp((to_added[n] - to_subtracted[n]) / .3, -40., 40.);
     memory_[n] = {colors[n], both ? 2 / (1 + std::exp(ahead)) - 1 : 0};
   }
-  for (int round = 0; round < 5; ++round) {
+  for (int round = 0; round < (first ? 5 : 1); ++round) {
     segment(colors, seeds, 48);
     learn(colors, 1);
   }
@@ -253,7 +253,7 @@ std::vector<bool> ObjectSelection::near_region() const {
   for (size_t n = 0; n < region.size(); ++n)
     if (region[n]) occupied[n / width_ / 4 * columns + n % width_ / 4] = true;
   const int reach = static_cast<int>(
-      std::ceil(std::max(.15 * std::sqrt(area()), .02 * std::hypot(width_, height_)) / 4));
+      std::ceil(std::max(.4 * std::sqrt(area()), .02 * std::hypot(width_, height_)) / 4));
   for (size_t n = 0; n < near.size(); ++n) {
     const int x = static_cast<int>(n) % width_ / 4, y = static_cast<int>(n) / width_ / 4;
     for (int v = std::max(y - reach, 0); v <= std::min(y + reach, rows - 1); ++v)

@@ -21,8 +21,9 @@
 //   region   connected components of alpha > 1/2 of which the region of the frame before had a
 //            tenth, or which have a stroke that adds
 //
-// O is learned from alpha in the region; B from cells that are away from the region and whose color
-// has at most a tenth of the largest density of the object and of the strokes that add, since cells
+// Five rounds of this with the first strokes, one with others and in later frames. O is learned
+// from alpha in the region; B from cells that are away from the region and whose color
+// has at most .2 of the largest density of the object and of the strokes that add, since cells
 // of these colors elsewhere may be other objects of the same paint. Colors that are in neither,
 // e.g. paler petals of the same flower, or in both, go by their neighbors.
 #pragma once
