@@ -4,11 +4,11 @@ from gi.repository import GLib, Gst, GstVideo
 
 from . import messages, source
 from .messages import Trouble
+from .reach import Reach
 from .stage import Stage
 
 CLOSED, PLAYING, PAUSED, ENDED, FAILED = "closed", "playing", "paused", "ended", "failed"
 DRAIN_MS = 400  # between looks at whether frames still come after an error
-CUT_OFF_SECONDS, CUT_OFF_SHARE = 1.0, 0.05  # a file that ends so much before its duration is cut off
 
 
 class Playback:
@@ -29,6 +29,7 @@ class Playback:
         self._pipeline, self._branch = None, None
         self._seeking, self._next_seek = False, None
         self._shown = 0
+        self._reach, self._missing = None, 0.0
 
     def open(self, opened, project):
         """Plays from the beginning. Raises SourceError or ElementError."""
@@ -39,6 +40,7 @@ class Playback:
         self.sink.set_property("sync", not opened.live)
         self._pipeline.add(self.sink)
         entry = self._pipeline.get_by_name("inverse-entry").get_static_pad("src")
+        self._entry, self._reach, self._missing = entry, Reach(self._pipeline, entry), 0.0
         self.stage = Stage(self._pipeline, entry, self.sink, project, self._on_property)
         self.sink.get_static_pad("sink").add_probe(Gst.PadProbeType.BUFFER, self._on_buffer)
         self.stage.mouse_pad.add_probe(Gst.PadProbeType.EVENT_UPSTREAM, self._on_event)
@@ -56,11 +58,24 @@ class Playback:
         self.hide_original()
         self._pipeline.get_bus().remove_signal_watch()
         self._pipeline.set_state(Gst.State.NULL)
-        self._pipeline = self.stage = self.sink = None
+        self._pipeline = self.stage = self.sink = self._entry = self._reach = None
         self._seeking, self._next_seek = False, None
         self.seekable, self.duration, self.position, self._shown = False, 0.0, 0.0, 0
         self.width = self.height = 0
         self._set_state(CLOSED)
+
+    @property
+    def clock(self):
+        """The time to show: of the frame that is shown; of the end if it is reached, though the last frame begins
+        before it and may be left out."""
+        return self.duration if self.state == ENDED and not self._missing and self.duration else self.position
+
+    @property
+    def frame_rate(self):
+        """Frames a second that the source has; 0 if unknown."""
+        caps = self._entry.get_current_caps() if self._entry else None
+        found, rate, of = caps.get_structure(0).get_fraction("framerate") if caps else (False, 0, 1)
+        return rate / of if found else 0.0
 
     def _set_state(self, state):
         self.state = state
@@ -203,27 +218,32 @@ class Playback:
     def _on_ready(self, _message):
         query = Gst.Query.new_seeking(Gst.Format.TIME)
         self.seekable = bool(not self.source.live and self._pipeline.query(query) and query.parse_seeking()[1])
-        found, duration = self._pipeline.query_duration(Gst.Format.TIME)
-        self.duration = duration / Gst.SECOND if found and duration > 0 else 0.0
+        self._read_duration()
         self._seeking = False
         if self._next_seek is not None:
             seconds, self._next_seek = self._next_seek, None
             self.seek(seconds)
         self._listener.on_state()
 
+    def _read_duration(self):
+        found, duration = self._pipeline.query_duration(Gst.Format.TIME)
+        if found and duration > 0:
+            self.duration = duration / Gst.SECOND
+
     def _on_end(self, _message):
         """The last frame stays."""
         if self.state == FAILED:
             return
-        short = self.duration - self.position
         first = self.state != ENDED
+        self._read_duration()  # some parsers only estimate it at the beginning
+        self._missing = self._reach.missing(self.duration, self.frame_rate)
         self._seeking = False
         self._listener.on_stopping()
         self._pipeline.set_state(Gst.State.PAUSED)
         self._set_state(ENDED)
-        if first and self.duration and short > max(CUT_OFF_SECONDS, CUT_OFF_SHARE * self.duration):
+        if first and self._missing:
             self._listener.on_trouble(Trouble(
-                f"The file ends at {self.position:.1f} s of {self.duration:.1f} s: it is cut off.",
+                f"The file ends at {self.duration - self._missing:.1f} s of {self.duration:.1f} s: it is cut off.",
                 "Copy or download it again to have the rest.", True))
         self._listener.on_finished()
 

@@ -7,6 +7,7 @@ import tempfile
 
 from . import elements
 from .elements import ElementError
+from .source import unreadable
 
 VERSION = 1
 
@@ -140,6 +141,9 @@ def _check_kind(element, known, what):
 
 def load(path):
     """Reads a project file; raises ElementError or OSError."""
+    reason = unreadable(path)
+    if reason:
+        raise ElementError(f"the project cannot be loaded: {reason}")
     with open(path, encoding="utf-8") as file:
         try:
             data = json.load(file)

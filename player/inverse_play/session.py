@@ -227,7 +227,8 @@ class Session:
         try:
             loaded = project.load(path)
         except (OSError, elements.ElementError) as error:
-            self.on_trouble(Trouble(str(error), fatal=False))
+            reason = f"{path} cannot be read: {error.strerror}" if isinstance(error, OSError) else str(error)
+            self.on_trouble(Trouble(f"{reason}.", fatal=False))
             return
         before = self.project.source
         loaded = dataclasses.replace(loaded, source=loaded.source or before)

@@ -53,15 +53,21 @@ def _uri(text):
     return Source(text, text, f"uridecodebin uri={quoted(text)}", live=protocol in ("rtsp", "rtp", "udp", "srt"))
 
 
+def unreadable(path):
+    """Why a file cannot be read; None if it can."""
+    if not os.path.exists(path):
+        return f"there is no file {path}"
+    if os.path.isdir(path):
+        return f"{path} is a folder; choose a file in it"
+    if not os.access(path, os.R_OK):
+        return f"no permission to read {path}"
+    return f"{path} is empty" if os.path.getsize(path) == 0 else None
+
+
 def _file(text):
-    if not os.path.exists(text):
-        raise SourceError(f"there is no file {text}")
-    if os.path.isdir(text):
-        raise SourceError(f"{text} is a folder; choose a file in it")
-    if not os.access(text, os.R_OK):
-        raise SourceError(f"no permission to read {text}")
-    if os.path.getsize(text) == 0:
-        raise SourceError(f"{text} is empty")
+    reason = unreadable(text)
+    if reason:
+        raise SourceError(reason)
     path = os.path.abspath(text)
     line = f"filesrc location={quoted(path)} ! decodebin"
     if (Gio.content_type_guess(path, None)[0] or "").startswith("image/"):

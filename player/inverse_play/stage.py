@@ -132,9 +132,10 @@ class Stage:
             elements.write(decomposer, MOUSE_MODE, self._mouse)
 
     def milliseconds(self):
-        """What a frame takes in all elements together."""
-        described = [e for e in self.project.elements() if e.on]
-        return sum(_stat(self._elements[e.name], "wall-ms") for e in described)
+        """What a frame takes in all elements together. The device works on while the processor goes on to the next
+        element: the longer of both counts."""
+        made = [self._elements[e.name] for e in self.project.elements() if e.on]
+        return sum(max(_stat(element, "wall-ms"), _stat(element, "device-ms")) for element in made)
 
     def frames(self):
         """Frames that the decomposer has completed."""

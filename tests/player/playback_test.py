@@ -201,6 +201,7 @@ class Files(support.Case):
         viewer = Viewer(self).open(self.clip(10))
         viewer.ends()
         self.assertAlmostEqual(viewer.player.position, 0.9, delta=0.11)
+        self.assertEqual(viewer.player.clock, viewer.player.duration)
         self.assertIsNotNone(viewer.color(RED))
         viewer.session.add_editor("intrinsicrecolor", GREEN)  # edits the frame that stands still
         viewer.wait(lambda: viewer.is_green(RED))
@@ -256,6 +257,29 @@ class Files(support.Case):
         times = [frame[0] for frame in support.read_video(self.path("out.mkv"))]
         self.assertGreater(len(times), 20)
         self.assertLess(len(times), 40)
+
+    def test_a_short_file_that_is_cut_off(self):
+        path = self.clip(12, pattern="snow")
+        with open(path, "r+b") as file:
+            file.truncate(os.path.getsize(path) * 6 // 10)
+        viewer = Viewer(self).open(path)
+        viewer.ends()
+        viewer.wait(lambda: viewer.session.troubles)
+        self.assertIn("of 1.2 s: it is cut off", viewer.session.troubles[0].text)
+        self.assertLess(viewer.player.clock, 1)  # not the end
+
+    def test_sound_that_ends_after_the_video_is_no_cut(self):
+        video = "videotestsrc num-buffers=5 ! video/x-raw,width=160,height=120,framerate=10/1 ! "
+        sound = "audiotestsrc num-buffers=200 samplesperbuffer=441 ! audio/x-raw,rate=44100 ! "  # 2 s
+        for name, coders, muxer in (("a.mkv", ("vp8enc deadline=1", "vorbisenc"), "matroskamux"),
+                                    ("a.mov", ("jpegenc", "mulawenc"), "qtmux")):
+            support.run_line(f"{video} {coders[0]} ! mux. {sound} audioconvert ! audioresample ! {coders[1]} ! mux. "
+                             f"{muxer} name=mux ! filesink location={self.path(name)}")
+            viewer = Viewer(self).open(self.path(name))
+            viewer.ends()
+            self.assertGreater(viewer.player.duration, 1.9)
+            self.assertEqual(viewer.told, [], name)
+            self.assertEqual(viewer.player.clock, viewer.player.duration)
 
     def test_what_is_no_video(self):
         with open(self.path("text.mp4"), "w", encoding="utf-8") as file:
@@ -365,6 +389,11 @@ class Projects(support.Case):
         other.session.load(self.path("p.json"))
         self.assertEqual(other.session.project, before)
         self.assertIn("version", other.told[-1].text)
+        for path, reason in (("none.json", "there is no file"), ("", "is a folder")):
+            other.session.load(self.path(path))
+            self.assertIn(reason, other.told[-1].text)
+            self.assertNotIn("Errno", other.told[-1].text)
+        self.assertEqual(other.session.project, before)
 
     def test_undo_opens_the_source_before(self):
         first, second = self.clip(10, "a.mkv"), self.clip(10, "b.mkv", size=(80, 60))

@@ -267,7 +267,7 @@ class CommandLine(support.Case):
                  (["test", "--edit", "intrinsicrecolor tolerance=99"], "tolerance"),
                  (["test", "--edit", "intrinsicrecolor nothing=1"], "it has key"),
                  (["test", "--show", "direct"], "globalintrinsic"),
-                 (["test", "--split", "7"], "from 0 to 1"), (["--project", "/none.json"], "none.json"),
+                 (["test", "--split", "7"], "from 0 to 1"), (["--project", "/none.json"], "there is no file /none.json"),
                  (["test", "--folder", "/none"], "no folder"))
         with futures.ThreadPoolExecutor(os.cpu_count()) as pool:
             all_done = pool.map(lambda case: self.run_it(*case[0]), cases)

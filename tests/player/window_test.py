@@ -2,6 +2,7 @@
 """The window, with a real mouse and keyboard on a display without a screen."""
 import json
 import os
+import re
 import subprocess
 import unittest
 
@@ -383,6 +384,8 @@ class Keys(WindowCase):
     def test_play_and_seek(self):
         self.open(self.clip(300), 160)
         self.wait(lambda: self.player.seekable)
+        self.wait(lambda: re.fullmatch(r"160×120 · [\d.]+ of 10 frames/s · elements [1-9]\d* ms a frame",
+                                       self.window.timeline.rate.get_text()))
         self.key("space")
         self.wait(lambda: self.player.state == playback.PAUSED)
         self.key("Home", "Right", "Right")
@@ -396,6 +399,7 @@ class Keys(WindowCase):
         self.key("End", "space")
         self.wait(lambda: self.player.state == playback.ENDED)
         self.wait(lambda: self.window.timeline.play.get_label() == "Again")
+        self.wait(lambda: self.window.timeline.time.get_text() == "0:30.0 / 0:30.0")
         self.key("space")
         self.wait(lambda: self.player.state == playback.PLAYING and 0 < self.player.position < 20)
 

@@ -8,9 +8,20 @@ from ..playback import CLOSED, ENDED, PLAYING
 from .style import add_class, label
 
 
+RATE_HINT = ("Frames that are edited each second, of those that the source has; time that the elements take for one. "
+             "If that is longer than a frame of the source lasts, the elements limit the rate")
+
+
 def clock(seconds):
     """Minutes and seconds, with tenths."""
     return f"{int(seconds) // 60}:{seconds % 60:04.1f}"
+
+
+
+def rate_text(rate, playback):
+    """How fast it is, and what each frame takes."""
+    of = f" of {playback.frame_rate:.3g}" if playback.frame_rate else ""
+    return f"{rate:.1f}{of} frames/s · elements {playback.stage.milliseconds():.0f} ms a frame"
 
 
 class Timeline(Gtk.Box):
@@ -25,7 +36,7 @@ class Timeline(Gtk.Box):
         self.scale = Gtk.Scale(adjustment=Gtk.Adjustment(upper=1, step_increment=5), draw_value=False, can_focus=False)
         self.scale.connect("value-changed", self._on_value)
         self.time = label("", width_chars=14)
-        self.rate = add_class(Gtk.Label(width_chars=44, xalign=1), "faint")
+        self.rate = add_class(Gtk.Label(width_chars=44, xalign=1, tooltip_text=RATE_HINT), "faint")
         self.pack_start(self.play, False, False, 0)
         self.pack_start(self.scale, True, True, 0)
         self.pack_start(self.time, False, False, 0)
@@ -42,14 +53,14 @@ class Timeline(Gtk.Box):
         self._showing = True
         self.scale.set_sensitive(playback.seekable)
         self.scale.set_range(0, max(playback.duration, 0.1))
-        self.scale.set_value(playback.position if playback.seekable else 0)
+        self.scale.set_value(playback.clock if playback.seekable else 0)
         self._showing = False
         self.time.set_text(self._time_text(playback))
 
     @staticmethod
     def _time_text(playback):
         if playback.seekable:
-            return f"{clock(playback.position)} / {clock(playback.duration)}"
+            return f"{clock(playback.clock)} / {clock(playback.duration)}"
         return "" if playback.state == CLOSED else "live" if playback.source.live else clock(playback.position)
 
     def update_rate(self):
@@ -62,7 +73,6 @@ class Timeline(Gtk.Box):
         new = frames - self._frames if frames >= self._frames else frames
         rate = new / max(now - self._time, 1e-3)
         self._frames, self._time = frames, now
-        milliseconds = playback.stage.milliseconds()
         size = f"{playback.width}×{playback.height}"
-        moving = f" · {rate:.1f} frames/s · {milliseconds:.0f} ms a frame" if playback.state == PLAYING else ""
-        self.rate.set_text(size + moving)
+        moving = playback.state == PLAYING
+        self.rate.set_text(f"{size} · {rate_text(rate, playback)}" if moving else size)
