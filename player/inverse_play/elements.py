@@ -45,6 +45,14 @@ def decomposers():
             if not _takes_layers(f, Gst.PadDirection.SINK) and _takes_layers(f, Gst.PadDirection.SRC)]
 
 
+def merges(factory):
+    """Whether an element takes layers by pads on request, as those that bring branches of a launch line together do:
+    alone in a chain it changes nothing."""
+    layers = {nick for nick, _ in property_of("intrinsiccompose", "show").choices}
+    return any(t.name_template in layers for t in Gst.ElementFactory.find(factory).get_static_pad_templates()
+               if (t.direction, t.presence) == (Gst.PadDirection.SINK, Gst.PadPresence.REQUEST))
+
+
 def title(factory):
     """The element's name for people: "Recolor" for "Intrinsic recolor"."""
     found = Gst.ElementFactory.find(factory)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Which layers a project has to show."""
 from . import elements
+from .selection import KEY, SELECT
 
 NEEDS = {"direct": "globalintrinsic", "indirect": "globalintrinsic", "layer": "globalintrinsic",
          "diffuse": "limematerial", "specular": "limematerial", "mirror": "limematerial"}
@@ -32,7 +33,7 @@ def _writes_mask(editor):
         return False
     if "write-mask" in elements.properties(editor.factory):
         return editor.get("write-mask")
-    return editor.factory == "intrinsicselect"
+    return editor.factory in (SELECT, KEY)
 
 
 def corrected(project):

@@ -6,7 +6,7 @@ import math
 
 from .project import Element
 
-SELECT, RECOLOR = "intrinsicselect", "intrinsicrecolor"
+SELECT, RECOLOR, KEY = "intrinsicselect", "intrinsicrecolor", "intrinsickey"
 MAX_STROKES, MAX_POINTS = 64, 4096  # that the element takes
 
 

@@ -22,7 +22,7 @@ class Session:
         self.observer, self.report, self.finished = lambda: None, print, lambda: None
         self.troubles = []  # all that were fatal
         self.recorder = None
-        self._mouse, self._tap = "off", None
+        self._mouse, self._tap = ("off", "decomposer"), None
         self.record_at_start = None
 
     @property
@@ -127,15 +127,16 @@ class Session:
         else:
             self.set_property("compose", "show", layer)
 
-    def use_tool(self, mouse="off", tap=None):
-        """What the mouse draws, and before which editor colors are read ("": behind the last; None: nowhere)."""
-        self._mouse, self._tap = mouse, tap
+    def use_tool(self, mouse="off", place="decomposer", tap=None):
+        """What the mouse does by the element `place`, and before which editor colors are read ("": behind the last;
+        None: nowhere)."""
+        self._mouse, self._tap = (mouse, place), tap
         self._use_tool()
 
     def _use_tool(self):
         stage = self.playback.stage
         if stage:
-            stage.mouse(self._mouse)
+            stage.mouse(*self._mouse)
             if stage.tap(self._tap):
                 self.playback.refresh()
 

@@ -6,7 +6,10 @@ from . import elements
 from .chain import Chain
 from .tap import Tap
 
-MOUSE_MODE = "stroke-mode"  # a tool of the window, no part of a project
+STROKE_MODE, LAMP_MODE = "stroke-mode", "lamp-mode"
+# What elements do with the mouse, and the values by which they leave it to another one. Tools set it: no part of a
+# project.
+MOUSE = {STROKE_MODE: "off", LAMP_MODE: "off", "drag": False}
 
 
 class Stage:
@@ -19,7 +22,7 @@ class Stage:
         self._elements = {}
         self.project = project
         self._tap, self._tap_place = None, None
-        self._mouse = "off"
+        self._mouse = "off", "decomposer"
         self._setting = None  # the element that is being set to what the project says
         layers = Gst.ElementFactory.make("tee", None)
         # The first one, as a tee waits for each of its pads in turn: the other one waits while the video is paused.
@@ -51,15 +54,14 @@ class Stage:
         for name, value in described.properties.items():
             elements.write(element, name, value)
         self._elements[described.name] = element
-        if described.name == "decomposer":
-            self._set_mouse(element)
+        self._set_mouse(element, described)
         element.connect("notify", self._on_notify, described.name)
         return element
 
     def _on_notify(self, element, spec, name):
         """An element set its own property, as the mouse draws strokes."""
         factory = element.get_factory().get_name()
-        if element is self._setting or spec.name == MOUSE_MODE or spec.name not in elements.properties(factory):
+        if element is self._setting or spec.name in MOUSE or spec.name not in elements.properties(factory):
             return
         described = self.project.element(name)
         value = elements.read(element, spec.name)
@@ -89,6 +91,7 @@ class Stage:
         for name in {**before.properties, **now.properties}:
             if before.get(name) != now.get(name):
                 elements.write(element, name, now.get(name))
+        self._set_mouse(element, now)
         self._setting = None
 
     def _link(self, gone=(), then=lambda: None):
@@ -120,22 +123,29 @@ class Stage:
         """What the tap found there, or None."""
         return self._tap.color_at(x, y) if self._tap else None
 
-    def mouse(self, mode):
-        """What the mouse draws: a value of the decomposer's stroke-mode."""
-        self._mouse = mode
-        self._set_mouse(self._elements["decomposer"])
+    def mouse(self, mode, place):
+        """What the mouse does: a value of stroke-mode or lamp-mode of the element `place`; "off": what each element
+        is set to."""
+        self._mouse = mode, place
+        for described in self.project.elements():
+            self._set_mouse(self._elements[described.name], described)
 
-    def _set_mouse(self, decomposer):
-        factory = decomposer.get_factory().get_name()
-        mode = elements.properties(factory).get(MOUSE_MODE)
-        if mode and self._mouse in (nick for nick, _ in mode.choices):
-            elements.write(decomposer, MOUSE_MODE, self._mouse)
+    def _set_mouse(self, element, described):
+        mode, place = self._mouse
+        known = elements.properties(described.factory)
+        for name, left in MOUSE.items():
+            if name not in known:
+                continue
+            takes = described.name == place and mode in (nick for nick, _ in known[name].choices)
+            value = described.get(name) if mode == "off" else mode if takes else left
+            if elements.read(element, name) != value:
+                elements.write(element, name, value)
 
     def milliseconds(self):
-        """What a frame takes in all elements together. The device works on while the processor goes on to the next
-        element: the longer of both counts."""
+        """What a frame takes in all elements together: on the device, or in the thread that waits for it, whichever
+        is longer."""
         made = [self._elements[e.name] for e in self.project.elements() if e.on]
-        return sum(max(_stat(element, "wall-ms"), _stat(element, "device-ms")) for element in made)
+        return max(sum(_stat(element, field) for element in made) for field in ("wall-ms", "device-ms"))
 
     def frames(self):
         """Frames that the decomposer has completed."""

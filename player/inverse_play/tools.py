@@ -3,20 +3,22 @@
 import dataclasses
 
 from . import elements
+from .selection import KEY as KEY_FACTORY
 from .selection import RECOLOR as RECOLOR_FACTORY
 from .selection import SELECT as SELECT_FACTORY
-from .stage import MOUSE_MODE
+from .stage import LAMP_MODE, STROKE_MODE
 
 # Keys for what the elements may offer; what is not named here has a button without a key.
 STROKE_KEYS = {"shading": "s", "reflectance": "f", "recolor": "c", "erase": "e"}
 SELECT_TOOLS = {"add": ("Select", "m"), "subtract": ("Not this", "u"), "lasso": ("Lasso", "a")}
-EDITOR_KEYS = {"intrinsictone": "t", "intrinsictexture": "x", "intrinsicrelight": "l", "intrinsickey": "k",
-               "intrinsicstylize": "y", "intrinsicdespill": "d"}
+RELIGHT_FACTORY, TEXTURE_FACTORY = "intrinsicrelight", "intrinsictexture"
+EDITOR_KEYS = {"intrinsictone": "t", TEXTURE_FACTORY: "x", KEY_FACTORY: "k", "intrinsicstylize": "y",
+               "intrinsicdespill": "d"}
 
 
 @dataclasses.dataclass(frozen=True)
 class Tool:
-    """`mouse`: a value of the decomposer's stroke-mode. `draws`: one of intrinsicselect's, drawn by the window, as the
+    """`mouse`: a value of the decomposer's stroke-mode, or of lamp-mode if `lamps`. `draws`: one of intrinsicselect's, drawn by the window, as the
     element is added by the first stroke; `paints`: with an intrinsicrecolor. `reads`: whether it reads colors."""
     name: str
     label: str
@@ -26,6 +28,7 @@ class Tool:
     draws: str = ""
     paints: bool = False
     reads: bool = False
+    lamps: bool = False
 
 
 LOOK = Tool("look", "Look", "v", "Only looks; lamps and corners of editors can be dragged")
@@ -33,6 +36,9 @@ RECOLOR = Tool("recolor", "Recolor", "r", "Click on an object to paint it; click
                "leave one out", draws="add", paints=True)
 EVERYWHERE = Tool("everywhere", "Recolor a color", "g", "Click on a color to replace it wherever it is", reads=True)
 PICK = Tool("pick", "Pick up color", "p", "Click to give the color there to the selected editor", reads=True)
+
+LAMP = Tool("lamp", "Lamp", "l", "Click to place a lamp; drag it to move it", mouse="add", lamps=True)
+NO_LAMP = Tool("no-lamp", "Remove lamp", "", "Click on a lamp to remove it", mouse="remove", lamps=True)
 
 
 def _stroke_tool(nick, meaning):
@@ -47,7 +53,7 @@ def _select_tool(nick, meaning):
 
 def _drawn(factory, made):
     """A tool for each value of an element's stroke-mode."""
-    mode = elements.properties(factory).get(MOUSE_MODE)
+    mode = elements.properties(factory).get(STROKE_MODE)
     return [made(nick, meaning) for nick, meaning in mode.choices if nick != "off"] if mode else []
 
 
@@ -63,10 +69,19 @@ def offered(project):
         found.append(EVERYWHERE)
     if any(p.kind == "color" for factory in known for p in elements.properties(factory).values()):
         found.append(PICK)
+    if RELIGHT_FACTORY in known:
+        found += [LAMP, NO_LAMP] if relights(project) else [LAMP]
     return found + _drawn(project.decomposer.factory, _stroke_tool)
 
 
+def relights(project):
+    """Names of the elements of a project that have lamps."""
+    return [e.name for e in project.editors if e.on and LAMP_MODE in elements.properties(e.factory)]
+
+
 def editors():
-    """(factory, title, key, description) of the editors that can be added."""
+    """(factory, title, key, description) of the editors that can be added: not those that tools of the same name
+    add by a click, and not those that need a second branch."""
     return [(factory, elements.title(factory), EDITOR_KEYS.get(factory, ""), elements.description(factory))
-            for factory in elements.editors()]
+            for factory in elements.editors()
+            if factory not in (SELECT_FACTORY, RECOLOR_FACTORY) and not elements.merges(factory)]

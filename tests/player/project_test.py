@@ -33,6 +33,20 @@ class Elements(support.Case):
         for name in ("intrinsiccompose", "intrinsicsplit", "videoconvert", "videorate", "materialclone"):
             self.assertNotIn(name, elements.editors() + elements.decomposers())
 
+    def test_offers_no_editor_that_does_nothing_alone_or_twice(self):
+        self.assertTrue(elements.merges("intrinsicmerge"))
+        offered = {factory for factory, _, _, _ in tools.editors()}
+        self.assertLessEqual({"intrinsicrelight", "intrinsictexture", "intrinsicedit"}, offered)
+        self.assertFalse(offered & {"intrinsicmerge", "intrinsicselect", "intrinsicrecolor"})
+        titles = [title for _, title, _, _ in tools.editors()] + [tool.label for tool in tools.offered(Project())]
+        self.assertEqual(len(titles), len(set(titles)))
+        keys = [key for _, _, key, _ in tools.editors() if key] + [t.key for t in tools.offered(Project()) if t.key]
+        self.assertEqual(len(keys), len(set(keys)))
+
+    def test_a_key_makes_a_mask(self):
+        keyed = project.parse_editor("intrinsickey", Project())
+        self.assertIsNone(layers.missing("mask", keyed))
+
     def test_describes_properties(self):
         found = elements.properties("intrinsicrecolor")
         self.assertEqual((found["key"].kind, found["key"].default), ("color", "0x00000000"))

@@ -8,10 +8,15 @@ from gi.repository import GLib, Gtk
 CANCEL, OK = Gtk.ResponseType.CANCEL, Gtk.ResponseType.OK
 
 
-def file_to_open(parent, title):
-    """The path of a file, or None."""
+def file_to_open(parent, title, kinds=()):
+    """The path of a file, or None. `kinds`: media types of the files to list; all without."""
     dialog = Gtk.FileChooserDialog(title=title, transient_for=parent, action=Gtk.FileChooserAction.OPEN)
     dialog.add_buttons("Cancel", CANCEL, "Open", OK)
+    if kinds:
+        listed = Gtk.FileFilter()
+        for kind in kinds:
+            listed.add_mime_type(kind)
+        dialog.set_filter(listed)
     return _path(dialog)
 
 

@@ -25,8 +25,14 @@ class Mouse:
 
     def use_element(self):
         """Another element is selected."""
-        place = {tools.EVERYWHERE: "", tools.PICK: self._panel.selected}.get(self.tool)
-        self._session.use_tool(self.tool.mouse, place)
+        tap = {tools.EVERYWHERE: "", tools.PICK: self._panel.selected}.get(self.tool)
+        self._session.use_tool(self.tool.mouse, self.lit_by() if self.tool.lamps else "decomposer", tap)
+
+    def lit_by(self):
+        """The name of the element that the tool's lamps belong to: the one that is selected, or the last; None if
+        there is none."""
+        found = tools.relights(self._session.project)
+        return self._panel.selected if self._panel.selected in found else found[-1] if found else None
 
     def begin_anew(self):
         """The next stroke selects another object."""
@@ -103,6 +109,8 @@ class Mouse:
         if color:
             self._session.set_property(self._panel.selected, picks, color)
             self._back()
+            if self._session.project.element(self._panel.selected).factory == selection.KEY:
+                self._note("Key 5 shows what is kept; editors behind this one change that alone.")
         elif not picks:
             self._note("Select an editor that has a color first.")
         return color is not None or not picks

@@ -7,7 +7,6 @@ from gi.repository import Gtk
 from ..playback import CLOSED, ENDED, PLAYING
 from .style import add_class, label
 
-
 RATE_HINT = ("Frames that are edited each second, of those that the source has; time that the elements take for one. "
              "If that is longer than a frame of the source lasts, the elements limit the rate")
 
@@ -17,20 +16,13 @@ def clock(seconds):
     return f"{int(seconds) // 60}:{seconds % 60:04.1f}"
 
 
-
-def rate_text(rate, playback):
-    """How fast it is, and what each frame takes."""
-    of = f" of {playback.frame_rate:.3g}" if playback.frame_rate else ""
-    return f"{rate:.1f}{of} frames/s · elements {playback.stage.milliseconds():.0f} ms a frame"
-
-
 class Timeline(Gtk.Box):
     """Follows a Playback: `update` is to be called some times a second."""
 
     def __init__(self, playback, on_play):
         super().__init__(spacing=10, margin=6)
         self._playback, self._showing = playback, False
-        self._frames, self._time, self._rate = 0, time.monotonic(), 0.0
+        self._frames, self._time, self._milliseconds = 0, time.monotonic(), []
         self.play = Gtk.Button(label="Play", width_request=64, tooltip_text="Play or pause (Space)")
         self.play.connect("clicked", lambda _: on_play())
         self.scale = Gtk.Scale(adjustment=Gtk.Adjustment(upper=1, step_increment=5), draw_value=False, can_focus=False)
@@ -56,6 +48,8 @@ class Timeline(Gtk.Box):
         self.scale.set_value(playback.clock if playback.seekable else 0)
         self._showing = False
         self.time.set_text(self._time_text(playback))
+        if playback.stage:
+            self._milliseconds.append(playback.stage.milliseconds())
 
     @staticmethod
     def _time_text(playback):
@@ -73,6 +67,11 @@ class Timeline(Gtk.Box):
         new = frames - self._frames if frames >= self._frames else frames
         rate = new / max(now - self._time, 1e-3)
         self._frames, self._time = frames, now
-        size = f"{playback.width}×{playback.height}"
-        moving = playback.state == PLAYING
-        self.rate.set_text(f"{size} · {rate_text(rate, playback)}" if moving else size)
+        sampled, self._milliseconds = self._milliseconds, []
+        moving = f" · {self._rate_text(rate, sampled)}" if playback.state == PLAYING and sampled else ""
+        self.rate.set_text(f"{playback.width}×{playback.height}{moving}")
+
+    def _rate_text(self, rate, milliseconds):
+        """How fast it is, and what each frame takes."""
+        of = f" of {self._playback.frame_rate:.3g}" if self._playback.frame_rate else ""
+        return f"{rate:.1f}{of} frames/s · elements {sum(milliseconds) / len(milliseconds):.0f} ms a frame"

@@ -17,6 +17,7 @@ from .toolbar import Toolbar
 
 SKIP_SECONDS, SPLIT_STEP, BRUSH_STEP = 5, 0.05, 1.25
 INFO_SECONDS = 8
+PICTURES = "image/png", "image/jpeg"  # that intrinsictexture reads
 
 
 class Window(Gtk.Window):
@@ -110,7 +111,7 @@ class Window(Gtk.Window):
         """Shows the session as it is now."""
         session, playback = self.session, self.session.playback
         self.header.update(session.project, session.recorder is not None, session.project.split is not None)
-        if self.tool not in self.all_tools():
+        if self.tool not in self.all_tools() or (self.tool.lamps and not self.mouse.lit_by()):
             self.choose_tool(tools.LOOK)
         self.toolbar.update(session.project, self.tool)
         self.panel.update()
@@ -137,7 +138,7 @@ class Window(Gtk.Window):
     def _show_strokes(self):
         tool, described = self.tool, self.mouse.drawn_on()
         text = None
-        if tool.draws or tool.mouse != "off":
+        if tool.draws or (tool.mouse != "off" and not tool.lamps):
             text = described.get("strokes") if described else ""
         self.strokes.show_strokes(text, self.mouse.brush(), (self.session.playback.width, self.session.playback.height))
 
@@ -187,8 +188,11 @@ class Window(Gtk.Window):
 
     def choose_tool(self, tool, picks=None):
         """What the mouse does from now on. `picks`: the property that the tool Pick sets."""
+        if tool.lamps and not self.mouse.lit_by():
+            self.add_editor(tools.RELIGHT_FACTORY)  # which comes back to here
+            return
         if tool.mouse != "off":
-            self.panel.selected = "decomposer"
+            self.panel.selected = self.mouse.lit_by() if tool.lamps else "decomposer"
         if tool == tools.PICK and self.tool != tools.PICK:
             self._tool_before = self.tool
         self.mouse.use(tool, picks)
@@ -199,10 +203,33 @@ class Window(Gtk.Window):
         self.choose_tool(tools.PICK, name)
 
     def add_editor(self, factory):
-        """Adds an editor behind the selected one, whose mask it uses, and selects it. A selection comes last, as it
-        has a mask of its own."""
-        behind = None if factory == selection.SELECT else self.panel.selected
-        self.panel.select(self.session.add_editor(factory, behind=behind))
+        """Adds an editor behind the selected one, whose mask it uses, and selects it. The mouse does what that editor
+        needs first."""
+        picture = None
+        if factory == tools.TEXTURE_FACTORY:
+            picture = dialogs.file_to_open(self, "The picture to hang", PICTURES)
+        settings = {"location": picture} if picture else {}
+        if factory == selection.KEY:
+            settings = {"key": "0x00000000"}  # what is at the border, until a color is picked
+        self.panel.select(self.session.add_editor(factory, settings, self.panel.selected))
+        self._begin_with(factory, picture)
+
+    def _begin_with(self, factory, picture):
+        """Chooses the tool for an editor that was just added."""
+        selects = self.tool.draws and not self.tool.paints
+        if not (selects and selection.selection_of(self.session.project, self.panel.selected)):
+            self.choose_tool(tools.LOOK)  # the one before would change something else
+        if factory == tools.RELIGHT_FACTORY:
+            self.choose_tool(tools.LAMP)
+            self.note("Click to place a lamp, drag it to move it. Lower ambient to see it better.")
+        elif factory == tools.TEXTURE_FACTORY:
+            self.choose_tool(tools.LOOK)
+            drag = "Drag over the place where the picture shall hang, then drag its corners."
+            self.note(drag if picture else f"Choose a picture: location, at the right. {drag}")
+        elif factory == selection.KEY:
+            self.choose_tool(tools.LOOK)
+            self._pick_up("key")
+            self.note("Click on the screen: its color is removed.")
 
     # Keys and buttons.
     def _on_key(self, _window, event):
