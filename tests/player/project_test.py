@@ -10,7 +10,7 @@ import unittest
 from concurrent import futures
 
 import support
-from inverse_play import arguments, elements, launch_line, layers, project, selection, source, tools
+from inverse_play import arguments, elements, intros, launch_line, layers, project, selection, source, tools
 from inverse_play.elements import ElementError
 from inverse_play.history import History
 from inverse_play.project import Element, Project
@@ -46,6 +46,13 @@ class Elements(support.Case):
     def test_a_key_makes_a_mask(self):
         keyed = project.parse_editor("intrinsickey", Project())
         self.assertIsNone(layers.missing("mask", keyed))
+
+    def test_settings_that_no_table_names_are_rare(self):
+        for factory, name, rare in (("intrinsicrelight", "plane-depth", True), ("intrinsicrelight", "ambient", False),
+                                    ("intrinsicrelight", "use-mask", False), ("intrinsicdecomp", "device", True),
+                                    ("intrinsicdecomp", "quality", False), ("globalintrinsic", "quality", False)):
+            self.assertEqual(intros.is_rare(factory, name), rare, name)
+        self.assertFalse(intros.is_rare("videobalance", "hue"))  # has no page
 
     def test_describes_properties(self):
         found = elements.properties("intrinsicrecolor")

@@ -466,6 +466,19 @@ class Keys(WindowCase):
         self.wait(lambda: self.player.stage.frames() > 2)
         self.assertEqual(self.session.troubles, [])
 
+    def test_settings_that_are_changed_rarely(self):
+        def controls():
+            return self.window.panel.settings.controls
+        self.window.add_editor("intrinsicrelight")
+        self.wait(controls()["ambient"].get_mapped)
+        self.assertTrue(controls()["lamp-color"].get_mapped())
+        self.wait(lambda: not controls()["plane-depth"].get_mapped())
+        self.window.panel.settings.more.set_expanded(True)
+        self.wait(controls()["plane-depth"].get_mapped)
+        self.session.set_property("relight1", "plane-depth", 2)
+        self.key("Up", "Down")
+        self.wait(lambda: controls()["plane-depth"].get_mapped())  # as it was changed
+
     def test_settings_by_keyboard(self):
         self.window.add_editor("intrinsicrecolor")
         self.key("Return", "Tab", "Tab", "Tab", "Tab", "Right", "Right")  # over two colors and what picks them up

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """A panel for any element, made from its properties."""
+import collections
+
 from gi.repository import Gdk, GObject, Gst, Gtk
 
-from .. import elements
+from .. import elements, intros
 from .style import label
 
 WIDE_RANGE = 30  # above it a number has a box instead of a slider
@@ -160,15 +162,30 @@ def _file_control(described, changed):
 
 CONTROLS = {"bool": _bool_control, "enum": _enum_control, "int": _number_control, "float": _number_control,
             "text": _text_control, "file": _file_control, "color": lambda _, changed: ColorControl(changed)}
-HIDDEN = {"show", "strokes", "stroke-mode", "pick"}  # by layer buttons, by the mouse, by tools
+HIDDEN = {"show", "strokes", "stroke-mode", "lamp-mode", "pick"}  # by layer buttons, by the mouse, by tools
 BUTTONS = {"look", "style"}  # choices that are tried one after the other
 BUTTON_COLUMNS = 3
 FIRST = BUTTONS | {"target"}
+SETTINGS, MORE = "settings", "more"
+GROUP = 3  # settings whose names begin with the same word have a heading of their own
 
 
 def _place(prop):
     """What is changed most often comes first, what makes the element anew last; the rest as the element has it."""
     return 0 if prop.name in FIRST or prop.name.startswith("stroke-") else 1 if prop.live else 2
+
+
+def _groups(factory):
+    """(heading, properties) of an element, in the order in which they are shown; the last ones are changed rarely."""
+    shown = sorted((p for p in elements.properties(factory).values() if p.name not in HIDDEN), key=_place)
+    words = collections.Counter(p.name.partition("-")[0] for p in shown)
+    found = {word: [] for word in words if words[word] >= GROUP}
+    found.update({SETTINGS: [], MORE: []})
+    for prop in shown:
+        word = prop.name.partition("-")[0]
+        rare = intros.is_rare(factory, prop.name) and _place(prop) > 0
+        found[word if word in found else MORE if rare else SETTINGS].append(prop)
+    return [(heading, props) for heading, props in found.items() if props]
 
 
 class Settings(Gtk.Grid):
@@ -178,22 +195,41 @@ class Settings(Gtk.Grid):
     def __init__(self, described, changed, pick):
         super().__init__(row_spacing=4, column_spacing=8)
         self.described, self._changed, self._pick, self._showing = described, changed, pick, False
-        self.controls, self.picks = {}, {}
+        self.controls, self.picks, self.more = {}, {}, None
+        self._names = Gtk.SizeGroup(mode=Gtk.SizeGroupMode.HORIZONTAL)
         self._add_presets(described.factory)
-        for prop in sorted(elements.properties(described.factory).values(), key=_place):
-            if prop.name not in HIDDEN:
-                self._add_row(prop)
+        for place, (heading, props) in enumerate(_groups(described.factory)):
+            self._add_group("" if place == 0 and heading == SETTINGS else heading, props)
         self.show_values(described)
         self.show_all()
 
-    def _add_row(self, prop):
+    def _add_group(self, heading, props):
+        rows = self
+        if heading == MORE:
+            rows = Gtk.Grid(row_spacing=4, column_spacing=8, margin_top=4)
+            self.more = Gtk.Expander(label="More", tooltip_text="Settings that are changed rarely",
+                                     expanded=any(p.name in self.described.properties for p in props))
+            self.more.add(rows)
+            self.attach_next_to(self.more, None, Gtk.PositionType.BOTTOM, 2, 1)
+        elif heading:
+            self.attach_next_to(label(heading.capitalize(), "heading"), None, Gtk.PositionType.BOTTOM, 2, 1)
+        for prop in props:
+            self._add_row(prop, rows)
+        if heading == MORE:
+            # A child that was never expanded would take the keyboard.
+            rows.show_all()
+            rows.set_no_show_all(True)
+            self.more.bind_property("expanded", rows, "visible", GObject.BindingFlags.SYNC_CREATE)
+
+    def _add_row(self, prop, rows):
         make = ChoiceButtons if prop.name in BUTTONS and prop.kind == "enum" else CONTROLS[prop.kind]
         control = make(prop, lambda value, name=prop.name: self._on_changed(name, value))
         if not control.get_tooltip_text():
             control.set_tooltip_text(prop.blurb)
         name = label(prop.name.replace("-", " "), tooltip_text=prop.blurb)
         self.controls[prop.name] = control
-        self._attach(name, self._with_pick(prop.name, control) if prop.kind == "color" and self._pick else control)
+        picks = prop.kind == "color" and self._pick
+        self._attach(rows, name, self._with_pick(prop.name, control) if picks else control)
 
     def _with_pick(self, name, control):
         """A color's control, with a button that picks one up from the picture."""
@@ -210,10 +246,10 @@ class Settings(Gtk.Grid):
         names = [n for n, c in self.controls.items() if isinstance(c, ColorControl)]
         return "target" if "target" in names else names[-1] if names else None
 
-    def _attach(self, name, control):
-        row = len(self.get_children()) // 2
-        self.attach(name, 0, row, 1, 1)
-        self.attach(control, 1, row, 1, 1)
+    def _attach(self, rows, name, control):
+        self._names.add_widget(name)
+        rows.attach_next_to(name, None, Gtk.PositionType.BOTTOM, 1, 1)
+        rows.attach_next_to(control, name, Gtk.PositionType.RIGHT, 1, 1)
 
     def _add_presets(self, factory):
         """The presets that are installed for the element."""
@@ -225,7 +261,7 @@ class Settings(Gtk.Grid):
         for name in names:
             combo.append(name, name)
         combo.connect("changed", lambda c: self._load_preset(element, c.get_active_id()))
-        self._attach(label("preset"), combo)
+        self._attach(self, label("preset"), combo)
 
     def _load_preset(self, element, name):
         if name and element.load_preset(name):
