@@ -11,6 +11,7 @@ class Reach:
 
     def __init__(self, pipeline, pad):
         self._demuxed, self._decoded = 0.0, 0.0
+        self._read, self._source = 0, None
         pipeline.connect("deep-element-added", lambda _pipeline, _bin, element: self._look_at(element))
         found = pipeline.iterate_recurse()
         while (step := found.next())[0] == Gst.IteratorResult.OK:
@@ -22,16 +23,32 @@ class Reach:
         lacks = duration - (self._demuxed or self._decoded)
         frames = FRAMES / frame_rate if frame_rate else 0.0
         allowed = max(frames, min(LONGEST, SHARE * duration))
-        return lacks if lacks > allowed else 0.0
+        return lacks if lacks > allowed and self._is_read() else 0.0
+
+    def _is_read(self):
+        """Whether the source was read to its end. A demuxer may stop before, as nothing plays the sound: what comes
+        then is not missing."""
+        known, size = self._source.query_duration(Gst.Format.BYTES) if self._source else (False, 0)
+        return not known or self._read >= size
 
     def _look_at(self, element):
-        factory = element.get_factory()
-        if factory and "Demux" in factory.get_metadata("klass"):
+        kind = element.get_factory().get_metadata("klass") if element.get_factory() else ""
+        if "Demux" in kind:
             element.connect("pad-added", self._on_pad)
+        elif "Source" in kind and element.get_static_pad("src"):
+            self._source = element.get_static_pad("src")
+            self._source.add_probe(Gst.PadProbeType.BUFFER, self._on_read)
 
     def _on_pad(self, _demuxer, pad):
         if pad.get_direction() == Gst.PadDirection.SRC:
             pad.add_probe(Gst.PadProbeType.BUFFER | Gst.PadProbeType.BUFFER_LIST, self._on_demuxed)
+
+    def _on_read(self, _pad, info):
+        buffer = info.get_buffer()
+        # What is read before may be an index at the end.
+        if buffer.offset != Gst.BUFFER_OFFSET_NONE and (self._demuxed or self._decoded):
+            self._read = max(self._read, buffer.offset + buffer.get_size())
+        return Gst.PadProbeReturn.OK
 
     def _on_demuxed(self, pad, info):
         listed = info.get_buffer_list() if info.type & Gst.PadProbeType.BUFFER_LIST else None
