@@ -345,7 +345,7 @@ class Add(WindowCase):
         self.assertNotIn("location", self.note())
         self.element("texture1")
         self.drag((120, 60), (300, 140), (300, 160))
-        self.wait(lambda: is_blue(self.beside(CYAN)) and is_blue(self.beside(YELLOW)))
+        self.wait(lambda: is_blue(self.shown((290, 150))) and is_blue(self.beside(YELLOW)))  # as it ended
         self.assertFalse(is_blue(self.beside(RED)))
         self.drag((300, 160), (420, 160))  # a corner
         self.wait(lambda: "420." in self.session.project.element("texture1").get("corners"))

@@ -229,7 +229,7 @@ class Window(Gtk.Window):
         elif factory == selection.KEY:
             self.choose_tool(tools.LOOK)
             self._pick_up("key")
-            self.note("Click on the screen: its color is removed.")
+            self.note("Click on the screen to separate the foreground from it, by its color.")
 
     # Keys and buttons.
     def _on_key(self, _window, event):
