@@ -18,8 +18,9 @@ EDITOR_KEYS = {"intrinsictone": "t", TEXTURE_FACTORY: "x", KEY_FACTORY: "k", "in
 
 @dataclasses.dataclass(frozen=True)
 class Tool:
-    """`mouse`: a value of the decomposer's stroke-mode, or of lamp-mode if `lamps`. `draws`: one of intrinsicselect's, drawn by the window, as the
-    element is added by the first stroke; `paints`: with an intrinsicrecolor. `reads`: whether it reads colors."""
+    """`mouse`: a value of the decomposer's stroke-mode, or of lamp-mode if `lamps`. `draws`: one of intrinsicselect's,
+    drawn by the window, as the element is added by the first stroke; `paints`: with an intrinsicrecolor. `reads`:
+    whether it reads colors."""
     name: str
     label: str
     key: str
