@@ -231,6 +231,7 @@ class Keys(WindowCase):
 
     def test_settings_by_keyboard(self):
         self.window.add_editor("intrinsicrecolor")
+        self.wait(self.window.panel.settings.controls["tolerance"].get_mapped)
         self.key("Return", "Tab", "Tab", "Tab", "Tab", "Right", "Right")  # over two colors and what picks them up
         self.wait(lambda: self.session.project.editors[0].get("tolerance") > 0.41)
         self.key("Escape", "ctrl+z")
