@@ -180,8 +180,9 @@ class SelectElement final : public Filter {
     if (params.by == SelectBy::strokes && params.strokes != taken_.text) {
       all = read_selection(params.strokes);
       // Strokes that were drawn before were on another frame: what they selected has moved since.
-      added.anew = !all.begins_with(taken_.list);
-      added.strokes = std::span(all.strokes).subspan(added.anew ? 0 : taken_.list.strokes.size());
+      added.restart = !all.begins_with(taken_.list);
+      added.strokes =
+          std::span(all.strokes).subspan(added.restart ? 0 : taken_.list.strokes.size());
       if (all.frame.pixels() > 0) added.drawn = all.frame;
     }
     selection_->record(frame.commands, frame.layers, params, added, take_picture(frame, params));

@@ -33,12 +33,13 @@ Place place_in(const Lamp& lamp, Extent own, Extent frame) {
 /// The lamp that is nearest to a place within reach, if one is.
 std::optional<size_t> lamp_at(const LampList& list, Place place, Extent frame) {
   std::optional<size_t> nearest;
-  float least = std::max(static_cast<float>(std::max(frame.width, frame.height)) * kGrasp, 4.F);
+  float min_distance =
+      std::max(static_cast<float>(std::max(frame.width, frame.height)) * kGrasp, 4.F);
   for (size_t i = 0; i < list.lamps.size(); ++i) {
     const Place at = place_in(list.lamps[i], list.frame, frame);
     const float off = std::hypot(at[0] - place[0], at[1] - place[1]);
-    if (off > least) continue;
-    least = off;
+    if (off > min_distance) continue;
+    min_distance = off;
     nearest = i;
   }
   return nearest;

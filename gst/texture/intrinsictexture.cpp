@@ -127,7 +127,7 @@ class TextureElement final : public Filter {
     version_.reset();
     pending_.reset();
     place_.reset();
-    hangs_ = false;
+    placed_ = false;
     reported_stays_ = reported_nothing_ = false;
     waited_ = 0;
   }
@@ -175,7 +175,7 @@ class TextureElement final : public Filter {
     edit_->record(frame.commands, frame.layers, source_.pyramid(frame.commands, frame.number),
                   *place_, params);
     frame.commands.stage("texture");
-    frame.decorate = [place = *place_](GstBuffer* out) { tell_place(out, place); };
+    frame.decorate = [place = *place_](GstBuffer* out) { write_place(out, place); };
   }
 
   std::vector<Setting> navigate(const MouseEvent& event) override {
@@ -252,7 +252,7 @@ class TextureElement final : public Filter {
   };
 
   /// Each frame says where the plane is: a region of the type "plane", with its corners.
-  static void tell_place(GstBuffer* out, const Corners& place) {
+  static void write_place(GstBuffer* out, const Corners& place) {
     const auto range = [&](size_t k) {
       const auto [low, high] = std::minmax({place[0][k], place[1][k], place[2][k], place[3][k]});
       const double first = std::max(low, 0.0);
@@ -352,8 +352,8 @@ class TextureElement final : public Filter {
       tracker_.next(view);
     }
     const PlaneTracker::Result& result = tracker_.result();
-    const bool hangs = result.state == State::found || result.state == State::fixed;
-    place_ = hangs ? std::optional(scaled(result.corners, factor)) : std::nullopt;
+    const bool placed = result.state == State::found || result.state == State::fixed;
+    place_ = placed ? std::optional(scaled(result.corners, factor)) : std::nullopt;
     if (result.state == State::fixed && !std::exchange(reported_stays_, true))
       frame.warnings.push_back(
           "the plane at corners=\"" + text_of(*place_) + "\" has " +
@@ -365,10 +365,10 @@ class TextureElement final : public Filter {
     report.error = result.error * factor;
     report.wait_ms = ms(begin, seen);
     report.tracking_ms = ms(seen, Clock::now());
-    if (hangs != std::exchange(hangs_, hangs))
+    if (placed != std::exchange(placed_, placed))
       frame.messages.emplace_back(
-          gst_structure_new(hangs ? "inverse-plane-found" : "inverse-plane-lost", "corners",
-                            G_TYPE_STRING, hangs ? text_of(*place_).c_str() : "", nullptr));
+          gst_structure_new(placed ? "inverse-plane-found" : "inverse-plane-lost", "corners",
+                            G_TYPE_STRING, placed ? text_of(*place_).c_str() : "", nullptr));
   }
 
   GstClockTime running_time(const FrameContext& frame) const {
@@ -403,7 +403,7 @@ class TextureElement final : public Filter {
   std::optional<uint64_t> version_;  // of the corners that were taken
   std::optional<Corners> pending_;   // of which the tracker has not seen the frame
   std::optional<Corners> place_;     // in this frame
-  bool hangs_ = false, reported_stays_ = false, reported_nothing_ = false;
+  bool placed_ = false, reported_stays_ = false, reported_nothing_ = false;
   unsigned waited_ = 0;  // frames for a picture or its poster
   gpu::FrameRing<Report> reports_;
 

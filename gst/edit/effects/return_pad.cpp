@@ -66,7 +66,7 @@ bool ReturnPad::activate(bool active) {
   set_flushing(!active);
   if (!active) return true;
   const std::lock_guard lock(shared_->mutex);
-  stalled = silent = warned = came = false;
+  stalled = unresponsive = warned = came = false;
   absent = 0;
   sent_.reset();
   format_.reset();
@@ -91,7 +91,7 @@ GstFlowReturn ReturnPad::chain(GstBuffer* buffer) {
   if (!format_) return GST_FLOW_NOT_NEGOTIATED;
   if (shared_->ended || is_gap(buffer)) return GST_FLOW_OK;
   held_.push_back({running_time(GST_BUFFER_PTS(buffer)), {}, owned, format_});
-  silent = false;
+  unresponsive = false;
   shared_->changed.notify_all();
   return GST_FLOW_OK;
 }

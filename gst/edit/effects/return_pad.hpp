@@ -57,8 +57,8 @@ class ReturnPad {
   void clear();
 
   /// Under Shared::mutex. The branch did not deliver in time: the next frames do not wait as long.
-  /// `silent`: nor since.
-  bool stalled = false, silent = false;
+  /// `unresponsive`: nor since.
+  bool stalled = false, unresponsive = false;
   bool warned = false;  ///< of that, or of nothing but absent pictures
   unsigned absent = 0;  ///< frames without a picture, up to the first picture
   bool came = false;    ///< a picture

@@ -28,7 +28,7 @@ const char* name_of(SplitLayer layer) {
 /// Of frames without a duration.
 constexpr GstClockTime kUsualDuration = GST_SECOND / 25;
 
-/// How long frames wait for a branch that did not deliver within kPatience.
+/// How long frames wait for a branch that did not deliver within kTimeout.
 constexpr unsigned kEnoughAbsent = 100;  // frames without any picture
 constexpr auto kStalledPatience = std::chrono::milliseconds(100);
 
@@ -76,7 +76,7 @@ ReturnPad::Time running_time(GstElement* element, GstBuffer* in) {
 /// The warning of a branch that was waited for in vain; `element` is how messages name it.
 std::string no_picture(SplitLayer layer, const std::string& element) {
   return std::string("no picture came to pad ") + name_of(layer) + " of " + element + " in " +
-         std::to_string(Returns::kPatience / GST_SECOND) +
+         std::to_string(Returns::kTimeout / GST_SECOND) +
          " s; frames go on without: if the effect holds frames back, put a queue of as many before "
          "pad sink of " +
          element;
@@ -188,7 +188,7 @@ Returns::Limits Returns::limits(GstElement* element, ReturnPad::Time time,
     all.live |= branch.live;
     all.min = std::max(all.min, branch.min);
   }
-  if (!all.live) return {false, now + std::chrono::nanoseconds(kPatience)};
+  if (!all.live) return {false, now + std::chrono::nanoseconds(kTimeout)};
   // How much later than this frame its pictures may come, however late the frame is.
   auto wait = static_cast<GstClockTimeDiff>(all.min - main.min + duration);
   if (GstClock* clock = time ? gst_element_get_clock(element) : nullptr) {
@@ -197,7 +197,7 @@ Returns::Limits Returns::limits(GstElement* element, ReturnPad::Time time,
     wait = std::max(wait, due - static_cast<GstClockTimeDiff>(gst_clock_get_time(clock)));
     gst_object_unref(clock);
   }
-  return {true, now + std::chrono::nanoseconds(std::min<GstClockTimeDiff>(wait, kPatience))};
+  return {true, now + std::chrono::nanoseconds(std::min<GstClockTimeDiff>(wait, kTimeout))};
 }
 
 std::vector<Returns::Arrival> Returns::collect(GstElement* element, GstBuffer* in) {
@@ -222,12 +222,13 @@ std::vector<Returns::Arrival> Returns::collect(GstElement* element, GstBuffer* i
     const Limits limit = limits(element, time, duration);
     on_wait_(true);
     lock.lock();
-    // A branch that is silent is looked at; one that sends again, but not in time, gets little.
-    const auto silent = [](const Arrival& arrival) {
-      return arrival.pad->stalled && arrival.pad->silent;
+    // A branch that is unresponsive is looked at; one that sends again, but not in time, gets
+    // little.
+    const auto unresponsive = [](const Arrival& arrival) {
+      return arrival.pad->stalled && arrival.pad->unresponsive;
     };
     const auto hurried = [&](const Arrival& arrival) {
-      return arrival.pad->stalled && !arrival.pad->silent && !limit.live;
+      return arrival.pad->stalled && !arrival.pad->unresponsive && !limit.live;
     };
     const auto wait = [&](Deadline deadline, auto counts) {
       shared_->changed.wait_until(lock, deadline,
@@ -235,11 +236,11 @@ std::vector<Returns::Arrival> Returns::collect(GstElement* element, GstBuffer* i
     };
     wait(Clock::now() + kStalledPatience, hurried);
     wait(limit.deadline,
-         [&](const Arrival& arrival) { return !silent(arrival) && !hurried(arrival); });
+         [&](const Arrival& arrival) { return !unresponsive(arrival) && !hurried(arrival); });
     for (Arrival& arrival : arrivals)
       if (arrival.found == Found::nothing_yet && !shared_->flushing) {
         arrival.gave_up = !limit.live && !std::exchange(arrival.pad->warned, true);
-        arrival.pad->stalled = arrival.pad->silent = true;
+        arrival.pad->stalled = arrival.pad->unresponsive = true;
       }
     lock.unlock();
     on_wait_(false);

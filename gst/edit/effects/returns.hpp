@@ -26,11 +26,11 @@ struct ReturnParams {
 /// A frame whose picture is missing goes on unedited, and is counted. It waits for one
 /// - in live pipelines until the latency that was agreed on is over, but always for a frame's
 ///   duration: elements that are slower than they said would otherwise never be waited for;
-/// - in others until the branch has something later, or ends, or for kPatience: then the branch
+/// - in others until the branch has something later, or ends, or for kTimeout: then the branch
 ///   drops frames, or cannot go on before this one does.
 class Returns final : public SidePads {
  public:
-  static constexpr GstClockTime kPatience = 10 * GST_SECOND;
+  static constexpr GstClockTime kTimeout = 10 * GST_SECOND;
 
   /// The names of the pads (ElementInfo::side_sinks).
   static std::vector<const char*> pad_names();

@@ -6,7 +6,7 @@ const float kBrightest = 16.0;     // linear light and reflectance above count a
 const float kSaturated = 0.25;     // chroma / mean of a screen at least, and of what is compared with one
 const float kFrontMin = -1.0;      // chroma of a foreground along the screen's, over that, at least
 const float kFrontMax = 0.2;       // and at most
-const float kTells = 0.15;         // its chroma across, from which on that tells its part
+const float kAcrossMin = 0.15;     // its chroma across the screen's, from which on its part is measured by that
 
 vec3 chroma(vec3 c) { return c - mean3(c); }
 
@@ -68,6 +68,6 @@ float opacity(vec3 seen, vec4 back, vec4 front) {
   // The foreground's part of the light, by what is across; if that is little, by what is along.
   float width2 = dot(front_across, front_across);
   float part = clamp(dot(across, front_across) / max(width2, 1e-6), 0.0, 2.0);
-  float mixed = mix((1.0 - along) / (1.0 - min(front_along, 0.0)), 1.0 - along + part * front_along, width2 / (width2 + kTells * kTells));
+  float mixed = mix((1.0 - along) / (1.0 - min(front_along, 0.0)), 1.0 - along + part * front_along, width2 / (width2 + kAcrossMin * kAcrossMin));
   return mix(clamp(mixed, 0.0, 1.0), clamp(free / (1.0 - own), 0.0, 1.0), rising(0.5, 1.0, front.w));
 }

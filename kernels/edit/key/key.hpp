@@ -42,7 +42,7 @@ struct KeyParams {
 };
 
 /// A foreground before a screen of one paint (tests/reference/edit/key.hpp has the equations).
-/// Reflectance, which is even where light on the screen is not, tells where the screen is; from its
+/// Reflectance, which is even where light on the screen is not, shows where the screen is; from its
 /// light there follows that of the screen behind every pixel. Alpha is by color difference in
 /// light: exact for mixtures, as of motion blur and of hair thinner than a pixel.
 class Key {

@@ -19,7 +19,7 @@ layout(push_constant) uniform Push {
 const float kFollow = 0.125;   // share of the way to the measurement, a frame
 const float kJump = 0.5;       // distance of chromaticity
 const float kWidths[3] = float[](1.0, 0.6, 0.4);  // distance of chromaticity that counts, step by step
-const float kFewest = 0.01;    // of the sample, that show a screen
+const float kShareMin = 0.01;    // of the sample, that show a screen
 
 bool counts(uvec2 at) {
   uvec2 margin = (push.size + 7u) / 8u;
@@ -56,7 +56,7 @@ void main() {
       if (value > 0.0) found = mean_where(direction, found.rgb / value, kWidths[k]);
     }
     float value = mean3(found.rgb);
-    known = found.w >= kFewest * float(grid.x * grid.y) && length(chroma(found.rgb)) > kSaturated * value;
+    known = found.w >= kShareMin * float(grid.x * grid.y) && length(chroma(found.rgb)) > kSaturated * value;
   }
   if (gl_LocalInvocationID.x > 0u) return;
   if (!known) {

@@ -23,7 +23,7 @@ layout(push_constant) uniform Push {
   uint first_row;
 } push;
 
-const float kFew = 0.05;  // alpha from which on a foreground's own light can be told from noise
+const float kAlphaMin = 0.05;  // alpha from which on a foreground's own light exceeds noise
 
 void main() {
   uvec2 at = uvec2(gl_GlobalInvocationID.x, push.first_row + gl_GlobalInvocationID.y * kRows);
@@ -36,9 +36,9 @@ void main() {
     vec3 seen = min(input_light.rgb, vec3(kBrightest)), drawn = seen;
     float alpha = FETCH(matte, n).x;
     if (back.w > 0.0) {
-      float few = kFew * (1.0 - alpha);
+      float added = kAlphaMin * (1.0 - alpha);
       vec3 other = near.w > 0.0 ? near.rgb : vec3(mean3(seen));
-      drawn = max(seen - (1.0 - alpha) * back.rgb + few * other, vec3(0.0)) / max(alpha + few, 1e-3);
+      drawn = max(seen - (1.0 - alpha) * back.rgb + added * other, vec3(0.0)) / max(alpha + added, 1e-3);
       vec3 q = chroma(back.rgb);
       if (length(q) > 1e-5) {
         vec3 d = normalize(q);

@@ -17,10 +17,10 @@ void main() {
   ivec2 cell = ivec2(gl_GlobalInvocationID.xy);
   if (cell.x >= push.cells.x) return;
   ivec2 first = max(cell - 1, ivec2(0)), last = min(cell + 1, push.cells - 1);
-  float least = 1.0;
+  float lowest = 1.0;
   for (int y = first.y; y <= last.y; ++y)
-    for (int x = first.x; x <= last.x; ++x) least = min(least, FETCH(means, y * push.cells.x + x).w);
+    for (int x = first.x; x <= last.x; ++x) lowest = min(lowest, FETCH(means, y * push.cells.x + x).w);
   uint n = uint(cell.y * push.cells.x + cell.x);
   vec4 own = FETCH(means, int(n));
-  STORE(trusted, n, vec4(own.rgb, max(rising(kNone, kAll, least), kSliver * own.w)));
+  STORE(trusted, n, vec4(own.rgb, max(rising(kNone, kAll, lowest), kSliver * own.w)));
 }

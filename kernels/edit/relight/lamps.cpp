@@ -15,7 +15,7 @@ static_assert(Shader::kPoint == static_cast<int>(Lamp::Kind::point) &&
               Shader::kDirectional == static_cast<int>(Lamp::Kind::directional));
 
 constexpr float kMinDepth = 0.01F;  // meters from the camera
-constexpr float kHardEdge = 2e-3F;  // least difference of cosines over which a cone's edge falls
+constexpr float kHardEdge = 2e-3F;  // minimum difference of cosines over which a cone's edge falls
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
 float linear_of(uint32_t code) {

@@ -21,13 +21,13 @@ void Selection::record(gpu::Commands& commands, Layers& layers, const SelectionP
                        const Strokes& strokes, const Plane* picture) {
   if (params.by == SelectBy::strokes) {
     if (!object_) object_.emplace(device_, grid_);
-    if (strokes.anew) object_->reset();
+    if (strokes.restart) object_->reset();
     if (!strokes.strokes.empty() || object_->active()) {
       find_cells(commands, layers, true);
       if (strokes.strokes.empty())
         object_->follow(commands, colors_);
       else
-        object_->select(commands, colors_, strokes.strokes, strokes.drawn, strokes.anew);
+        object_->select(commands, colors_, strokes.strokes, strokes.drawn, strokes.restart);
       return matte_.record(commands, layers, light_, {object_->alpha(), object_->region()}, params);
     }
     picture = nullptr;

@@ -30,12 +30,12 @@ class Selection {
  public:
   Selection(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// Strokes that were drawn since the frame before, on a frame of the size `drawn`. `anew`: all
+  /// Strokes that were drawn since the frame before, on a frame of the size `drawn`. `restart`: all
   /// that there are, those before do not count.
   struct Strokes {
     std::span<const SelectionStroke> strokes;
     Extent drawn;
-    bool anew = false;
+    bool restart = false;
   };
   /// Selects by reflectance before any edit (Role::model). `picture`, of SelectBy::picture, has
   /// the mask in x; nothing is selected without one.

@@ -12,8 +12,8 @@ PLANE_OUT(1, flattened);  // w as in `intrinsic`
 layout(push_constant) uniform Push {
   uvec2 size;
   int radius;
-  float fall_off;  // 1 / (2 sigma^2) of distance
-  float tells;     // 1 / (2 sigma^2) of ln R
+  float fall_off;     // 1 / (2 sigma^2) of distance
+  float range_scale;  // 1 / (2 sigma^2) of ln R
   uint first_row;
 } push;
 
@@ -32,7 +32,7 @@ void main() {
     if (k == 0 || min(other.x, other.y) < 0 || other.x >= size.x || other.y >= size.y) continue;
     vec3 r = finite(FETCH(intrinsic, other.y * size.x + other.x)).rgb;
     vec3 apart = log_reflectance(r) - own_log;
-    float weight = exp(-float(k * k) * push.fall_off - min(dot(apart, apart) * push.tells, 80.0));
+    float weight = exp(-float(k * k) * push.fall_off - min(dot(apart, apart) * push.range_scale, 80.0));
     sum += weight * vec4(r, 1.0);
   }
   STORE(flattened, BY_ROWS(n), vec4(sum.rgb / sum.w, own.w));

@@ -40,7 +40,7 @@ PlanePtr Stylize::flatten(gpu::Commands& commands, const Plane& intrinsic, float
       .size = extent,
       .radius = static_cast<int32_t>(std::ceil(kReach * sigma)),
       .fall_off = 1 / (2 * sigma * sigma),
-      .tells = 1 / (2 * difference * difference),
+      .range_scale = 1 / (2 * difference * difference),
       .first_row = 0};
   const gpu::Rows rows{extent.width, extent.height, 1};
   commands.dispatch_rows(flatten_[0],

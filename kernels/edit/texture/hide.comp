@@ -19,7 +19,7 @@ layout(push_constant) uniform Push {
 } push;
 
 const float kNear = 0.3;
-const float kFew = 0.2, kMany = 0.5;  // shares of the neighborhood that is hidden
+const float kHiddenMin = 0.2, kHiddenMax = 0.5;  // shares of the neighborhood that is hidden
 const int kReach = 4;                 // of the neighborhood, cells
 
 float over(float e, float tolerance) { return 1.0 - falling((e - tolerance) * push.fall_off); }
@@ -34,6 +34,6 @@ void main() {
       ivec2 at = clamp(cell + ivec2(x, y), ivec2(0), last);
       sum += over(FETCH1(excess, at.y * int(push.cells.x) + at.x), push.tolerance);
     }
-  float near = 1.0 - falling((sum / count - kFew) / (kMany - kFew));
+  float near = 1.0 - falling((sum / count - kHiddenMin) / (kHiddenMax - kHiddenMin));
   STORE(hidden, n, over(FETCH1(excess, int(n)), push.tolerance * (1.0 - (1.0 - kNear) * near)));
 }

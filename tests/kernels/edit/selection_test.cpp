@@ -55,9 +55,9 @@ class SelectionTest : public GpuTest {
     return result;
   }
   Pixels select(Selection& selection, Layers& frame, const SelectionParams& params,
-                const std::vector<SelectionStroke>& strokes = {}, bool anew = false) {
+                const std::vector<SelectionStroke>& strokes = {}, bool restart = false) {
     run([&](gpu::Commands& commands) {
-      selection.record(commands, frame, params, {strokes, frame.extent, anew}, nullptr);
+      selection.record(commands, frame, params, {strokes, frame.extent, restart}, nullptr);
     });
     return download(frame[Role::mask]);
   }

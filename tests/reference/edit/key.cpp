@@ -80,12 +80,12 @@ Plane trusted(const Plane& means) {
   Plane result = means;
   for (int y = 0; y < means.height; ++y)
     for (int x = 0; x < means.width; ++x) {
-      double least = 1;
+      double lowest = 1;
       for (int v = std::max(y - 1, 0); v <= std::min(y + 1, means.height - 1); ++v)
         for (int u = std::max(x - 1, 0); u <= std::min(x + 1, means.width - 1); ++u)
-          least = std::min(least, means.at(u, v)[3]);
+          lowest = std::min(lowest, means.at(u, v)[3]);
       double& weight = result.at(x, y)[3];
-      weight = std::max(rising(.4, .8, least), .01 * weight);
+      weight = std::max(rising(.4, .8, lowest), .01 * weight);
     }
   return result;
 }

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kCompareFloor = 0.02;
 constexpr double kMemory = 50, kStep = 0.001;
-constexpr double kNear = 0.3, kFew = 0.2, kMany = 0.5;
+constexpr double kNear = 0.3, kHiddenMin = 0.2, kHiddenMax = 0.5;
 constexpr int kReach = 4;
 constexpr double kNone = 0.2, kAll = 0.6;
 constexpr double kMaxTaps = 8;
@@ -197,7 +197,7 @@ Grid<double> hide(const Grid<double>& excess, double tolerance, double softness)
         for (int u = -kReach; u <= kReach; u += 2, ++count)
           sum +=
               over(excess.at(within(x, u, excess.width), within(y, v, excess.height)), tolerance);
-      const double near = rising((sum / count - kFew) / (kMany - kFew));
+      const double near = rising((sum / count - kHiddenMin) / (kHiddenMax - kHiddenMin));
       out.data.push_back(over(excess.at(x, y), tolerance * (1 - (1 - kNear) * near)));
     }
   return out;

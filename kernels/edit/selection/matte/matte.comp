@@ -56,13 +56,13 @@ void main() {
     vec3 front = own.rgb / own.w, back = other.rgb / other.w, across = front - back, mean = 0.5 * (front + back);
     vec3 seen = finite(FETCH(frame, n)).rgb;
     float length2 = dot(across, across), along = dot(seen - back, across) / max(length2, 1e-12);
-    float told = length2 / (length2 + kApart * kApart * dot(mean, mean) + 1e-12);
+    float contrast = length2 / (length2 + kApart * kApart * dot(mean, mean) + 1e-12);
     along = clamp((along - kMargin) / (1.0 - 2.0 * kMargin), 0.0, 1.0);
-    matte = mix(cover, mix(cover, along, told), min(2.0 * border, 1.0));
+    matte = mix(cover, mix(cover, along, contrast), min(2.0 * border, 1.0));
     if (matte > 0.0 && matte < 1.0) {
       vec3 paint = finite(FETCH(reflectance, n)).rgb;
       vec3 hidden = INVERT ? front : back;
-      delta = told * (min(paint * hidden / max(seen, vec3(1e-4)), vec3(4.0)) - paint);
+      delta = contrast * (min(paint * hidden / max(seen, vec3(1e-4)), vec3(4.0)) - paint);
     }
   }
   if (INVERT) matte = 1.0 - matte;

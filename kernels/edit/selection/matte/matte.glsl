@@ -7,5 +7,5 @@
 const uint kMixed = 0u, kCore = 1u, kOutside = 2u, kBorder = 4u;
 const int kReach = 4;        // cells around a border cell whose light is averaged
 const float kSigma = 3.0;    // cells
-const float kApart = 0.15;   // difference of the two sides, relative to their mean, from which on light tells them apart
+const float kApart = 0.15;   // difference of the two sides, relative to their mean, from which on light separates them
 const float kMargin = 0.1;   // of alpha that is rounded to 0 and to 1

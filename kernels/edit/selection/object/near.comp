@@ -12,14 +12,14 @@ WORD_OUT(2, near);
 WORD_OUT(3, last_area);
 layout(push_constant) uniform Push {
   ivec2 blocks;
-  float least;  // cells
+  float min_reach;  // cells
 } push;
 
 void main() {
   ivec2 block = ivec2(gl_GlobalInvocationID.xy);
   if (block.x >= push.blocks.x) return;
   uint area = FETCH1(status, kArea);
-  int reach = int(ceil(max(0.4 * sqrt(float(area)), push.least) / float(kCoarse)));
+  int reach = int(ceil(max(0.4 * sqrt(float(area)), push.min_reach) / float(kCoarse)));
   ivec2 first = max(block - reach, ivec2(0)), last = min(block + reach, push.blocks - 1);
   uint found = 0u;
   for (int y = first.y; y <= last.y && found == 0u; ++y)

@@ -80,10 +80,10 @@ ObjectSelection::ObjectSelection(const std::shared_ptr<gpu::Device>& device, con
 }
 
 void ObjectSelection::select(gpu::Commands& commands, const gpu::BufferPtr& colors,
-                             std::span<const SelectionStroke> strokes, Extent drawn, bool anew) {
+                             std::span<const SelectionStroke> strokes, Extent drawn, bool restart) {
   commands.write_table(drawn_, gpu::Element::word, draw_seeds(strokes, drawn, grid_));
   if (!active_) commands.fill(none_drawn_);
-  const bool first = anew || !active_;
+  const bool first = restart || !active_;
   if (first)  // densities of nothing, so that a frame without strokes that add selects nothing
     for (const auto& buffer :
          {model_, totals_, region_, near_, status_, last_area_, alpha_[0], terms_, memory_})
@@ -183,7 +183,7 @@ void ObjectSelection::find_region(gpu::Commands& commands, bool seeded) {
              height = static_cast<float>(grid_.cells.height);
   commands.dispatch(
       near_of_, {.occupied = occupied_, .status = status_, .near = near_, .last_area = last_area_},
-      {.blocks = blocks_, .least = kMinReach * std::hypot(width, height)},
+      {.blocks = blocks_, .min_reach = kMinReach * std::hypot(width, height)},
       {blocks_.width, blocks_.height});
 }
 

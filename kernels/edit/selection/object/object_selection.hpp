@@ -36,9 +36,9 @@ class ObjectSelection {
   ObjectSelection(const std::shared_ptr<gpu::Device>& device, const CellGrid& grid);
 
   /// Selects the object under these strokes, in addition to the one that is selected unless
-  /// `anew`. `colors` are those of the frame's cells (cells.comp).
+  /// `restart`. `colors` are those of the frame's cells (cells.comp).
   void select(gpu::Commands& commands, const gpu::BufferPtr& colors,
-              std::span<const SelectionStroke> strokes, Extent drawn, bool anew);
+              std::span<const SelectionStroke> strokes, Extent drawn, bool restart);
   /// Finds the object in another frame.
   void follow(gpu::Commands& commands, const gpu::BufferPtr& colors);
   void reset() { active_ = false; }

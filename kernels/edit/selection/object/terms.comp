@@ -25,10 +25,10 @@ void main() {
   int n = int(cell.y * push.cells.x + cell.x);
   vec3 color = FETCH(colors, n).rgb;
   int bin = bin_of(color);
-  float least = kDensityFloor * FETCH(totals, 0).y + 1e-30;
-  // A color under both kinds of strokes tells nothing: edges decide.
-  float own = max(FETCH1(model, bin), FETCH1(model, kAddedDensity * kBinCount + bin)) + least;
-  float other = max(FETCH1(model, kBackgroundDensity * kBinCount + bin), FETCH1(model, kSubtractedDensity * kBinCount + bin)) + least;
+  float min_density = kDensityFloor * FETCH(totals, 0).y + 1e-30;
+  // A color under both kinds of strokes is not evidence: edges decide.
+  float own = max(FETCH1(model, bin), FETCH1(model, kAddedDensity * kBinCount + bin)) + min_density;
+  float other = max(FETCH1(model, kBackgroundDensity * kBinCount + bin), FETCH1(model, kSubtractedDensity * kBinCount + bin)) + min_density;
   float certain = min(abs(log(own / other)) / 3.0, 1.0);
   // Where colors tell nothing, a cell stays what it was unless its neighbors change.
   float p = mix(float(FETCH1(region, n)), own / (own + other), certain), weight = kPriorWeight * certain * certain + kPriorFloor;

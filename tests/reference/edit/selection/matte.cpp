@@ -110,14 +110,14 @@ Plane matte(const Plane& frame, const Plane& reflectance, int side,
           along += (seen[c] - back[c]) * (front[c] - back[c]);
           mean2 += std::pow((front[c] + back[c]) / 2, 2);
         }
-        const double told = length2 / (length2 + .15 * .15 * mean2 + 1e-12);
+        const double contrast = length2 / (length2 + .15 * .15 * mean2 + 1e-12);
         const double t = std::clamp((along / std::max(length2, 1e-12) - .1) / .8, 0., 1.);
-        const double at_border = told * t + (1 - told) * cover;
+        const double at_border = contrast * t + (1 - contrast) * cover;
         matte = cover + std::min(2 * border, 1.) * (at_border - cover);
         if (matte > 0 && matte < 1)
           for (size_t c = 0; c < 3; ++c) {
             const double paint = reflectance.at(x, y)[c], hidden = (spec.invert ? front : back)[c];
-            delta[c] = told * (std::min(paint * hidden / std::max(seen[c], 1e-4), 4.) - paint);
+            delta[c] = contrast * (std::min(paint * hidden / std::max(seen[c], 1e-4), 4.) - paint);
           }
       }
       if (spec.invert) matte = 1 - matte;

@@ -124,8 +124,8 @@ std::vector<double> ObjectSelection::distances(const std::vector<Vec3>& colors,
 }
 
 void ObjectSelection::select(const std::vector<Vec3>& colors, const std::vector<uint32_t>& drawn,
-                             bool anew) {
-  const bool first = anew || !active_;
+                             bool restart) {
+  const bool first = restart || !active_;
   if (first) *this = ObjectSelection(width_, height_);
   const std::vector<uint32_t> seeds = marks(colors, drawn);
   for (const Seed kind : {seed_add, seed_subtract}) {

@@ -54,7 +54,7 @@ class ObjectSelection {
  public:
   ObjectSelection(int width, int height);  ///< in cells
 
-  void select(const std::vector<Vec3>& colors, const std::vector<uint32_t>& seeds, bool anew);
+  void select(const std::vector<Vec3>& colors, const std::vector<uint32_t>& seeds, bool restart);
   void follow(const std::vector<Vec3>& colors);
 
   std::vector<double> alpha;
