@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "effect_bin.hpp"
 
+#include <utility>
+
 #include "gst/base/log/errors.hpp"
 #include "gst/base/pads/caps.hpp"
 #include "gst/base/pads/pads.hpp"
@@ -113,11 +115,11 @@ EffectBin::EffectBin(GstBin* bin)
   });
   gst_pad_add_probe(
       sink_, GST_PAD_PROBE_TYPE_BUFFER,
-      [](GstPad* pad, GstPadProbeInfo* info, gpointer) {
+      [](GstPad* pad, GstPadProbeInfo* info, gpointer self) {
         sync_controlled(GST_PAD_PARENT(pad), pad, GST_PAD_PROBE_INFO_BUFFER(info));
-        return GST_PAD_PROBE_OK;
+        return static_cast<EffectBin*>(self)->frame(info);
       },
-      nullptr, nullptr);
+      this, nullptr);
   gst_element_add_pad(GST_ELEMENT(bin), sink_);
   gst_element_add_pad(GST_ELEMENT(bin), src_);
   if (!tee_ || !split_ || !queue_ || !merge_) return;  // assemble() says so
@@ -244,6 +246,15 @@ void EffectBin::dismantle() {
   refused_ = false;
 }
 
+GstPadProbeReturn EffectBin::frame(GstPadProbeInfo* info) {
+  if (!refused_) return GST_PAD_PROBE_OK;
+  // The end, after which a source posts no error of its own.
+  gst_buffer_unref(GST_PAD_PROBE_INFO_BUFFER(info));
+  GST_PAD_PROBE_INFO_DATA(info) = nullptr;
+  GST_PAD_PROBE_INFO_FLOW_RETURN(info) = GST_FLOW_EOS;
+  return GST_PAD_PROBE_HANDLED;
+}
+
 gboolean EffectBin::event(GstEvent* event) {
   if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS && effect_) {
     GstCaps* caps = nullptr;
@@ -252,7 +263,7 @@ gboolean EffectBin::event(GstEvent* event) {
     if (!refused_) refused_ = !guarded(GST_ELEMENT(bin_), [&] { arrange(caps); });
     if (refused_) {
       gst_event_unref(event);
-      return FALSE;
+      return TRUE;
     }
   }
   return gst_pad_event_default(sink_, GST_OBJECT(bin_), event);
@@ -272,8 +283,16 @@ void EffectBin::arrange(const GstCaps* caps) {
 }
 
 void EffectBin::add_frame_elements() {
-  decomposer_ =
-      parsed("decomposer", parameters_.snapshot().decomposer, "intrinsicdecomp quality=fast");
+  const EffectParams params = parameters_.snapshot();
+  decomposer_ = parsed("decomposer", params.decomposer, "intrinsicdecomp quality=fast");
+  if (params.layer == EffectParams::Layer::mask && GST_BIN_NUMCHILDREN(decomposer_) < 2) {
+    gst_object_unref(gst_object_ref_sink(std::exchange(decomposer_, nullptr)));
+    throw Error(
+        ErrorKind::unsupported,
+        "layer=mask of intrinsicedit has no mask to change in plain frames; put a decomposer "
+        "and an editor that writes one before it: intrinsicdecomp ! intrinsicselect ! "
+        "intrinsicedit layer=mask ! intrinsiccompose");
+  }
   compose_ = gst_element_factory_make("intrinsiccompose", "compose");
   gst_bin_add_many(bin_, decomposer_, compose_, nullptr);
   gst_ghost_pad_set_target(GST_GHOST_PAD(sink_), nullptr);

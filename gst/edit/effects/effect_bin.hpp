@@ -55,6 +55,7 @@ class EffectBin final : public PropertyStore {
   void parse_effect();
   void link_effect();
   /// Of the ghost pad `sink`.
+  GstPadProbeReturn frame(GstPadProbeInfo* info);
   gboolean event(GstEvent* event);
   gboolean query(GstQuery* query);
   GstCaps* caps(GstCaps* filter) const;
@@ -72,7 +73,7 @@ class EffectBin final : public PropertyStore {
   std::vector<PadPtr> requested_;                          // of the children
   std::string parsed_, wrong_;                             // text of effect_; what is wrong with it
   Kind kind_ = Kind::unknown;
-  bool refused_ = false;  // caps, with an error
+  bool refused_ = false;  // caps, with an error: frames end there
 };
 
 }  // namespace inverse

@@ -262,8 +262,20 @@ TEST(Effects, EachFaultIsOneErrorThatSaysWhatToDo) {
   expect_contains(first(errors("identity", "decomposer=identity")), "works on layers");
   expect_contains(first(run_line(source() + edit("indirect", "identity") + " ! fakesink").errors),
                   "globalintrinsic");
-  expect_contains(first(run_line(source() + edit("mask", "identity") + " ! fakesink").errors),
-                  "write-mask=true");
+  expect_contains(
+      first(run_line(source() + "intrinsicdecomp ! " + edit("mask", "identity") + " ! fakesink")
+                .errors),
+      "write-mask=true");
+}
+
+TEST(Effects, TheMaskOfPlainFramesIsOneErrorUnlessTheDecomposerWritesOne) {
+  expect_one(run_line(source() + edit("mask", "identity") + " ! fakesink").errors,
+             "intrinsicdecomp ! intrinsicselect ! intrinsicedit layer=mask");
+  expect_frames(run_line(source() +
+                         edit("mask", "identity",
+                              "decomposer=\"intrinsicdecomp ! intrinsicrecolor strength=0 "
+                              "write-mask=true key=0xff00ff00\"") +
+                         sink()));
 }
 
 TEST(Effects, AStoppedLineRunsAgain) {
