@@ -33,11 +33,17 @@ class Stroke:
         return {**made, "points": [[round(x * across, 1), round(y * down, 1)] for x, y in self.points]}
 
 
+def is_full(select):
+    """Whether an intrinsicselect has as many strokes as it may; None has none."""
+    data = json.loads(select and select.get("strokes") or "[]")
+    return len(data["strokes"] if isinstance(data, dict) else data) >= MAX_STROKES
+
+
 def with_stroke(text, stroke, frame):
-    """The property strokes with one more stroke, which was drawn on a frame of the size `frame`."""
+    """The property strokes with one more stroke, which was drawn on a frame of the size `frame`. Ask `is_full` first."""
     data = json.loads(text) if text else {"frame": list(frame), "strokes": []}
     size, strokes = (data["frame"], data["strokes"]) if isinstance(data, dict) else (frame, data)
-    strokes = strokes[1 - MAX_STROKES:] + [stroke.data(size[0] / frame[0], size[1] / frame[1])]
+    strokes = strokes + [stroke.data(size[0] / frame[0], size[1] / frame[1])]
     whole = {"frame": size, "strokes": strokes} if isinstance(data, dict) else strokes
     return json.dumps(whole, separators=(",", ":"))
 

@@ -165,7 +165,8 @@ class Selections(support.Case):
 
     def test_takes_no_more_than_the_element_does(self):
         made = Project()
-        for x in range(selection.MAX_STROKES + 2):
+        for x in range(selection.MAX_STROKES - 1):
+            self.assertFalse(selection.is_full(selection.selection_of(made, "select1")))
             made, _ = select(made, "select1", (x, 0), paints=False)
         long = selection.Stroke("add", 1, [(0, 0)])
         for x in range(2 * selection.MAX_POINTS):
@@ -176,6 +177,7 @@ class Selections(support.Case):
         element.set_property("strokes", text)
         self.assertEqual(element.get_property("strokes"), text)
         self.assertEqual(len(strokes_of(made)), selection.MAX_STROKES)
+        self.assertTrue(selection.is_full(made.element("select1")))
 
     def test_tools_are_what_the_elements_offer(self):
         found = {tool.draws: tool.label for tool in tools.offered(Project()) if tool.draws and not tool.paints}

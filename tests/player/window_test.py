@@ -125,6 +125,17 @@ class Select(WindowCase):
         self.key("5")
         self.wait(lambda: min(self.beside(RED)) > 240 and max(self.beside(CYAN)) < 15)
 
+    def test_one_with_all_its_strokes_takes_no_more(self):
+        self.key("m")
+        self.click(*YELLOW)
+        self.wait(lambda: self.editors == [("intrinsicselect", True)])
+        many = [{"kind": "add", "points": [[x, 100]]} for x in range(64)]
+        text = json.dumps(many)
+        self.session.set_property("select1", "strokes", text)
+        self.click(*CYAN)
+        self.wait(lambda: "takes no more" in self.window._info_text.get_text())
+        self.assertEqual(self.session.project.element("select1").get("strokes"), text)
+
 
 class Strokes(WindowCase):
     def strokes(self):

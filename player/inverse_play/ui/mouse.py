@@ -66,6 +66,10 @@ class Mouse:
             if subtracts and not self.drawn_on():
                 self._note("Select an object first: click on it without Shift.")
                 return GLib.SOURCE_REMOVE
+            if selection.is_full(self.drawn_on()):
+                self._note(f"This object has {selection.MAX_STROKES} strokes and takes no more. Undo one, or press N "
+                           "and click to begin another object.")
+                return GLib.SOURCE_REMOVE
             self._stroke = selection.Stroke("subtract" if subtracts else "add", self.brush(), [(x, y)],
                                             closed=self.tool.draws == "lasso")
         elif self._stroke:
