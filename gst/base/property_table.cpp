@@ -122,7 +122,8 @@ void set_parameter(const Log& log, PropertyStore& parameters, size_t index, cons
                    const GParamSpec* spec) {
   parameters.set(index, value);
   const std::string text = parameters.misconfigured(spec->name);
-  if (!text.empty())
+  // An element that does not run yet posts it as an error when it starts: check_parameters.
+  if (!text.empty() && GST_STATE_TARGET(log.object) > GST_STATE_READY)
     post_warning(log, GST_LIBRARY_ERROR, GST_LIBRARY_ERROR_SETTINGS, "%s", text.c_str());
 }
 

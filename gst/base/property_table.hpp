@@ -278,7 +278,8 @@ class PropertyStore {
 /// Installs an element class's parameters, and lists the entries of `tuning` in its metadata, which
 /// gst-inspect-1.0 shows.
 void install_parameters(gpointer element_class, const PropertyStore& parameters, guint first_id);
-/// GObject::set_property of one of them: a text that cannot be read becomes a warning.
+/// GObject::set_property of one of them: a text that cannot be read becomes a warning if the
+/// element runs.
 void set_parameter(const Log& log, PropertyStore& parameters, size_t index, const GValue* value,
                    const GParamSpec* spec);
 /// Posts an error and returns false if a text cannot be read: the element does not start.

@@ -169,6 +169,18 @@ TEST_P(Strokes, BadOnesAreRefusedInWords) {
   expect_one(harness_.warnings(), "64");
 }
 
+TEST_P(Strokes, WrongOnesBeforeTheStartAreOneError) {
+  const auto result =
+      run_line("videotestsrc num-buffers=1 ! " + std::string(GetParam()) + " name=it ! fakesink",
+               60, [](GstElement* pipeline) {
+                 GstElement* it = gst_bin_get_by_name(GST_BIN(pipeline), "it");
+                 g_object_set(it, "strokes", "[", nullptr);
+                 gst_object_unref(it);
+               });
+  expect_one(result.errors, "strokes: ");
+  EXPECT_TRUE(result.warnings.empty());
+}
+
 TEST_P(Strokes, TheMouseDrawsNoMoreThanThereIsRoomFor) {
   texture();
   set_mode("reflectance");
