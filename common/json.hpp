@@ -14,12 +14,13 @@ inline constexpr size_t kMaxJsonDepth = 100;
 inline constexpr size_t kMaxJsonValues = size_t{8} << 20;
 
 /// Checks JSON without storing it. `fault` says what is wrong, as the end of a message that starts
-/// with the file's name.
+/// with the file's name; `too_many` is that of more than kMaxJsonValues.
 template <typename Json>
 class JsonCheck final : public nlohmann::json_sax<Json> {
  public:
   std::string fault;
 
+  explicit JsonCheck(const std::string& too_many) : too_many_(too_many) {}
   bool null() override { return count(); }
   bool boolean(bool) override { return count(); }
   bool number_integer(typename Json::number_integer_t) override { return count(); }
@@ -36,15 +37,20 @@ class JsonCheck final : public nlohmann::json_sax<Json> {
       fault = "has the field \"" + name.substr(0, 40) + "\" twice";
     return fault.empty() && count();
   }
-  bool parse_error(size_t, const std::string&, const nlohmann::detail::exception& error) override {
-    fault = std::string("is not JSON: ") + error.what();
+  bool parse_error(size_t position, const std::string&,
+                   const nlohmann::detail::exception& error) override {
+    // "[json...] parse error at line 1, column 2: ..."; numbers out of range have no line.
+    const std::string what = error.what();
+    const size_t from = what.find("line "), to = what.find(':', from);
+    fault = "is not valid JSON at " + (from == std::string::npos
+                                           ? "character " + std::to_string(position)
+                                           : what.substr(from, to - from));
     return false;
   }
 
  private:
   bool count() {
-    if (++values_ > kMaxJsonValues)
-      fault = "has more than " + std::to_string(kMaxJsonValues) + " values in its JSON";
+    if (++values_ > kMaxJsonValues) fault = too_many_;
     return fault.empty();
   }
   bool open() {
@@ -58,16 +64,19 @@ class JsonCheck final : public nlohmann::json_sax<Json> {
     return true;
   }
 
+  const std::string too_many_;
   size_t values_ = 0;
   std::vector<std::unordered_set<std::string>> names_;  // in each open bracket
 };
 
 /// Parses JSON from strangers. If it is none, is nested deeper than kMaxJsonDepth, has more than
 /// kMaxJsonValues values or one name twice in an object, of which readers take either, the result
-/// is discarded and `fault` says why.
+/// is discarded and `fault` says why (JsonCheck).
 template <typename Json>
-Json parse_json(std::string_view text, std::string& fault) {
-  JsonCheck<Json> check;
+Json parse_json(std::string_view text, std::string& fault,
+                const std::string& too_many = "has more than " + std::to_string(kMaxJsonValues) +
+                                              " values in its JSON") {
+  JsonCheck<Json> check(too_many);
   const bool good = Json::sax_parse(text, &check);
   fault = check.fault;
   return good ? Json::parse(text) : Json(nlohmann::json::value_t::discarded);

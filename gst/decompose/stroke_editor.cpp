@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/number_text.hpp"
 #include "decomposer.hpp"
 #include "gst/base/color.hpp"
 #include "kernels/image/view/mosaic.hpp"
@@ -192,7 +193,7 @@ void StrokeEditor::check(const StrokesPtr& list, const std::vector<float>& rms,
     warnings_.push_back(
         "stroke " + std::to_string(i + 1) + " of constant " +
         (shading ? "shading" : "reflectance") + " is not satisfied: " +
-        (shading ? "shading" : "reflectance") + " varies by " + std::to_string(rms[i]) +
+        (shading ? "shading" : "reflectance") + " varies by " + number_text(double{rms[i]}) +
         " (rms of its logarithm) inside it; remove strokes that cut it in parts, or "
         "draw it where the surface has one " +
         (shading ? "shading" : "paint"));

@@ -45,7 +45,7 @@ Stroke stroke_of(const Json& json, const std::string& name) {
       if (!value.is_boolean()) refuse("fill of " + name + " must be true or false");
       stroke.fill = value.get<bool>();
     } else if (key == "points") {
-      stroke.points = points_of(value, kMaxStrokePoints, name);
+      stroke.points = points_of(value, name);
     } else {
       refuse(name + " has the field \"" + key.substr(0, 40) +
              "\", but only kind, color, radius, fill and points are known");
@@ -63,12 +63,14 @@ Stroke stroke_of(const Json& json, const std::string& name) {
 
 StrokeList read_strokes(const std::string& text) {
   StrokeList list;
-  for (const Json& stroke : entries_of(text, "strokes", kMaxStrokes, list.frame))
+  for (const Json& stroke : entries_of(text, "strokes", kMaxStrokes, stroke_limit(), list.frame))
     list.strokes.push_back(stroke_of(stroke, "stroke " + std::to_string(list.strokes.size() + 1)));
   return list;
 }
 
-Stroke read_stroke(const std::string& text) { return stroke_of(parsed(text), "the stroke"); }
+Stroke read_stroke(const std::string& text) {
+  return stroke_of(parsed(text, stroke_limit()), "the stroke");
+}
 
 std::string text_of(const StrokeList& list) {
   OrderedJson strokes = OrderedJson::array();

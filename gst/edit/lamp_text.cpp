@@ -15,6 +15,7 @@ namespace {
 using namespace json_list;
 
 constexpr float kMaxHeight = 1000;
+constexpr const char* kLimit = "eight fields";
 
 constexpr std::array kKinds{"point", "spot", "directional"};  // by Lamp::Kind
 
@@ -102,12 +103,12 @@ OrderedJson json_of(const Lamp& lamp) {
 
 LampList read_lamps(const std::string& text) {
   LampList list;
-  for (const Json& lamp : entries_of(text, "lamps", kMaxLamps, list.frame))
+  for (const Json& lamp : entries_of(text, "lamps", kMaxLamps, kLimit, list.frame))
     list.lamps.push_back(lamp_of(lamp, "lamp " + std::to_string(list.lamps.size() + 1)));
   return list;
 }
 
-Lamp read_lamp(const std::string& text) { return lamp_of(parsed(text), "the lamp"); }
+Lamp read_lamp(const std::string& text) { return lamp_of(parsed(text, kLimit), "the lamp"); }
 
 std::string text_of(const LampList& list) {
   OrderedJson lamps = OrderedJson::array();

@@ -9,7 +9,7 @@ namespace {
 
 using namespace json_list;
 
-constexpr size_t kMaxStrokes = 64, kMaxPoints = 4096;
+constexpr size_t kMaxStrokes = 64;
 constexpr float kMaxRadius = 1e4F;
 
 SelectionStroke stroke_of(const Json& json, const std::string& name) {
@@ -26,7 +26,7 @@ SelectionStroke stroke_of(const Json& json, const std::string& name) {
       if (!value.is_boolean()) refuse("closed of " + name + " must be true or false");
       stroke.closed = value.get<bool>();
     } else if (key == "points") {
-      stroke.points = points_of(value, kMaxPoints, name);
+      stroke.points = points_of(value, name);
     } else {
       refuse(name + " has the field \"" + key.substr(0, 40) +
              "\", but only kind, radius, closed and points are known");
@@ -46,7 +46,7 @@ bool SelectionList::begins_with(const SelectionList& list) const {
 
 SelectionList read_selection(const std::string& text) {
   SelectionList list;
-  for (const Json& stroke : entries_of(text, "strokes", kMaxStrokes, list.frame))
+  for (const Json& stroke : entries_of(text, "strokes", kMaxStrokes, stroke_limit(), list.frame))
     list.strokes.push_back(stroke_of(stroke, "stroke " + std::to_string(list.strokes.size() + 1)));
   return list;
 }
@@ -107,7 +107,7 @@ void SelectionEditor::mouse(const Log& log, const MouseEvent& event, SelectMode 
 void SelectionEditor::add(const Log& log, const std::string& stroke) {
   SelectionList list = read_selection(text(log));
   if (list.strokes.size() == kMaxStrokes) refuse(full(kMaxStrokes) + "; clear them first");
-  list.strokes.push_back(stroke_of(parsed(stroke), "the stroke"));
+  list.strokes.push_back(stroke_of(parsed(stroke, stroke_limit()), "the stroke"));
   set(log, text_of(list));
 }
 

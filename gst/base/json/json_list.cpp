@@ -12,10 +12,10 @@ namespace inverse::json_list {
 
 void refuse(const std::string& what) { throw Error(ErrorKind::unsupported, what); }
 
-Json parsed(const std::string& text) {
+Json parsed(const std::string& text, const std::string& limit) {
   std::string fault;
-  Json json = parse_json<Json>(text, fault);
-  if (json.is_discarded()) refuse(fault);
+  Json json = parse_json<Json>(text, fault, "has more values than " + limit + "; leave out some");
+  if (json.is_discarded()) refuse("the text " + fault);
   return json;
 }
 
@@ -23,7 +23,7 @@ float number_of(const Json& json, float low, float high, const std::string& name
   const auto value = static_cast<float>(json.is_number() ? json.get<double>() : NAN);
   if (value >= low && value <= high) return value;
   std::array<char, 80> range{};
-  std::snprintf(range.data(), range.size(), " must be a number from %g to %g",
+  std::snprintf(range.data(), range.size(), " must be a number from %.7g to %.7g",
                 static_cast<double>(low), static_cast<double>(high));
   refuse(name + range.data());
 }
@@ -39,9 +39,11 @@ uint32_t color_of(const Json& json, const std::string& name) {
   return rgb;
 }
 
-std::vector<std::array<float, 2>> points_of(const Json& json, size_t max, const std::string& name) {
-  if (!json.is_array() || json.size() > max)
-    refuse("the points of " + name + " must be a list of at most " + std::to_string(max));
+std::vector<std::array<float, 2>> points_of(const Json& json, const std::string& name) {
+  if (!json.is_array()) refuse("the points of " + name + " must be a list, [[x, y], ...]");
+  if (json.size() > kMaxPoints)
+    refuse(name + " has " + std::to_string(json.size()) + " points; at most " +
+           std::to_string(kMaxPoints) + " are possible: leave out some, or divide it in two");
   std::vector<std::array<float, 2>> points;
   for (const Json& point : json) {
     if (!point.is_array() || point.size() != 2)
@@ -60,23 +62,24 @@ OrderedJson points_json(const std::vector<std::array<float, 2>>& points) {
 }
 
 std::vector<Json> entries_of(const std::string& text, const std::string& what, size_t max,
-                             Extent& frame) {
+                             const std::string& limit, Extent& frame) {
   frame = {};
   if (text.find_first_not_of(" \t\r\n") == std::string::npos) return {};
-  Json entries = parsed(text);
+  Json entries = parsed(text, std::to_string(max) + " " + what + " of " + limit);
   if (entries.is_object()) {
     if (!entries.contains(what) || !entries.contains("frame") || entries.size() != 2)
-      refuse("must be a list of " + what + ", or an object with \"frame\" and \"" + what + "\"");
+      refuse("the text must be a list of " + what + ", or an object with \"frame\" and \"" + what +
+             "\"");
     const Json& size = entries["frame"];
     if (!size.is_array() || size.size() != 2) refuse("\"frame\" must be [width, height]");
     frame = {static_cast<uint32_t>(number_of(size[0], 1, kMaxCoordinate, "the width")),
              static_cast<uint32_t>(number_of(size[1], 1, kMaxCoordinate, "the height"))};
     entries = Json(entries[what]);
   }
-  if (!entries.is_array()) refuse("must be a list of " + what);
+  if (!entries.is_array()) refuse("the text must be a list of " + what);
   if (entries.size() > max)
-    refuse("has " + std::to_string(entries.size()) + " " + what + "; at most " +
-           std::to_string(max) + " are possible");
+    refuse("there are " + std::to_string(entries.size()) + " " + what + "; at most " +
+           std::to_string(max) + " are possible: leave out some");
   return entries.get<std::vector<Json>>();
 }
 

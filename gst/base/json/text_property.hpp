@@ -25,7 +25,7 @@ std::string wrong_text(const GValue* value, const std::string& name, Read read) 
     read(text ? text : "");
     return {};
   } catch (const Error& error) {
-    return name + " " + error.what();
+    return name + ": " + error.what();
   }
 }
 

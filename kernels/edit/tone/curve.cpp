@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "common/error.hpp"
+#include "common/number_text.hpp"
 
 namespace inverse {
 namespace {
@@ -59,7 +60,7 @@ ToneCurve parse_curve(const std::string& text) {
   for (size_t i = 1; i < curve.size(); ++i)
     if (curve[i].x - curve[i - 1].x < kMinCurveSpacing)
       throw Error(ErrorKind::unsupported,
-                  "curve=\"" + text + "\" has two points at x=" + std::to_string(curve[i].x) +
+                  "curve=\"" + text + "\" has two points at x=" + number_text(double{curve[i].x}) +
                       "; move them at least 0.001 stops apart, or remove one");
   return curve;
 }

@@ -166,7 +166,27 @@ TEST_P(Strokes, BadOnesAreRefusedInWords) {
   for (int i = 0; i < 65; ++i)
     many += std::string(i ? "," : "") + R"({"kind":"shading","points":[[1,2]]})";
   set(many + "]");
-  expect_one(harness_.warnings(), "64");
+  expect_one(harness_.warnings(), "strokes: there are 65 strokes; at most 64");
+}
+
+TEST_P(Strokes, MessagesNameThePropertyThePlaceAndTheLimit) {
+  for (const auto& [text, part] : std::initializer_list<std::pair<std::string, std::string>>{
+           {R"([{"kind":"shading","points":[]}])", "strokes: stroke 1 must have points"},
+           {R"([{"kind":"shading","radius":0,"points":[[1,2]]}])",
+            "strokes: the radius of stroke 1 must be a number from 0.1 to 10000"},
+           {"[\n {\"kind\" ]", "strokes: the text is not valid JSON at line 2, column 10"},
+           {"[1e999]", "strokes: the text is not valid JSON at character 6"}}) {
+    set(text);
+    expect_one(harness_.warnings(), part);
+  }
+  std::string points = "[[1,2]";
+  for (int i = 0; i < 4096; ++i) points += ",[1,2]";
+  set(R"([{"kind":"shading","points":)" + points + "]}]");
+  expect_one(harness_.warnings(), "stroke 1 has 4097 points; at most 4096 are possible");
+  std::string values = "[1";
+  for (int i = 0; i < 8 << 20; ++i) values += ",1";
+  set(values + "]");
+  expect_one(harness_.warnings(), "64 strokes of 4096 points");
 }
 
 TEST_P(Strokes, WrongOnesBeforeTheStartAreOneError) {

@@ -272,7 +272,7 @@ TEST_F(RelightElement, BadLampsAreRefusedInWords) {
            {R"([{"kind":"point","position":[1,2,3],"color":"#12345g"}])", "#rrggbb"},
            {R"([{"kind":"point","position":[1,2,3],"power":-1}])", "power"},
            {R"([{"kind":"spot","position":[1,2,3],"angle":0}])",
-            "angle of lamp 1 must be a number"},
+            "the angle of lamp 1 must be a number"},
            {R"([{"kind":"spot","position":[1,2,3],"softness":2}])", "softness"},
            {R"([{"kind":"point","position":[1,2,3],"radius":null}])", "radius"},
            {R"([{"kind":"point","position":[1,2,3],"size":3}])", "\"size\""},
@@ -288,7 +288,7 @@ TEST_F(RelightElement, BadLampsAreRefusedInWords) {
   for (int i = 0; i < 9; ++i)
     many += std::string(i ? "," : "") + R"({"kind":"point","position":[1,2,3]})";
   set(many + "]");
-  expect_one(harness_.warnings(), "9 lamps; at most 8");
+  expect_one(harness_.warnings(), "lamps: there are 9 lamps; at most 8");
   EXPECT_LE(largest_difference(harness_.process(frame), frame), 1);
 }
 

@@ -226,7 +226,9 @@ TEST(Select, WrongStrokesAreAWarning) {
   g_object_set(select, "strokes", ("[" + many + "]").c_str(), nullptr);
   EXPECT_LT(pixel_at(harness.process(discs(50, 60)), 50, 60, kWidth)[0], 5);
   g_object_set(select, "strokes", ("[" + many + "," + stroke_at(1, 1) + "]").c_str(), nullptr);
-  EXPECT_EQ(harness.warnings().size(), 2U);  // and that of add-stroke
+  const auto warnings = harness.warnings();
+  ASSERT_EQ(warnings.size(), 2U);  // and that of add-stroke
+  expect_contains(warnings[1], "strokes: there are 65 strokes; at most 64");
 }
 
 TEST(Select, AFlushSelectsAnewWhereItWasDrawn) {

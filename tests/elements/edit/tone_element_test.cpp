@@ -115,7 +115,7 @@ TEST_F(ToneElement, AWrongCurveIsOneWarningAndTheOneBeforeStays) {
   const auto half = harness.process(frame);
   for (const auto& [curve, part] : std::vector<std::pair<const char*, const char*>>{
            {"0,0", "one point"},
-           {"0,0 1,1 0,2", "two points at x=0"},
+           {"0,0 1,1 0,2", "two points at x=0;"},
            {"1,2,3", "put a space"},
            {"nan,0 1,1", "no number"},
            {"0,0 1,1 2,2 3,3 4,4 5,5 6,6 7,7 8,8 9,9 10,10 11,11 12,12 13,13 14,14 15,15 16,16",

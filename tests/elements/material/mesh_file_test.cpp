@@ -171,7 +171,7 @@ TEST_F(MeshFile, InvalidFilesAreErrorsWithTheirCause) {
   for (const char* name : {"empty.obj", "empty.ply"})
     expect_contains(error(written(name, "")), "cannot be read");
   for (const char* name : {"empty.glb", "empty.gltf"})
-    expect_contains(error(written(name, "")), "is not JSON");
+    expect_contains(error(written(name, "")), "is not valid JSON at line 1, column");
   expect_contains(error(written("points.obj", "v 0 0 0\nv 1 1 1\n")),
                   "has no triangle with an area");
   expect_contains(error(written("line.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n")),

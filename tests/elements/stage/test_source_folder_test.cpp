@@ -92,7 +92,7 @@ TEST(LightStageTestSrc, InvalidFoldersAreErrors) {
     std::ofstream(folder.path() + "/lights.json") << "{\"directions\": [[0, 0, 2]]}";
     expect_contains(error_of(location), "not a unit vector");
     std::ofstream(folder.path() + "/lights.json") << "{\"directions\": [[0, 0";
-    expect_contains(error_of(location), "is not JSON");
+    expect_contains(error_of(location), "is not valid JSON at line 1, column");
     std::ofstream(folder.path() + "/lights.json") << "{\"directions\": [[0, 0, \"x\"]]}";
     expect_contains(error_of(location), "no direction of three numbers");
     std::ofstream(folder.path() + "/lights.json") << "[1]";
