@@ -56,17 +56,6 @@ std::string wrong_strokes(const GValue* value) {
   return wrong_text(value, "strokes", read_strokes);
 }
 
-void StrokeEditor::extend(Stroke::Point point) {
-  if (!goes_on(drawing_->points, point, drawing_->radius)) return;
-  if (drawing_->points.size() == kMaxStrokePoints) {
-    warnings_.push_back("the stroke has " + std::to_string(kMaxStrokePoints) +
-                        " points and does not get longer; draw another one");
-    drawing_->points.pop_back();
-  }
-  drawing_->points.push_back(point);
-  drawing_changed_ = true;
-}
-
 Stroke::Point StrokeEditor::as_drawn(const Stroke& stroke, Stroke::Point now) const {
   const Lock lock(mutex_);
   for (size_t i = 0; i < places_.size(); ++i)
@@ -96,7 +85,7 @@ void StrokeEditor::mouse(const Log& log, const MouseEvent& event, const StrokePa
       if (kind == Stroke::Kind::recolor) drawing_->color = linear_color(params.stroke_color);
       drawing_changed_ = true;
     } else if (drawing_) {
-      extend(point);
+      if (extend(drawing_->points, point, drawing_->radius)) drawing_changed_ = true;
       if (event.kind == Kind::release) finished = std::exchange(drawing_, std::nullopt);
     }
   }

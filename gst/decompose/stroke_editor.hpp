@@ -60,7 +60,6 @@ class StrokeEditor : public ListEditor {
              std::vector<StrokePlace> places);
 
  private:
-  void extend(Stroke::Point point);
   /// The place where a stroke was drawn that is now at `now`, in pixels of the frame.
   Stroke::Point as_drawn(const Stroke& stroke, Stroke::Point now) const;
 

@@ -6,9 +6,6 @@
 
 namespace inverse {
 
-/// Points that a stroke may have.
-inline constexpr size_t kMaxStrokePoints = 4096;
-
 /// Reads strokes from JSON: a list of
 ///
 ///     {"kind": "shading" | "reflectance" | "recolor", "color": "#rrggbb", "radius": 8, "fill":

@@ -175,6 +175,8 @@ class SelectElement final : public Filter {
           "by=base-color selects nothing, as this video comes without base "
           "colors; put globalintrinsic in the place of the decomposer, or "
           "select by strokes or key");
+    for (std::string& warning : editor_.take_warnings())
+      frame.warnings.push_back(std::move(warning));
     SelectionList all;
     Selection::Strokes added{{}, frame.layers.extent};
     if (params.by == SelectBy::strokes && params.strokes != taken_.text) {
@@ -240,6 +242,7 @@ SelectionEditor& editor_of(Filter& filter) { return static_cast<SelectElement&>(
 
 std::vector<Action> actions() {
   return {edit_action<editor_of, &SelectionEditor::add>("add-stroke"),
+          edit_action<editor_of, &SelectionEditor::remove>("remove-stroke"),
           edit_action<editor_of, &SelectionEditor::clear>("clear-strokes"),
           edit_action<editor_of, &SelectionEditor::undo>("undo-stroke")};
 }

@@ -90,15 +90,18 @@ void SelectionEditor::mouse(const Log& log, const MouseEvent& event, SelectMode 
     if (event.kind == Kind::press && mode != SelectMode::off)
       drawing_ = SelectionStroke{
           mode == SelectMode::subtract, mode == SelectMode::lasso, {*point}, radius};
-    else if (drawing_ && drawing_->points.size() < kMaxPoints &&
-             goes_on(drawing_->points, *point, radius))
-      drawing_->points.push_back(*point);
+    else if (drawing_)
+      extend(drawing_->points, *point, radius);
     if (event.kind == Kind::release) finished = std::exchange(drawing_, std::nullopt);
     frame = frame_;
   }
   if (!finished) return;
   SelectionList list = read_selection(text(log));
-  if (list.strokes.size() == kMaxStrokes) list.strokes.erase(list.strokes.begin());
+  if (list.strokes.size() == kMaxStrokes) {
+    const Lock lock(mutex_);
+    warnings_.push_back(full(kMaxStrokes) + "; remove one to draw another");
+    return;
+  }
   scale(finished->points, frame, list.frame);
   list.strokes.push_back(std::move(*finished));
   set(log, text_of(list));
@@ -106,8 +109,14 @@ void SelectionEditor::mouse(const Log& log, const MouseEvent& event, SelectMode 
 
 void SelectionEditor::add(const Log& log, const std::string& stroke) {
   SelectionList list = read_selection(text(log));
-  if (list.strokes.size() == kMaxStrokes) refuse(full(kMaxStrokes) + "; clear them first");
+  if (list.strokes.size() == kMaxStrokes) refuse(full(kMaxStrokes) + "; remove one to add another");
   list.strokes.push_back(stroke_of(parsed(stroke, stroke_limit()), "the stroke"));
+  set(log, text_of(list));
+}
+
+void SelectionEditor::remove(const Log& log, unsigned index) {
+  SelectionList list = read_selection(text(log));
+  erase(list.strokes, index);
   set(log, text_of(list));
 }
 

@@ -38,8 +38,9 @@ class SelectionEditor : public ListEditor {
  public:
   SelectionEditor() : ListEditor("stroke") {}
   void mouse(const Log& log, const MouseEvent& event, SelectMode mode, float radius);
-  /// What the action signal does; throws Error(unsupported).
+  /// What the action signals do; throw Error(unsupported).
   void add(const Log& log, const std::string& stroke);
+  void remove(const Log& log, unsigned index);  ///< from 1 on
   /// Frames have this size from now on.
   void resize(Extent frame);
   /// Forgets the stroke that is being drawn: its picture is gone.

@@ -48,8 +48,17 @@ std::optional<Place> ListEditor::mouse_place(const MouseEvent& event) {
                static_cast<float>(std::clamp(event.y, -kFar, kFar))};
 }
 
-bool ListEditor::goes_on(const std::vector<Place>& line, Place to, float radius) {
-  return std::hypot(to[0] - line.back()[0], to[1] - line.back()[1]) >= std::max(radius / 4, 1.0F);
+bool ListEditor::extend(std::vector<Place>& line, Place to, float radius) {
+  if (std::hypot(to[0] - line.back()[0], to[1] - line.back()[1]) < std::max(radius / 4, 1.0F))
+    return false;
+  const bool full = line.size() == json_list::kMaxPoints;
+  if (full && !long_)
+    warnings_.push_back("the " + entry_ + " has " + std::to_string(json_list::kMaxPoints) +
+                        " points, and only its end moves from now on; draw another one");
+  long_ = full;
+  if (full) line.pop_back();
+  line.push_back(to);
+  return true;
 }
 
 }  // namespace inverse

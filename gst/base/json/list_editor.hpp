@@ -47,8 +47,10 @@ class ListEditor {
   }
   /// Where the mouse is, within kMaxCoordinate; none if that is no number.
   static std::optional<Place> mouse_place(const MouseEvent& event);
-  /// Whether a line goes on to a place: it is a quarter of the radius away from the line's end.
-  static bool goes_on(const std::vector<Place>& line, Place to, float radius);
+  /// Extends a line that is drawn to a place, if that is a quarter of the radius away from its end.
+  /// Adds a warning, once for a line, if it has kMaxPoints: its end moves. Returns whether it
+  /// changed. mutex_ held.
+  bool extend(std::vector<Place>& line, Place to, float radius);
 
   mutable std::mutex mutex_;
   Extent frame_{};  // that the mouse is over; empty before the first one
@@ -58,6 +60,7 @@ class ListEditor {
   const std::string entry_, property_ = entry_ + "s";
   const size_t max_undo_;
   std::vector<std::string> undo_;  // the property before each change
+  bool long_ = false;              // the line that is drawn, and a warning said so
 };
 
 /// Places in pixels of `from` become those of `to`.

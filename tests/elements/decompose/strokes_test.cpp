@@ -224,7 +224,7 @@ TEST_P(Strokes, TheMouseDrawsNoMoreThanThereIsRoomFor) {
   mover.join();
   release(3, 3);
   texture();
-  expect_contains(harness_.warnings().front(), "4096");
+  expect_one(harness_.warnings(), "4096");
 }
 
 TEST_P(Strokes, OneThatIsCutInPartsIsAWarning) {

@@ -231,6 +231,46 @@ TEST(Select, WrongStrokesAreAWarning) {
   expect_contains(warnings[1], "strokes: there are 65 strokes; at most 64");
 }
 
+TEST(Select, TheMouseDrawsNoMoreThanThereIsRoomFor) {
+  VideoHarness harness(chain("stroke-mode=add"), kCaps, kCaps);
+  GstElement* select = harness.find("intrinsicselect");
+  const auto strokes = [&] { return property<std::string>(select, "strokes"); };
+  harness.process(discs(50, 60));
+  std::string full;
+  for (int n = 0; n < 65; ++n) {
+    press_and_release(harness, 40 + n % 8, 50 + n / 8.);
+    if (n == 63) full = strokes();
+  }
+  EXPECT_NE(full, "");
+  EXPECT_EQ(strokes(), full) << "none is dropped";
+  harness.process(discs(50, 60));
+  expect_one(harness.warnings(), "there are 64 strokes already; remove one");
+  gboolean done = FALSE;
+  g_signal_emit_by_name(select, "add-stroke", stroke_at(1, 1).c_str(), &done);
+  EXPECT_FALSE(done);
+  expect_one(harness.warnings(), "remove one");
+  g_signal_emit_by_name(select, "remove-stroke", 65U, &done);
+  EXPECT_FALSE(done);
+  expect_one(harness.warnings(), "there is no stroke 65; there are 64");
+  g_signal_emit_by_name(select, "remove-stroke", 1U, &done);
+  EXPECT_TRUE(done);
+  EXPECT_EQ(strokes().find("[40.0,50.0]"), std::string::npos);
+  EXPECT_NE(strokes().find("[41.0,50.1]"), std::string::npos);
+  g_signal_emit_by_name(select, "undo-stroke", &done);
+  EXPECT_EQ(strokes(), full);
+  // A long one.
+  g_signal_emit_by_name(select, "clear-strokes", &done);
+  g_object_set(select, "stroke-radius", 1.F, nullptr);
+  const auto move = [&](GstEvent* event) { harness.send_upstream(event); };
+  move(gst_navigation_event_new_mouse_button_press(1, 0, 0, GST_NAVIGATION_MODIFIER_NONE));
+  for (int n = 0; n < 5000; ++n)
+    move(gst_navigation_event_new_mouse_move(n % 160, n / 160, GST_NAVIGATION_MODIFIER_NONE));
+  move(gst_navigation_event_new_mouse_button_release(1, 80, 90, GST_NAVIGATION_MODIFIER_NONE));
+  EXPECT_TRUE(strokes().ends_with("[80.0,90.0]]}]")) << "its end is where the button went up";
+  harness.process(discs(50, 60));
+  expect_one(harness.warnings(), "4096 points");
+}
+
 TEST(Select, AFlushSelectsAnewWhereItWasDrawn) {
   VideoHarness harness(chain("strokes=[" + stroke_at(50, 60) + "]"), kCaps, kCaps);
   harness.process(discs(50, 60));
