@@ -140,8 +140,14 @@ StrokeLists StrokeEditor::take(const std::string& strokes, Extent frame, bool mo
   const bool resized = std::exchange(frame_, frame) != frame;
   if (!drawing_changed_ && strokes == taken_ && !resized) return lists_;
   drawing_changed_ = false;
-  taken_ = strokes;
+  const bool changed = std::exchange(taken_, strokes) != strokes;
   StrokeList list = strokes_of(strokes, frame);
+  if ((changed || resized) && !list.strokes.empty()) {
+    const UselessStrokes useless = find_useless(list);
+    warnings_.push_back(outside_of(useless.outside, list.frame));
+    warnings_.push_back(under_others(useless.under, "shading, reflectance"));
+    std::erase(warnings_, "");
+  }
   if (drawing_ && list.strokes.size() < kMaxStrokes) {
     list.strokes.push_back(*drawing_);
     scale(list.strokes.back().points, frame, list.frame);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicselect: writes the mask layer, by which later editors are limited to an object.
+#include <algorithm>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
@@ -188,8 +190,12 @@ class SelectElement final : public Filter {
       if (all.frame.pixels() > 0) added.drawn = all.frame;
     }
     selection_->record(frame.commands, frame.layers, params, added, take_picture(frame, params));
-    if (params.by == SelectBy::strokes && params.strokes != taken_.text)
+    if (params.by == SelectBy::strokes && params.strokes != taken_.text) {
+      if (!added.strokes.empty() && std::exchange(checked_, params.strokes) != params.strokes)
+        std::ranges::move(warnings_of(all, selection_->object()->stroke_cells(), added.drawn),
+                          std::back_inserter(frame.warnings));
       taken_ = {params.strokes, std::move(all)};
+    }
     Copy& copy = copies_[frame.number];
     const ObjectSelection* object = selection_->object();
     copy.filled = params.by == SelectBy::strokes && object && object->active();
@@ -230,6 +236,7 @@ class SelectElement final : public Filter {
     std::string text;
     SelectionList list;
   } taken_;                // the strokes that the selection has
+  std::string checked_;    // strokes that were checked last
   bool reported_ = false;  // that there are no base colors
   struct Copy {
     gpu::BufferPtr words;

@@ -63,6 +63,26 @@ std::string text_of(const SelectionList& list) {
   return json_list::text_of(std::move(strokes), "strokes", list.frame);
 }
 
+std::vector<std::string> warnings_of(const SelectionList& list, std::span<const SeedCells> cells,
+                                     Extent frame) {
+  const size_t first = list.strokes.size() - cells.size();
+  std::vector<size_t> outside, under;
+  for (size_t i = 0; i < cells.size(); ++i)
+    if (cells[i].covered == 0)
+      outside.push_back(first + i);
+    else if (cells[i].taken == cells[i].covered)
+      under.push_back(first + i);
+  std::vector<std::string> warnings{outside_of(outside, frame),
+                                    under_others(under, "add, subtract")};
+  if (std::all_of(list.strokes.begin(), list.strokes.end(),
+                  [](const SelectionStroke& stroke) { return stroke.subtract; }))
+    warnings.push_back(
+        "stroke 1: nothing is selected that it could subtract from; draw a stroke of "
+        "kind add on the object first");
+  std::erase(warnings, "");
+  return warnings;
+}
+
 std::string wrong_selection(const GValue* value) {
   return wrong_text(value, "strokes", read_selection);
 }

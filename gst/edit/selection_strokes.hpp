@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,10 @@ struct SelectionList {
 SelectionList read_selection(const std::string& text);
 /// The text that `read_selection` takes, with points rounded to a tenth of a pixel.
 std::string text_of(const SelectionList& list);
+/// Warnings about strokes without effect. `cells` are those of the last strokes of the list, which
+/// were drawn on a frame of the size `frame`.
+std::vector<std::string> warnings_of(const SelectionList& list, std::span<const SeedCells> cells,
+                                     Extent frame);
 /// What is wrong with a value of the property `strokes`, in words.
 std::string wrong_selection(const GValue* value);
 

@@ -5,6 +5,30 @@
 #include <cmath>
 
 namespace inverse {
+namespace {
+
+/// "stroke 1", or "strokes 1, 2".
+std::string numbers_of(const std::vector<size_t>& strokes) {
+  std::string text = strokes.size() > 1 ? "strokes" : "stroke";
+  for (size_t i = 0; i < strokes.size(); ++i)
+    text += (i > 0 ? ", " : " ") + std::to_string(strokes[i] + 1);
+  return text;
+}
+
+}  // namespace
+
+std::string outside_of(const std::vector<size_t>& strokes, Extent frame) {
+  if (strokes.empty()) return {};
+  return numbers_of(strokes) + ": without effect outside of the frame of " +
+         std::to_string(frame.width) + "x" + std::to_string(frame.height) +
+         " pixels; draw inside of it, or remove what is outside";
+}
+
+std::string under_others(const std::vector<size_t>& strokes, const std::string& kinds) {
+  if (strokes.empty()) return {};
+  return numbers_of(strokes) + ": without effect, as later strokes of the other kind (" + kinds +
+         ") cover all of it; remove one of the two";
+}
 
 void ListEditor::set(const Log& log, const std::string& text) {
   {

@@ -68,6 +68,11 @@ inline void scale(std::vector<Place>& places, Extent from, Extent to) {
   for (Place& place : places) place = scaled(place, from, to);
 }
 
+/// Warnings about strokes without effect, by their places in a list: outside of the frame, or under
+/// later ones; `kinds` are those that contradict each other. Empty for none.
+std::string outside_of(const std::vector<size_t>& strokes, Extent frame);
+std::string under_others(const std::vector<size_t>& strokes, const std::string& kinds);
+
 /// The action signal `name`. It calls a member function of the editor that `editor_of` gives for a
 /// filter: f(log), f(log, text) or f(log, number).
 template <auto editor_of, auto member>

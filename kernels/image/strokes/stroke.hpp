@@ -57,4 +57,12 @@ struct StrokePatches {
 StrokePatches draw_patches(const StrokeList& list, Extent extent);
 constexpr uint64_t kMaxCover = 4;
 
+/// Strokes without effect, by their places in the list, as far as a coarse drawing shows.
+struct UselessStrokes {
+  std::vector<size_t> outside;  ///< of the frame
+  /// Of constant shading or reflectance, wholly under later strokes of the other kind.
+  std::vector<size_t> under;
+};
+UselessStrokes find_useless(const StrokeList& list);
+
 }  // namespace inverse

@@ -10,6 +10,9 @@ namespace {
 constexpr float kMinRadius = 0.75F;  // pixels of the picture: thinner lines would miss pixels
 constexpr float kMaxRadius = 1e5F;
 constexpr float kDeepest = 2;
+// Pixels along the longer side of find_useless: kFine if strokes are thin.
+constexpr uint32_t kCoarse = 512, kFine = 2048;
+constexpr float kTexelsOfRadius = 2;
 
 /// A brush on a picture, in its pixels.
 struct Brush {
@@ -125,6 +128,57 @@ StrokePatches draw_patches(const StrokeList& list, Extent extent) {
   }
   if (result.depths.empty()) result.depths.push_back(-1);
   return result;
+}
+
+UselessStrokes find_useless(const StrokeList& list) {
+  using Kind = Stroke::Kind;
+  const uint32_t longer = std::max(list.frame.width, list.frame.height);
+  float thinnest = kMaxRadius;
+  for (const Stroke& stroke : list.strokes) thinnest = std::min(thinnest, stroke.radius);
+  const uint32_t factor =
+      std::clamp(static_cast<uint32_t>(std::max(thinnest / kTexelsOfRadius, 0.0F)),
+                 longer / kFine + 1, longer / kCoarse + 1);
+  const Extent extent{(list.frame.width + factor - 1) / factor,
+                      (list.frame.height + factor - 1) / factor};
+  const StrokePatches patches = draw_patches(list, extent);
+  const auto width = static_cast<int32_t>((extent.width + patches.step - 1) / patches.step),
+             height = static_cast<int32_t>((extent.height + patches.step - 1) / patches.step);
+  struct Texel {
+    float depth = 0;  // 0: no stroke
+    uint32_t stroke = 0;
+  };
+  std::vector<Texel> texels(static_cast<size_t>(width) * static_cast<size_t>(height));
+  std::vector<size_t> covered(patches.patches.size()), taken(covered.size());
+  for (uint32_t k = 0; k < covered.size(); ++k) {
+    const StrokePatches::Patch& patch = patches.patches[k];
+    const Kind kind = list.strokes[k].kind;
+    const float* depths = patches.depths.data() + size_t{patch.first} * StrokePatches::kAlign;
+    const auto right = patch.left + static_cast<int32_t>(patch.width),
+               bottom = patch.top + static_cast<int32_t>(patch.height);
+    for (int32_t y = std::max(patch.top, 0); y < std::min(bottom, height); ++y)
+      for (int32_t x = std::max(patch.left, 0); x < std::min(right, width); ++x) {
+        const float depth = std::min(depths[static_cast<size_t>(y - patch.top) * patch.width +
+                                            static_cast<size_t>(x - patch.left)],
+                                     1.0F);
+        if (!(depth > 0)) continue;
+        ++covered[k];
+        if (kind == Kind::recolor) continue;
+        Texel& texel =
+            texels[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)];
+        const bool other = texel.depth > 0 && list.strokes[texel.stroke].kind != kind;
+        if (depth < texel.depth) continue;
+        taken[texel.stroke] += other;
+        if (other || texel.depth == 0) texel.stroke = k;
+        texel.depth = depth;
+      }
+  }
+  UselessStrokes useless;
+  for (size_t k = 0; k < covered.size(); ++k)
+    if (covered[k] == 0)
+      useless.outside.push_back(k);
+    else if (taken[k] == covered[k])
+      useless.under.push_back(k);
+  return useless;
 }
 
 }  // namespace inverse

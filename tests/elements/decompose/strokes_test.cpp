@@ -189,6 +189,23 @@ TEST_P(Strokes, MessagesNameThePropertyThePlaceAndTheLimit) {
   expect_one(harness_.warnings(), "64 strokes of 4096 points");
 }
 
+TEST_P(Strokes, OnesWithoutEffectAreOneWarningEach) {
+  texture();
+  set(R"([{"kind":"shading","points":[[5000,5000]]},{"kind":"shading","points":[[50,60]]},
+          {"kind":"recolor","color":"#ff0000","points":[[-90,9]]}])");
+  texture();
+  texture();
+  expect_one(harness_.warnings(), "strokes 1, 3: ", "outside of the frame of 160x120 pixels");
+  set(R"([{"kind":"shading","radius":9,"points":[[50,60],[90,60]]},
+          {"kind":"reflectance","radius":9,"points":[[50,60],[90,60]]}])");
+  texture();
+  expect_one(harness_.warnings(), "stroke 1: ", "cover all of it");
+  set(R"([{"kind":"shading","radius":9,"points":[[50,60],[90,60]]},
+          {"kind":"reflectance","radius":9,"points":[[50,60],[70,60]]}])");
+  texture();
+  EXPECT_TRUE(harness_.warnings().empty());
+}
+
 TEST_P(Strokes, WrongOnesBeforeTheStartAreOneError) {
   const auto result =
       run_line("videotestsrc num-buffers=1 ! " + std::string(GetParam()) + " name=it ! fakesink",

@@ -227,8 +227,36 @@ TEST(Select, WrongStrokesAreAWarning) {
   EXPECT_LT(pixel_at(harness.process(discs(50, 60)), 50, 60, kWidth)[0], 5);
   g_object_set(select, "strokes", ("[" + many + "," + stroke_at(1, 1) + "]").c_str(), nullptr);
   const auto warnings = harness.warnings();
-  ASSERT_EQ(warnings.size(), 2U);  // and that of add-stroke
-  expect_contains(warnings[1], "strokes: there are 65 strokes; at most 64");
+  ASSERT_EQ(warnings.size(), 3U);  // and that of add-stroke
+  expect_contains(warnings[1], "strokes 1, 2, 3, ");
+  expect_contains(warnings[2], "strokes: there are 65 strokes; at most 64");
+}
+
+TEST(Select, StrokesWithoutEffectAreOneWarningEach) {
+  VideoHarness harness(chain(""), kCaps, kCaps);
+  GstElement* select = harness.find("intrinsicselect");
+  const auto warnings_of = [&](const std::string& strokes) {
+    g_object_set(select, "strokes", ("[" + strokes + "]").c_str(), nullptr);
+    for (int n = 0; n < 3; ++n) harness.process(discs(50, 60));
+    harness.flush();
+    harness.process(discs(50, 60));
+    return harness.warnings();
+  };
+  const std::string good = stroke_at(50, 60);
+  expect_one(warnings_of(good + "," + stroke_at(5000, 5000)),
+             "stroke 2: ", "outside of the frame of 160x120 pixels");
+  expect_one(warnings_of(stroke_at(20, 20) + "," + good + "," + stroke_at(50, 60, "subtract")),
+             "stroke 2: ", "cover all of it");
+  expect_one(warnings_of(stroke_at(50, 60, "subtract")), "stroke 1: ", "kind add");
+  EXPECT_TRUE(warnings_of(good + "," + stroke_at(60, 60, "subtract")).empty());
+  // One that is appended has its number, and is drawn where the object is then.
+  EXPECT_TRUE(warnings_of(good).empty());
+  g_object_set(select, "strokes", ("[" + good + "," + stroke_at(50, 60, "subtract") + "]").c_str(),
+               nullptr);
+  harness.process(discs(90, 60));
+  EXPECT_TRUE(harness.warnings().empty());
+  expect_one(warnings_of(good + "," + stroke_at(50, 60, "subtract") + "," + stroke_at(-99, 60)),
+             "stroke 3: ");
 }
 
 TEST(Select, TheMouseDrawsNoMoreThanThereIsRoomFor) {

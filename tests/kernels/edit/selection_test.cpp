@@ -88,7 +88,7 @@ TEST(SelectionSeeds, CoverWhatIsUnderAndInsideOfStrokes) {
   EXPECT_NEAR(count({{.points = {{100, 100}}, .radius = 20}}, 1), 3.1416 * 21 * 21 / 4, 20);
   EXPECT_NEAR(
       count({{.closed = true, .points = {{100, 100}, {300, 100}, {300, 200}, {100, 200}}}}, 1),
-      106 * 57, 20);
+      102 * 52 - 4, 4);
   EXPECT_EQ(count({{.points = {{100, 100}}}, {.subtract = true, .points = {{100, 100}}}}, 1), 0);
   EXPECT_EQ(count({}, 1), 0);
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -100,6 +100,28 @@ TEST(SelectionSeeds, CoverWhatIsUnderAndInsideOfStrokes) {
   const CellGrid large({7680, 4320}), small({1, 1});
   EXPECT_EQ(large.cells.width, 240U);
   EXPECT_EQ(small.cells.pixels(), 1U);
+}
+
+TEST(SelectionSeeds, CountsWhatLaterStrokesTake) {
+  const CellGrid grid({160, 120});
+  const auto cells_of = [&](const std::vector<SelectionStroke>& strokes) {
+    std::vector<SeedCells> cells;
+    draw_seeds(strokes, grid.frame, grid, &cells);
+    return cells;
+  };
+  const SelectionStroke add{.points = {{50, 60}}}, subtract{.subtract = true, .points = {{50, 60}}},
+      outside{.points = {{5000, 5000}}}, beside{.subtract = true, .points = {{55, 60}}};
+  const auto same = cells_of({add, subtract, outside});
+  EXPECT_NEAR(same[0].covered, 3.1416 * 6.5 * 6.5, 20);
+  EXPECT_EQ(same[0].taken, same[0].covered);
+  EXPECT_EQ(same[1].covered, same[0].covered);
+  EXPECT_EQ(same[1].taken, 0U);
+  EXPECT_EQ(same[2].covered, 0U);
+  const auto part = cells_of({add, add, beside});
+  EXPECT_GT(part[0].taken, 0U);
+  EXPECT_LT(part[0].taken, part[0].covered);
+  EXPECT_EQ(part[1].covered, part[0].covered);
+  EXPECT_EQ(part[1].taken, 0U) << "the first of its kind has them";
 }
 
 TEST_F(SelectionTest, ObjectAgreesWithReference) {

@@ -94,6 +94,35 @@ TEST_F(StrokeMaskTest, TakesAnyNumber) {
   for (const float pixel : mask_of({many, extent}, extent)) ASSERT_LE(pixel, kMaxStrokes + .5F);
 }
 
+TEST(UselessStrokes, AreThoseOutsideAndUnderTheOtherKind) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  using Places = std::vector<size_t>;
+  for (const Extent extent : {Extent{160, 120}, {3840, 2160}, {7, 5}, {1, 1}, {9000, 3}}) {
+    const auto w = float(extent.width), h = float(extent.height);
+    const Stroke line{Kind::shading, {{.2F * w, .5F * h}, {.6F * w, .5F * h}}, .1F * w};
+    Stroke other = line, longer = line, beside = line, paint = line, thin = line;
+    other.kind = longer.kind = beside.kind = thin.kind = Kind::reflectance;
+    longer.points.push_back({.7F * w, .5F * h});
+    beside.points = {{.9F * w, .5F * h}};
+    paint.kind = Kind::recolor;
+    thin.radius = .01F;
+    const Stroke outside{Kind::shading, {{-w, -h}, {-w, 2 * h}}, .1F * w},
+        far{Kind::recolor, {{1e6F, 1e6F}, {2 * w, 3 * h}}, 1}, odd{Kind::shading, {{kNan, 1}}, 3};
+    const auto found = [&](std::vector<Stroke> strokes) {
+      return find_useless({std::move(strokes), extent});
+    };
+    EXPECT_EQ(found({line, outside, far, odd}).outside, (Places{1, 2, 3})) << name_of(extent);
+    EXPECT_EQ(found({line, other}).under, Places{0}) << name_of(extent);
+    EXPECT_EQ(found({line, line, longer}).under, Places{0}) << name_of(extent);
+    EXPECT_EQ(found({line, line, paint}).under, Places{}) << name_of(extent);
+    if (extent.pixels() < 1000) continue;  // parts of strokes need texels
+    EXPECT_EQ(found({line, beside}).under, Places{}) << name_of(extent);
+    EXPECT_EQ(found({line, thin}).under, Places{}) << name_of(extent);
+    EXPECT_EQ(found({longer, line}).under, Places{}) << name_of(extent);
+  }
+  EXPECT_EQ(find_useless({}).outside, Places{});
+}
+
 TEST_F(StrokeMaskTest, ManyLargeStrokesTakeLittleMemory) {
   const Extent extent{640, 480};
   std::vector<Stroke> many(kMaxStrokes, {Kind::shading, {{320, 240}}, 1000});

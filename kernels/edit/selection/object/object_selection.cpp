@@ -81,7 +81,8 @@ ObjectSelection::ObjectSelection(const std::shared_ptr<gpu::Device>& device, con
 
 void ObjectSelection::select(gpu::Commands& commands, const gpu::BufferPtr& colors,
                              std::span<const SelectionStroke> strokes, Extent drawn, bool restart) {
-  commands.write_table(drawn_, gpu::Element::word, draw_seeds(strokes, drawn, grid_));
+  commands.write_table(drawn_, gpu::Element::word,
+                       draw_seeds(strokes, drawn, grid_, &stroke_cells_));
   if (!active_) commands.fill(none_drawn_);
   const bool first = restart || !active_;
   if (first)  // densities of nothing, so that a frame without strokes that add selects nothing

@@ -45,6 +45,9 @@ class ObjectSelection {
   /// Whether anything was selected.
   bool active() const { return active_; }
 
+  /// Of every stroke of the last `select`.
+  const std::vector<SeedCells>& stroke_cells() const { return stroke_cells_; }
+
   /// Of every cell: how far it belongs to the object, 0 to 1, and a word that is 1 if it does.
   const gpu::BufferPtr& alpha() const { return alpha_[0]; }
   const gpu::BufferPtr& region() const { return region_; }
@@ -93,6 +96,7 @@ class ObjectSelection {
   gpu::BufferPtr alpha_[2], region_, drawn_, none_drawn_, seeds_, memory_, paths_, terms_, labels_,
       claims_;
   gpu::BufferPtr counts_, smoothed_[2], model_, totals_, occupied_, near_, status_, last_area_;
+  std::vector<SeedCells> stroke_cells_;
   bool active_ = false;
 };
 

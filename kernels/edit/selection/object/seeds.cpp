@@ -34,6 +34,7 @@ float distance2(Point p, const SelectionStroke& stroke) {
 /// The cells whose centers may be so near to a stroke, first and last along x or y.
 std::pair<uint32_t, uint32_t> cells_near(const SelectionStroke& stroke, size_t axis, float reach,
                                          float cell, uint32_t count) {
+  if (stroke.points.empty()) return {0, 0};
   const auto [low, high] =
       std::minmax_element(stroke.points.begin(), stroke.points.end(),
                           [axis](Point a, Point b) { return a[axis] < b[axis]; });
@@ -47,14 +48,18 @@ std::pair<uint32_t, uint32_t> cells_near(const SelectionStroke& stroke, size_t a
 }  // namespace
 
 std::vector<uint32_t> draw_seeds(std::span<const SelectionStroke> strokes, Extent drawn,
-                                 const CellGrid& grid) {
+                                 const CellGrid& grid, std::vector<SeedCells>* cells) {
   using Shader = shaders::edit_selection_object_count;
   std::vector<uint32_t> seeds(grid.cells.pixels());
+  std::vector<SeedCells> found(strokes.size());
+  std::vector<size_t> owners(grid.cells.pixels());  // of seeds that add or subtract
   const auto side = static_cast<float>(grid.side);
   const float width = side * static_cast<float>(drawn.width) / static_cast<float>(grid.frame.width),
               height =
                   side * static_cast<float>(drawn.height) / static_cast<float>(grid.frame.height);
-  for (const SelectionStroke& stroke : strokes) {
+  for (size_t n = 0; n < strokes.size(); ++n) {
+    const SelectionStroke& stroke = strokes[n];
+    const uint32_t kind = stroke.subtract ? Shader::kSeedSubtract : Shader::kSeedAdd;
     const bool closed = stroke.closed && stroke.points.size() > 2;
     const float reach = (closed ? 0 : stroke.radius) + .5F * width,
                 around = closed && !stroke.subtract ? reach + 2 * width : 0,
@@ -66,13 +71,20 @@ std::vector<uint32_t> draw_seeds(std::span<const SelectionStroke> strokes, Exten
         const Point p{(static_cast<float>(x) + .5F) * width,
                       (static_cast<float>(y) + .5F) * height};
         const float d2 = distance2(p, stroke);
-        uint32_t& seed = seeds[size_t{y} * grid.cells.width + x];
-        if (d2 <= reach * reach || (closed && inside(p, stroke.points)))
-          seed = stroke.subtract ? Shader::kSeedSubtract : Shader::kSeedAdd;
-        else if (d2 <= around * around && seed == 0)
+        const size_t at = size_t{y} * grid.cells.width + x;
+        uint32_t& seed = seeds[at];
+        if (d2 <= reach * reach || (closed && inside(p, stroke.points))) {
+          ++found[n].covered;
+          if (seed == kind) continue;
+          if (seed == Shader::kSeedAdd || seed == Shader::kSeedSubtract) ++found[owners[at]].taken;
+          seed = kind;
+          owners[at] = n;
+        } else if (d2 <= around * around && seed == 0) {
           seed = Shader::kSeedAround;
+        }
       }
   }
+  if (cells) *cells = std::move(found);
   return seeds;
 }
 

@@ -20,12 +20,18 @@ struct SelectionStroke {
   bool operator==(const SelectionStroke&) const = default;
 };
 
+/// Cells that a stroke covers, and those of them that later strokes of the other kind take from it:
+/// of strokes of one kind, from the first.
+struct SeedCells {
+  uint32_t covered = 0, taken = 0;
+};
+
 /// Of every cell, row by row: 0, or the constant kSeedAdd or kSeedSubtract of object.glsl if its
 /// center is at most the radius and half a cell away from a stroke, or inside of a closed one
 /// (even-odd) or half a cell away from it. The last stroke counts. kSeedAround: up to two cells
 /// farther away from a closed one that adds. `drawn` is the size of the frame that they were drawn
-/// on.
+/// on. `cells`: set to those of every stroke, if it is not null.
 std::vector<uint32_t> draw_seeds(std::span<const SelectionStroke> strokes, Extent drawn,
-                                 const CellGrid& grid);
+                                 const CellGrid& grid, std::vector<SeedCells>* cells = nullptr);
 
 }  // namespace inverse
