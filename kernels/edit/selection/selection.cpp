@@ -53,6 +53,10 @@ void Selection::record(gpu::Commands& commands, Layers& layers, const SelectionP
         Plane{grid_.frame, gpu::Buffer::create(device_, gpu::Element::vec4, grid_.frame.pixels())});
     commands.fill(nothing_->buffer);
   }
+  if (!picture && !params.invert && params.combine == Combine::replace) {
+    layers[Role::mask] = nothing_;
+    return;
+  }
   find_cells(commands, layers, false);
   matte_.record(commands, layers, light_, picture ? *picture : *nothing_, params);
 }

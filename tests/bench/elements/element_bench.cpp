@@ -82,7 +82,7 @@ const std::vector<Subject> kEveryElement{
      "lamps=\"[{\\\"kind\\\":\\\"point\\\",\\\"position\\\":[200,200,0.3]}]\" ! intrinsiccompose",
      {kSmall, kLarge}},
     {"intrinsicedit layer=shading effect=\"gaussianblur sigma=4\"", {kSmall, kLarge}},
-    {"intrinsicdecomp ! intrinsicselect ! intrinsicrecolor ! intrinsictone ! intrinsicstylize "
+    {"intrinsicdecomp ! intrinsicrecolor ! intrinsictone ! intrinsicstylize "
      "strength=0 ! intrinsicrelight ! intrinsicmerge ! "
      "intrinsiccompose",
      {kSmall, kLarge}},
