@@ -83,8 +83,7 @@ const std::vector<Subject> kEveryElement{
      {kSmall, kLarge}},
     {"intrinsicedit layer=shading effect=\"gaussianblur sigma=4\"", {kSmall, kLarge}},
     {"intrinsicdecomp ! intrinsicrecolor ! intrinsictone ! intrinsicstylize "
-     "strength=0 ! intrinsicrelight ! intrinsicmerge ! "
-     "intrinsiccompose",
+     "strength=0 ! intrinsicrelight ! intrinsicmerge ! intrinsiccompose",
      {kSmall, kLarge}},
     {"globalintrinsic ! intrinsicdespill key=0xffe01e32 ! intrinsiccompose", {kSmall, kLarge}},
     {"intrinsicdecomp ! intrinsicsplit name=split split.reflectance ! identity", {kSmall, kLarge}},
