@@ -142,7 +142,7 @@ TEST(LightProgram, InvalidProgramsAreErrorsWithTheirCause) {
   const struct {
     std::string json, text;
   } cases[] = {
-      {"", "not JSON"},
+      {"", "not valid JSON"},
       {"[]", "not an object"},
       {"{}", "\"format\""},
       {std::string(100000, '['), "more than 100 deep"},
@@ -152,7 +152,7 @@ TEST(LightProgram, InvalidProgramsAreErrorsWithTheirCause) {
       {with(R"({"direction": [0, 0, 0]})", kBlack), "unit vector"},
       {with(R"({"direction": [0, 0, 1.1]})", kBlack), "unit vector"},
       {with(R"({"direction": [0, 0, null]})", kBlack), "three numbers"},
-      {with(R"({"direction": [0, 0, 1e999]})", kBlack), "not JSON"},
+      {with(R"({"direction": [0, 0, 1e999]})", kBlack), "not valid JSON"},
       {with(R"({"direction": [0, 1]})", kBlack), "three numbers"},
       {with(R"({"channels": [1]})", kBlack), "\"direction\""},
       {with(R"({"direction": [0, 0, 1], "channels": [1, 2]})", kBlack), "2 channels"},
