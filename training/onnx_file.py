@@ -14,7 +14,7 @@ from torch import nn
 
 import warm_start
 
-OPERATORS = {"Conv", "Relu", "Sigmoid", "MaxPool", "GlobalAveragePool", "Resize", "Concat", "Gemm", "Flatten", "Softmax"}
+OPERATORS = {"Conv", "Relu", "LeakyRelu", "Sigmoid", "MaxPool", "GlobalAveragePool", "Resize", "Concat", "Gemm", "Flatten", "Softmax"}
 
 
 def tidy(path):
@@ -46,14 +46,15 @@ def check(path, network, shape):
     return error
 
 
-def write(network, shape, path, last=None):
-    """Writes a network, with `last` behind it where there is one, in evaluation mode. The file is checked: only operators of
+def write(network, shape, path, last=None, names=("input", "output"), free_size=False):
+    """Writes a network, with `last` behind it where there is one, in evaluation mode. free_size: height and width stay open. The file is checked: only operators of
     the engine, and the same output from OpenCV's dnn; returns by how much that differs, relative where numbers exceed 1. Raises
     ValueError where that is too much."""
     network = warm_start.settle(copy.deepcopy(network))
     network = (nn.Sequential(network, last) if last else network).eval()
-    torch.onnx.export(network, torch.zeros(shape), str(path), opset_version=11, input_names=["input"],
-                      output_names=["output"], do_constant_folding=True)
+    axes = {name: {2: "height", 3: "width"} for name in names} if free_size else None
+    torch.onnx.export(network, torch.zeros(shape), str(path), opset_version=11, input_names=names[:1], output_names=names[1:],
+                      dynamic_axes=axes, do_constant_folding=True)
     tidy(path)
     return check(path, network, shape)
 

@@ -11,6 +11,7 @@ import numpy as np
 
 import denoise
 import exr
+import flat
 import mix
 import render
 import sample as samples
@@ -149,6 +150,18 @@ def check_denoise():
     )
 
 
+def check_flat(count=20):
+    seen = [flat.sample(seed, None, 88, 66) for seed in range(count)]
+    again = flat.sample(count - 1, None, 88, 66)
+    expect(all(np.array_equal(seen[-1][n], again[n]) for n in ("R", "S")), "a drawn sample depends on its seed alone")
+    expect(
+        all(np.isfinite(s["S"]).all() and s["S"].min() > 0 and 0.01 < s["R"].min() and s["R"].max() < 0.93 for s in seen),
+        f"{count} drawn samples: reflectance {min(s['R'].min() for s in seen):.3f} … {max(s['R'].max() for s in seen):.3f}",
+    )
+    even = [np.log(s["S"][0, ..., 0]).std() for s in seen]
+    expect(np.median(even) > 0.15, f"ln of their first light has a standard deviation of {np.median(even):.2f}")
+
+
 def check_samples(folder):
     files = sorted(folder.glob("*.npz"), key=lambda f: int(f.stem))
     slopes = []
@@ -176,6 +189,7 @@ def main():
     check_weather()
     check_files()
     check_denoise()
+    check_flat()
     if args.folder:
         check_samples(args.folder)
 
