@@ -154,7 +154,7 @@ void fit(const Options& options) {
       const std::size_t j = std::size_t(k);
       gradients[j].assign(n, 0);
       losses[j] = evaluate(model, p, corpus.examples[std::size_t(batch[j])], work[j], &gradients[j],
-                           options.pairs);
+                           {.equal = options.pairs});
     });
     std::vector<double> g(n, 0);
     for (std::size_t j = 0; j < kBatch; ++j) {  // one example may not dominate a step

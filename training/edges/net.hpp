@@ -24,11 +24,13 @@ struct Net {
   int skip(int o, int i) const { return outer(outputs, 0) + o * inputs + i; }
   int bias2(int o) const { return skip(outputs, 0) + o; }
 
+  /// `out`: as many planes as outputs.
+  template <class Planes>
   void forward(const std::vector<float>& p, const std::vector<Plane>& f, std::vector<Plane>& mid,
-               std::vector<Plane>& out) const {
+               Planes& out) const {
     const int n = int(f[0].size());
     mid.assign(std::size_t(hidden), Plane(std::size_t(n)));
-    out.assign(std::size_t(outputs), Plane(std::size_t(n)));
+    for (Plane& plane : out) plane.assign(std::size_t(n), 0);
     for (int s = 0; s < n; s += kChunk) {
       const int e = std::min(n, s + kChunk);
       for (int h = 0; h < hidden; ++h) {
@@ -50,8 +52,9 @@ struct Net {
   }
 
   /// Adds the gradient of the parameters to `gradient`, given that of the outputs.
+  template <class Planes>
   void backward(const std::vector<float>& p, const std::vector<Plane>& f,
-                const std::vector<Plane>& mid, const std::vector<Plane>& d_out,
+                const std::vector<Plane>& mid, const Planes& d_out,
                 std::vector<double>& gradient) const {
     const int n = int(f[0].size());
     Plane d(kChunk);

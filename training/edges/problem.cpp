@@ -258,17 +258,27 @@ double log_error(const Example& e, const Plane& s, Plane& gradient) {
   return error;
 }
 
-/// Mean distance of ln R over pairs of pixels of one paint, a pseudo-Huber distance, times
-/// `weight`; adds its derivative.
-double pair_error(const Example& e, const Plane& s, double weight, Plane& gradient) {
-  constexpr double kNear = 0.05;
+/// Errors of ln R over pairs of pixels, and their derivative: the mean distance of pairs of one
+/// paint, and how much pairs of different paint lack of their difference, up to kAsked. Both are
+/// pseudo-Huber distances.
+double pair_error(const Example& e, const Plane& s, const PairWeights& weights, Plane& gradient) {
+  constexpr double kNear = 0.05, kAsked = 0.4;
   double error = 0;
-  const double share = weight / double(std::max(e.pairs.size(), std::size_t(1)));
-  for (const auto& [i, j] : e.pairs) {
-    const double d = double(e.m[i] - s[i] - e.m[j] + s[j]), root = std::sqrt(d * d + kNear * kNear);
+  const auto add = [&](const auto& pair, double off, double share) {
+    const double root = std::sqrt(off * off + kNear * kNear);
     error += share * (root - kNear);
-    gradient[i] -= float(share * d / root);
-    gradient[j] += float(share * d / root);
+    gradient[pair.i] -= float(share * off / root);
+    gradient[pair.j] += float(share * off / root);
+  };
+  const auto step = [&](const auto& pair) {
+    return double(e.m[pair.i] - s[pair.i] - e.m[pair.j] + s[pair.j]);
+  };
+  const double equal = weights.equal / double(std::max(e.equal.size(), std::size_t(1)));
+  for (const Pair& pair : e.equal) add(pair, step(pair), equal);
+  const double different = weights.different / double(std::max(e.different.size(), std::size_t(1)));
+  for (const Pair& pair : e.different) {
+    const double asked = std::clamp(double(pair.step), -kAsked, kAsked), off = step(pair) - asked;
+    if (off * asked < 0) add(pair, off, different);
   }
   return error;
 }
@@ -341,7 +351,7 @@ Example make_example(const Scene& scene, double k) {
 
 void draw_pairs(Example& e) {
   constexpr std::size_t kPairs = 1500, kTries = 40 * kPairs, kMinUsable = 100;
-  constexpr double kEqual = 0.05;
+  constexpr double kEqual = 0.05, kDifferent = 0.15;
   constexpr float kDarkest = -4;  // m
   const auto& r = e.reflectance.data;
   std::vector<std::size_t> usable;
@@ -350,17 +360,21 @@ void draw_pairs(Example& e) {
         std::min({r[3 * i], r[3 * i + 1], r[3 * i + 2]}) > 1e-3F)
       usable.push_back(i);
   std::mt19937 engine(unsigned(e.m.size()));
-  for (std::size_t k = 0; k < kTries && usable.size() > kMinUsable && e.pairs.size() < kPairs;
+  for (std::size_t k = 0; k < kTries && usable.size() > kMinUsable && e.equal.size() < kPairs;
        ++k) {
     const std::size_t i = usable[engine() % usable.size()], j = usable[engine() % usable.size()];
-    double apart = 0;
-    for (std::size_t c = 0; c < 3; ++c)
-      apart = std::max(apart, std::abs(std::log(double(r[3 * i + c]) / double(r[3 * j + c]))));
-    if (apart < kEqual) e.pairs.push_back({i, j});
+    double apart = 0, step = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double ratio = std::log(double(r[3 * i + c]) / double(r[3 * j + c]));
+      apart = std::max(apart, std::abs(ratio)), step += ratio / 3;
+    }
+    if (apart < kEqual) e.equal.push_back({i, j, 0});
+    else if (std::abs(step) > kDifferent && e.different.size() < kPairs)
+      e.different.push_back({i, j, float(step)});
   }
 }
 
-double loss(const Example& e, const Plane& s, Plane& gradient, double pair_weight) {
+double loss(const Example& e, const Plane& s, Plane& gradient, const PairWeights& pair_weights) {
   struct Scale {
     int k, step;
     double weight;
@@ -389,34 +403,30 @@ double loss(const Example& e, const Plane& s, Plane& gradient, double pair_weigh
     gradient[i] = d_shading[i] * shading[i];
     for (std::size_t c = 0; c < 3; ++c) gradient[i] -= d_reflectance[c][i] * reflectance[c][i];
   }
-  return error + log_error(e, s, gradient) + pair_error(e, s, pair_weight, gradient);
+  return error + log_error(e, s, gradient) + pair_error(e, s, pair_weights, gradient);
 }
 
-double evaluate(const Model& model, const std::vector<float>& parameters, const Example& e,
-                Solution& solution, std::vector<double>* gradient, double pair_weight) {
+double evaluate(const Example& e, const Prior& prior, Solution& solution, Prior* gradient,
+                const PairWeights& pair_weights) {
   const std::size_t n = e.m.size(), cells = e.cell_m.size(), w = std::size_t(e.width);
-  std::vector<Plane> mid_right, mid_down, mid_cell, right, down, cell;
-  model.edge.forward(parameters, e.right, mid_right, right);
-  model.edge.forward(parameters, e.down, mid_down, down);
-  model.cell.forward(parameters, e.cell, mid_cell, cell);
   const auto has_right = [&](std::size_t i) { return i % w + 1 < w; };
   const auto has_down = [&](std::size_t i) { return i + w < n; };
 
   Plane wr(n, 0), wd(n, 0), v(cells), g(cells), screen(cells), target(cells), f(n, 0);
   for (std::size_t i = 0; i < n; ++i) {
-    const auto edge = [&](const std::vector<Plane>& o, std::size_t j, Plane& weight) {
+    const auto edge = [&](const std::array<Plane, 2>& o, std::size_t j, Plane& weight) {
       const float a = weight_of(o[0][i]);
       weight[i] = a + weight_of(o[1][i]);
       f[i] += a * (e.m[i] - e.m[j]), f[j] -= a * (e.m[i] - e.m[j]);
     };
-    if (has_right(i)) edge(right, i + 1, wr);
-    if (has_down(i)) edge(down, i + w, wd);
+    if (has_right(i)) edge(prior.right, i + 1, wr);
+    if (has_down(i)) edge(prior.down, i + w, wd);
   }
   for (std::size_t j = 0; j < cells; ++j) {
-    v[j] = float(reference::kCellArea) * weight_of(cell[0][j]);
-    g[j] = float(reference::kCellArea) * weight_of(cell[2][j]);
+    v[j] = float(reference::kCellArea) * weight_of(prior.cell[0][j]);
+    g[j] = float(reference::kCellArea) * weight_of(prior.cell[2][j]);
     screen[j] = v[j] + g[j];
-    target[j] = e.cell_value[j] + cell[1][j];
+    target[j] = e.cell_value[j] + prior.cell[1][j];
   }
   System system(e, wr, wd, screen, g);
   const Plane mean = system.bin_mean(e.cell_m);
@@ -430,21 +440,22 @@ double evaluate(const Model& model, const std::vector<float>& parameters, const 
   }
   system.solve(f, solution.s, gradient ? 25 : 60, gradient ? 1e-3F : 2e-4F);
   Plane d_s;
-  const double value = loss(e, solution.s, d_s, pair_weight);
+  const double value = loss(e, solution.s, d_s, pair_weights);
   if (!gradient) return value;
 
   // Adjoint: A lambda = dL/ds; every dL/dweight is -lambda' (dA s - df).
   system.solve(d_s, solution.adjoint, 20, 1e-2F);
   const Plane &s = solution.s, &lambda = solution.adjoint;
-  std::vector<Plane> d_right(2, Plane(n, 0)), d_down = d_right, d_cell(3, Plane(cells, 0));
+  gradient->right.fill(Plane(n, 0)), gradient->down = gradient->right;
+  gradient->cell.fill(Plane(cells, 0));
   for (std::size_t i = 0; i < n; ++i) {
-    const auto edge = [&](const std::vector<Plane>& o, std::size_t j, std::vector<Plane>& d) {
+    const auto edge = [&](const std::array<Plane, 2>& o, std::size_t j, std::array<Plane, 2>& d) {
       const float l = lambda[i] - lambda[j], ds = s[i] - s[j], dm = e.m[i] - e.m[j];
       d[0][i] = clamped(o[0][i], -l * (ds - dm) * weight_of(o[0][i]));
       d[1][i] = clamped(o[1][i], -l * ds * weight_of(o[1][i]));
     };
-    if (has_right(i)) edge(right, i + 1, d_right);
-    if (has_down(i)) edge(down, i + w, d_down);
+    if (has_right(i)) edge(prior.right, i + 1, gradient->right);
+    if (has_down(i)) edge(prior.down, i + w, gradient->down);
   }
   const Plane s_cell = system.cell_mean(s), l_cell = system.cell_mean(lambda);
   Plane q(cells);
@@ -457,15 +468,38 @@ double evaluate(const Model& model, const std::vector<float>& parameters, const 
     product[k] *= l_sum[k] / (d * d);
   }
   for (std::size_t j = 0; j < cells; ++j) {
-    d_cell[0][j] = clamped(cell[0][j], -l_cell[j] * (s_cell[j] - target[j]) * v[j]);
-    d_cell[1][j] = l_cell[j] * v[j];
+    gradient->cell[0][j] = clamped(prior.cell[0][j], -l_cell[j] * (s_cell[j] - target[j]) * v[j]);
+    gradient->cell[1][j] = l_cell[j] * v[j];
     const float bins =
         l_cell[j] * q[j] - l_cell[j] * q_mean[j] - l_mean[j] * q[j] + system.slice(product, j);
-    d_cell[2][j] = clamped(cell[2][j], -g[j] * bins);
+    gradient->cell[2][j] = clamped(prior.cell[2][j], -g[j] * bins);
   }
-  model.edge.backward(parameters, e.right, mid_right, d_right, *gradient);
-  model.edge.backward(parameters, e.down, mid_down, d_down, *gradient);
-  model.cell.backward(parameters, e.cell, mid_cell, d_cell, *gradient);
+  return value;
+}
+
+Prior fitted_prior(const Model& model, const std::vector<float>& parameters, const Example& e) {
+  std::vector<Plane> hidden;
+  Prior prior;
+  model.edge.forward(parameters, e.right, hidden, prior.right);
+  model.edge.forward(parameters, e.down, hidden, prior.down);
+  model.cell.forward(parameters, e.cell, hidden, prior.cell);
+  return prior;
+}
+
+double evaluate(const Model& model, const std::vector<float>& parameters, const Example& e,
+                Solution& solution, std::vector<double>* gradient,
+                const PairWeights& pair_weights) {
+  std::vector<Plane> hidden_right, hidden_down, hidden_cell;
+  Prior prior, change;
+  model.edge.forward(parameters, e.right, hidden_right, prior.right);
+  model.edge.forward(parameters, e.down, hidden_down, prior.down);
+  model.cell.forward(parameters, e.cell, hidden_cell, prior.cell);
+  const double value =
+      evaluate(e, prior, solution, gradient ? &change : nullptr, pair_weights);
+  if (!gradient) return value;
+  model.edge.backward(parameters, e.right, hidden_right, change.right, *gradient);
+  model.edge.backward(parameters, e.down, hidden_down, change.down, *gradient);
+  model.cell.backward(parameters, e.cell, hidden_cell, change.cell, *gradient);
   return value;
 }
 

@@ -12,6 +12,17 @@
 
 namespace inverse::training {
 
+/// Two pixels, and how much brighter the first one's reflectance is (difference of mean ln R).
+struct Pair {
+  std::size_t i, j;
+  float step;
+};
+
+/// Weights of the errors over pairs in the loss.
+struct PairWeights {
+  double equal = 0, different = 0;
+};
+
 /// A frame with truth, and everything that does not depend on the parameters.
 struct Example {
   bench::Image input, reflectance, shading, mask;
@@ -22,7 +33,7 @@ struct Example {
   std::vector<int> bin;                  ///< Cells: first of four bins.
   Plane bin_fraction;                    ///< Cells: two fractions each.
 
-  std::vector<std::array<std::size_t, 2>> pairs;  ///< Pixels of one paint; see draw_pairs.
+  std::vector<Pair> equal, different;  ///< Pixels of one paint and of two; see draw_pairs.
 
   int cell_of(int i) const { return i / width / 4 * cells_x + i % width / 4; }
 };
@@ -30,9 +41,9 @@ struct Example {
 /// Computes guide, cues and bins of a scene whose light the slope k is assumed to describe.
 Example make_example(const Scene& scene, double k);
 
-/// Draws up to 1500 pairs of pixels of equal reflectance (within .05 of ln in every channel) that
-/// are not dark. Where the slope assumed is wrong, the reflectance that belongs to it differs in
-/// and out of a shadow, and so there is no pair.
+/// Draws up to 1500 pairs of pixels of equal reflectance (within .05 of ln in every channel), and
+/// of different ones (mean ln apart by .15), that are not dark. Where the slope assumed is wrong,
+/// the reflectance that belongs to it differs in and out of a shadow, and so there is no equal pair.
 void draw_pairs(Example& example);
 
 /// The two networks in one parameter vector. Their last cue is the slope of light, min(|k|, 1): the
@@ -48,14 +59,34 @@ struct Solution {
   Plane s, adjoint;
 };
 
-/// Windowed scale-invariant error of reflectance and shading (k = 20, k = 60, whole frame), which
-/// is LMSE at three scales, plus the error of log shading, plus `pair_weight` times the mean |step
-/// of ln R| over pairs of one paint, as WHDR judges; `gradient` receives its derivative by s.
-double loss(const Example& example, const Plane& s, Plane& gradient, double pair_weight = 0);
+/// The seven planes of the prior: ln a and ln b of every right and lower edge; ln v, what V is above
+/// the cell's value, and ln g of every cell. Weights are clamped, and those of cells times their
+/// area, when they are used.
+struct Prior {
+  std::array<Plane, 2> right, down;
+  std::array<Plane, 3> cell;
+};
 
-/// Solves one example with the given parameters and returns the loss; adds the gradient by implicit
-/// differentiation when `gradient` is given.
+/// Windowed scale-invariant error of reflectance and shading (k = 20, k = 60, whole frame), which
+/// is LMSE at three scales, plus the error of log shading, plus weighted errors over pairs: the mean
+/// |step of ln R| of equal ones, and what different ones lack, as WHDR judges; `gradient` receives
+/// its derivative by s.
+double loss(const Example& example, const Plane& s, Plane& gradient,
+            const PairWeights& pair_weights = {});
+
+/// Solves one example with this prior and returns the loss; `gradient`, if given, receives its
+/// derivative by the prior's planes (implicit differentiation).
+double evaluate(const Example& example, const Prior& prior, Solution& solution, Prior* gradient,
+                const PairWeights& pair_weights = {});
+
+/// The fitted prior of an example.
+Prior fitted_prior(const Model& model, const std::vector<float>& parameters,
+                   const Example& example);
+
+/// The same as `evaluate` with the fitted prior; adds the gradient by its parameters when
+/// `gradient` is given.
 double evaluate(const Model& model, const std::vector<float>& parameters, const Example& example,
-                Solution& solution, std::vector<double>* gradient, double pair_weight = 0);
+                Solution& solution, std::vector<double>* gradient,
+                const PairWeights& pair_weights = {});
 
 }  // namespace inverse::training
