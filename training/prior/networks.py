@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Networks of the learned prior: guide (6 × height × width, sides multiples of 16) → 44 × height/2 × width/2 (docs/reference/networks.md)."""
+import torch
+from torch import nn
+
+INPUTS, OUTPUTS = 6, 44
+WIDTHS = {  # channels at 1/2, 1/4, 1/8, 1/16 of the picture, and of the last layer at 1/2
+    "small": (8, 12, 16, 24, 12),
+    "medium": (16, 32, 48, 64, 24),
+    "large": (24, 48, 80, 112, 32),
+}
+
+
+def convolution(inputs, outputs, stride=1):
+    return nn.Sequential(nn.Conv2d(inputs, outputs, 3, stride, 1), nn.LeakyReLU(0.1))
+
+
+class Prior(nn.Module):
+    """A U-Net. Starts at zero: at the fitted prior."""
+
+    def __init__(self, width):
+        super().__init__()
+        *channels, last = WIDTHS[width]
+        self.down = nn.ModuleList()
+        before = INPUTS
+        for c in channels:
+            self.down.append(nn.Sequential(convolution(before, c, 2), convolution(c, c)))
+            before = c
+        self.bottom = convolution(before, before)
+        self.up = nn.ModuleList()
+        for c, out in zip(channels[-2::-1], [*channels[-2:0:-1], last]):
+            self.up.append(convolution(before + c, out))
+            before = out
+        self.head = nn.Conv2d(last, OUTPUTS, 1)
+        nn.init.zeros_(self.head.weight)
+        nn.init.zeros_(self.head.bias)
+
+    def forward(self, guide):
+        skips, x = [], guide
+        for stage in self.down:
+            x = stage(x)
+            skips.append(x)
+        x = self.bottom(x)
+        for stage, skip in zip(self.up, skips[-2::-1]):
+            x = nn.functional.interpolate(x, scale_factor=2, mode="bilinear", align_corners=False)
+            x = stage(torch.cat([x, skip], 1))
+        if torch.onnx.is_in_onnx_export():
+            return self.head(x)
+        x = nn.functional.linear(x.permute(0, 2, 3, 1), self.head.weight[:, :, 0, 0], self.head.bias)  # four times as fast here
+        return x.permute(0, 3, 1, 2)
+
+
+def parameters(network):
+    return sum(p.numel() for p in network.parameters())

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Examples for fits and for tests of them: procedural scenes, photographs mixed from path-traced samples, and drawn ones (../intrinsic)."""
+import pathlib
+import sys
+import threading
+
+import numpy as np
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "intrinsic"))
+import flat
+import mix
+import problem
+import sample
+
+SIZES = ((176, 132), (176, 132), (224, 168), (128, 96))
+HELD_OUT_SEEDS = 1_000_000  # procedural seeds from here on are in no fit
+
+
+def procedural(seed):
+    width, height = SIZES[seed % len(SIZES)]
+    return problem.of_seed(seed, width, height)
+
+
+def mixed(scene, seed, rng, size):
+    m = mix.mix(scene, seed, size)
+    planes = [m[name] for name in ("I", "R", "E", "mask")]
+    if rng.random() < 0.5:
+        planes = [p[:, ::-1] for p in planes]
+    return problem.of_picture(*planes, int(rng.integers(2**31)), scene["meta"]["kind"])
+
+
+def photograph(path, seed):
+    """Photograph number `seed` of a path-traced sample, half of them mirrored; every second one has other paint."""
+    rng = np.random.default_rng([seed, int(path.stem.split("-")[0])])
+    scene = sample.read(path)
+    if seed % 2:
+        scene = mix.repaint(scene, rng)
+    small = max(scene["mask"].shape) <= 256
+    return mixed(scene, seed, rng, 1 if small or rng.random() < 0.2 else 2)
+
+
+def drawn(seed, assets):
+    """A picture of flat.py."""
+    rng = np.random.default_rng([seed, 5])
+    return mixed(flat.sample(seed, assets), seed, rng, 1 if rng.random() < 0.08 else 2)
+
+
+def samples(folders, held_out):
+    """Files of one side of the split."""
+    files = [p for f in folders for p in pathlib.Path(f).glob("*.npz") if sample.held_out(p) == held_out]
+    return sorted(files)
+
+
+class Pool:
+    """Examples that fits draw batches from; `add` replaces the oldest."""
+
+    def __init__(self, folders, assets, shares, count, seed):
+        """shares: of photographs and of drawn pictures, among the examples; the others are procedural."""
+        self.folders, self.assets, self.shares, self.count = folders, assets, shares, count
+        self.rng, self.lock = np.random.default_rng(seed), threading.Lock()
+        self.items, self.next, self.made = [], 0, 0
+        self.files = samples(folders, False)
+
+    def make(self, rng):
+        """Files that a renderer adds meanwhile are used, too."""
+        if self.made % 100 == 0:
+            self.files = samples(self.folders, False)
+        which, seed = rng.random(), int(rng.integers(HELD_OUT_SEEDS))
+        if which < self.shares[0] and self.files:
+            return photograph(self.files[int(rng.integers(len(self.files)))], seed)
+        return drawn(seed, self.assets) if which < sum(self.shares) else procedural(seed)
+
+    def add(self, rng):
+        new = self.make(rng)
+        with self.lock:
+            self.made += 1
+            if len(self.items) < self.count:
+                self.items.append(new)
+            else:
+                self.items[self.next] = new
+                self.next = (self.next + 1) % self.count
+
+    def fill(self, threads=2):
+        def work(rng):
+            while len(self.items) < self.count:
+                self.add(rng)
+
+        workers = [threading.Thread(target=work, args=(np.random.default_rng(int(self.rng.integers(2**31))),)) for _ in range(threads)]
+        for worker in workers:
+            worker.start()
+        for worker in workers:
+            worker.join()
+
+    def batch(self, count):
+        """Examples of one size."""
+        with self.lock:
+            first = self.items[int(self.rng.integers(len(self.items)))]
+            alike = [p for p in self.items if p.input.shape == first.input.shape]
+            return [first] + [alike[int(i)] for i in self.rng.integers(len(alike), size=count - 1)]
+
+
+def held_out(folders, assets, count, mixes=2):
+    """The same examples in every run: `count` procedural and drawn ones each, `mixes` of each sample that is held out."""
+    result = [f(HELD_OUT_SEEDS + k) for k in range(count) for f in (procedural, lambda seed: drawn(seed, assets))]
+    for path in samples(folders, True):
+        result += [photograph(path, 5000 + k) for k in range(mixes)]
+    return result

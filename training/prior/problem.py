@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Examples and their loss as a function of the network's answer (problem_library.cpp), for PyTorch."""
+import concurrent.futures
+import ctypes
+import os
+import pathlib
+
+import numpy as np
+import torch
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+WEIGHTS = str(ROOT / "training/edges/weights.txt").encode()
+SLOPE_ERROR = 0.2  # rms, of an estimate (training/edges/colored_light.hpp)
+FIELDS = 11
+LIMITS = torch.tensor([5.0] * 4 + [2.0] * 4 + [5.0, 2.0, 5.0])  # at which fields saturate
+FLOATS = ctypes.POINTER(ctypes.c_float)
+
+
+def load(path=None):
+    """The library that the build makes (-Dtraining=true), or PRIOR_PROBLEM."""
+    library = ctypes.CDLL(str(path or os.environ.get("PRIOR_PROBLEM", ROOT / "build-training/training/prior/libprior-problem.so")))
+    library.problem_of_seed.restype = library.problem_of_picture.restype = ctypes.c_void_p
+    library.problem_of_seed.argtypes = [ctypes.c_uint32, ctypes.c_int, ctypes.c_int, ctypes.c_double, ctypes.c_char_p]
+    library.problem_of_picture.argtypes = [FLOATS] * 4 + [ctypes.c_int, ctypes.c_int, ctypes.c_double, ctypes.c_uint, ctypes.c_char_p]
+    library.problem_free.argtypes = [ctypes.c_void_p]
+    library.problem_size.argtypes = [ctypes.c_void_p, ctypes.POINTER(ctypes.c_int)]
+    library.problem_input.argtypes = [ctypes.c_void_p, FLOATS]
+    library.problem_loss.argtypes = [ctypes.c_void_p, FLOATS, ctypes.c_double, ctypes.c_double, FLOATS]
+    library.problem_loss.restype = ctypes.c_double
+    library.problem_planes.argtypes = [ctypes.c_void_p] + [FLOATS] * 5
+    return library
+
+
+LIBRARY = None
+
+
+def pointer(array):
+    return array.ctypes.data_as(FLOATS)
+
+
+class Problem:
+    """A picture with truth, the fitted prior, and the last solution, from which the next solve starts.
+
+    input   6 × padded height × padded width: what the network sees
+    size    height, width of the network's picture
+    kind    a word for tables"""
+
+    def __init__(self, handle, kind):
+        self.handle, self.kind = handle, kind
+        size = (ctypes.c_int * 7)()
+        LIBRARY.problem_size(handle, size)
+        self.width, self.height, w, h, padded_w, padded_h, self.level = size
+        self.size = (h, w)
+        self.input = np.empty((6, padded_h, padded_w), np.float32)
+        LIBRARY.problem_input(handle, pointer(self.input))
+
+    def __del__(self):
+        LIBRARY.problem_free(self.handle)
+
+    def loss(self, fields, pairs, gradient=True):
+        """Loss of fields (11 × size, saturated, float32), and its derivative by them or None. pairs: weights of equal and different ones."""
+        fields = np.ascontiguousarray(fields, np.float32)
+        slope = np.empty_like(fields) if gradient else None
+        return LIBRARY.problem_loss(self.handle, pointer(fields), *pairs, pointer(slope) if gradient else None), slope
+
+    def planes(self):
+        """Of the last loss, in white light: ln shading, input, true reflectance, true shading, mask."""
+        n = (self.height, self.width)
+        planes = [np.empty(n + c, np.float32) for c in ((), (3,), (3,), (), ())]
+        LIBRARY.problem_planes(self.handle, *(pointer(p) for p in planes))
+        return planes
+
+
+def of_seed(seed, width=176, height=132, slope_error=SLOPE_ERROR):
+    return Problem(LIBRARY.problem_of_seed(seed, width, height, slope_error, WEIGHTS), "procedural")
+
+
+def of_picture(picture, reflectance, light, mask, seed, kind, slope_error=SLOPE_ERROR):
+    """picture, reflectance, light: height × width × 3, linear; mask: height × width."""
+    planes = [np.ascontiguousarray(p, np.float32) for p in (picture, reflectance, light, mask)]
+    height, width = planes[3].shape
+    return Problem(LIBRARY.problem_of_picture(*(pointer(p) for p in planes), width, height, slope_error, seed, WEIGHTS), kind)
+
+
+def fields_of(answer, size):
+    """The network's answer (44 × height/2 × width/2) as 11 saturated fields of its picture."""
+    x = torch.nn.functional.pixel_shuffle(answer[None], 2)[0, :, : size[0], : size[1]]
+    return x / (1 + x.abs() / LIMITS[:, None, None])
+
+
+class Loss(torch.autograd.Function):
+    """Mean loss of a batch: fields of each problem → scalar. Solves run in threads."""
+
+    pool = concurrent.futures.ThreadPoolExecutor(2)
+
+    @staticmethod
+    def forward(context, problems, pairs, clip, *fields):
+        results = list(Loss.pool.map(lambda item: item[0].loss(item[1].detach().numpy(), pairs), zip(problems, fields)))
+        losses = [r[0] for r in results]
+        slopes = []
+        for _, slope in results:  # one example may not dominate a step
+            norm = float(np.sqrt((slope.astype(np.float64) ** 2).sum()))
+            slopes.append(torch.from_numpy(slope) * (min(1.0, clip / max(norm, 1e-12)) / len(problems)))
+        context.slopes = slopes
+        context.losses = losses
+        return torch.tensor(float(np.mean(losses)))
+
+    @staticmethod
+    def backward(context, by):
+        return (None, None, None) + tuple(by * s for s in context.slopes)

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Examples of training/edges for Python (problem.py, by ctypes): what the prior's network sees of a
+// picture, and the loss of a decomposition with what the network answers, with its derivative.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <random>
+#include <string>
+
+#include "tests/reference/intrinsic/intrinsic_features.hpp"
+#include "training/edges/colored_light.hpp"
+#include "training/edges/problem.hpp"
+#include "training/edges/weights.hpp"
+
+namespace inverse::training {
+namespace {
+
+constexpr int kLongest = 256;  // side of the network's picture
+constexpr int kFields = 11, kPad = 16;
+// Fields of the network's answer: bias of ln a and ln b to the right, downward; coefficients of the
+// contrast cue and of the chroma cue, for both directions; ln v, V, ln g.
+enum Field { kBias = 0, kContrast = 4, kChroma = 6, kCell = 8 };
+
+struct Problem {
+  Example e;
+  Prior fitted;
+  Solution solution;
+  int level = 0, width = 0, height = 0;  // of the network's picture
+  Plane input;                           // 6 x padded height x padded width
+  double slope = 0;
+
+  int padded_width() const { return (width + kPad - 1) / kPad * kPad; }
+  int padded_height() const { return (height + kPad - 1) / kPad * kPad; }
+  std::size_t size() const { return std::size_t(width) * std::size_t(height); }
+  std::size_t pixel(int x, int y) const {
+    return std::size_t(y >> level) * std::size_t(width) + std::size_t(x >> level);
+  }
+};
+
+void make_input(Problem& p) {
+  const Example& e = p.e;
+  while (((std::max(e.width, e.height) + (1 << p.level) - 1) >> p.level) > kLongest) ++p.level;
+  const std::vector<double> rgb(e.input.data.begin(), e.input.data.end());
+  const reference::Guide guide = reference::make_guide(rgb.data(), e.width, e.height);
+  const reference::GuideLevel& g = guide.level[std::size_t(p.level)];
+  p.width = g.width, p.height = g.height;
+  const int w = p.padded_width(), h = p.padded_height();
+  for (int c = 0; c < 6; ++c)
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x) {
+        const std::size_t i = g.index(x, y);
+        const std::array<double, 6> v{0.7 * (g.m[i] - guide.mean),
+                                      2 * g.c0[i],
+                                      2 * g.c1[i],
+                                      2 * g.u[i] - 0.7,
+                                      std::clamp((g.m[i] + 4) / 2, -1.0, 2.0),
+                                      std::min(std::abs(p.slope), 1.0)};
+        p.input.push_back(float(std::clamp(v[std::size_t(c)], -8.0, 8.0)));
+      }
+}
+
+/// Keeps of the cues only those that the network's coefficients multiply.
+void forget_cues(Example& e) {
+  for (auto* cues : {&e.right, &e.down}) cues->resize(2), cues->shrink_to_fit();
+  e.cell.clear();
+}
+
+Problem* make_problem(const Scene& scene, double slope_error, unsigned seed,
+                      const Weights& weights) {
+  auto p = std::make_unique<Problem>();
+  std::mt19937 engine(seed);
+  std::normal_distribution<double> normal;
+  p->slope = light_slope(scene) + slope_error * normal(engine);
+  p->e = make_example(scene, p->slope);
+  draw_pairs(p->e);
+  p->fitted = fitted_prior({weights.edge_hidden, weights.cell_hidden}, weights.values, p->e);
+  make_input(*p);
+  forget_cues(p->e);
+  return p.release();
+}
+
+/// Calls f(cell, network pixel, share of the pixel in the cell's mean).
+template <class F>
+void for_cells(const Problem& p, F f) {
+  const int up = std::max(0, 2 - p.level), down = std::max(0, p.level - 2);
+  for (int y = 0; y < p.e.cells_y; ++y)
+    for (int x = 0; x < p.e.cells_x; ++x) {
+      const int x0 = x << up >> down, x1 = std::min(p.width, x0 + (1 << up)),
+                y0 = y << up >> down, y1 = std::min(p.height, y0 + (1 << up));
+      const float share = 1.0F / float((x1 - x0) * (y1 - y0));
+      for (int v = y0; v < y1; ++v)
+        for (int u = x0; u < x1; ++u)
+          f(std::size_t(y * p.e.cells_x + x), std::size_t(v * p.width + u), share);
+    }
+}
+
+}  // namespace
+}  // namespace inverse::training
+
+using namespace inverse::training;
+namespace bench = inverse::bench;
+
+extern "C" {
+
+/// A procedural scene (scenes.hpp).
+void* problem_of_seed(std::uint32_t seed, int width, int height, double slope_error,
+                      const char* weights) {
+  return make_problem(make_scene(seed, width, height), slope_error, seed, load_weights(weights));
+}
+
+/// A picture with truth: input, reflectance, irradiance (interleaved RGB, linear), mask.
+void* problem_of_picture(const float* input, const float* reflectance, const float* shading,
+                         const float* mask, int width, int height, double slope_error,
+                         unsigned seed, const char* weights) {
+  const std::size_t n = std::size_t(width) * std::size_t(height);
+  const auto image = [&](const float* values, int channels) {
+    bench::Image out(width, height, channels);
+    std::copy(values, values + n * std::size_t(channels), out.data.begin());
+    return out;
+  };
+  return make_problem({image(input, 3), image(reflectance, 3), image(shading, 3), image(mask, 1)},
+                      slope_error, seed, load_weights(weights));
+}
+
+void problem_free(void* problem) { delete static_cast<Problem*>(problem); }
+
+/// Width and height of the picture; width, height and padded size of the network's; its level.
+void problem_size(const void* problem, int* out) {
+  const auto& p = *static_cast<const Problem*>(problem);
+  const int size[] = {p.e.width, p.e.height, p.width, p.height, p.padded_width(),
+                      p.padded_height(), p.level};
+  std::copy(std::begin(size), std::end(size), out);
+}
+
+/// 6 x padded height x padded width.
+void problem_input(const void* problem, float* out) {
+  const auto& p = *static_cast<const Problem*>(problem);
+  std::copy(p.input.begin(), p.input.end(), out);
+}
+
+/// `fields`: 11 x height x width of the network's picture. Returns the loss; `gradient`, if not
+/// null, receives its derivative by them. Not for one problem in two threads.
+double problem_loss(void* problem, const float* fields, double equal, double different,
+                    float* gradient) {
+  auto& p = *static_cast<Problem*>(problem);
+  const Example& e = p.e;
+  const std::size_t n = p.size();
+  Prior prior = p.fitted, change;
+  const auto at = [&](int field, std::size_t pixel) { return fields[std::size_t(field) * n + pixel]; };
+  for (int y = 0; y < e.height; ++y)
+    for (int x = 0; x < e.width; ++x) {
+      const std::size_t i = std::size_t(y * e.width + x), j = p.pixel(x, y);
+      for (int o = 0; o < 2; ++o) {
+        const float contrast = at(kContrast + o, j), chroma = at(kChroma + o, j);
+        prior.right[std::size_t(o)][i] +=
+            at(kBias + o, j) + contrast * e.right[0][i] + chroma * e.right[1][i];
+        prior.down[std::size_t(o)][i] +=
+            at(kBias + 2 + o, j) + contrast * e.down[0][i] + chroma * e.down[1][i];
+      }
+    }
+  for_cells(p, [&](std::size_t cell, std::size_t pixel, float share) {
+    for (int o = 0; o < 3; ++o) prior.cell[std::size_t(o)][cell] += share * at(kCell + o, pixel);
+  });
+  const double value =
+      evaluate(e, prior, p.solution, gradient ? &change : nullptr, {equal, different});
+  if (!gradient) return value;
+  std::fill(gradient, gradient + std::size_t(kFields) * n, 0.0F);
+  const auto to = [&](int field, std::size_t pixel) -> float& {
+    return gradient[std::size_t(field) * n + pixel];
+  };
+  for (int y = 0; y < e.height; ++y)
+    for (int x = 0; x < e.width; ++x) {
+      const std::size_t i = std::size_t(y * e.width + x), j = p.pixel(x, y);
+      for (int o = 0; o < 2; ++o) {
+        const float right = change.right[std::size_t(o)][i], down = change.down[std::size_t(o)][i];
+        to(kBias + o, j) += right;
+        to(kBias + 2 + o, j) += down;
+        to(kContrast + o, j) += right * e.right[0][i] + down * e.down[0][i];
+        to(kChroma + o, j) += right * e.right[1][i] + down * e.down[1][i];
+      }
+    }
+  for_cells(p, [&](std::size_t cell, std::size_t pixel, float share) {
+    for (int o = 0; o < 3; ++o) to(kCell + o, pixel) += share * change.cell[std::size_t(o)][cell];
+  });
+  return value;
+}
+
+/// Of the last problem_loss: ln shading; of the picture in white light: input and true reflectance
+/// (interleaved RGB), true shading, mask.
+void problem_planes(const void* problem, float* s, float* input, float* reflectance, float* shading,
+                    float* mask) {
+  const auto& p = *static_cast<const Problem*>(problem);
+  std::copy(p.solution.s.begin(), p.solution.s.end(), s);
+  std::copy(p.e.input.data.begin(), p.e.input.data.end(), input);
+  std::copy(p.e.reflectance.data.begin(), p.e.reflectance.data.end(), reflectance);
+  std::copy(p.e.shading.data.begin(), p.e.shading.data.end(), shading);
+  std::copy(p.e.mask.data.begin(), p.e.mask.data.end(), mask);
+}
+}

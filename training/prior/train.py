@@ -1,0 +1,155 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Fits the prior's network through the solve: train.py --out RUN --samples FOLDER… (README.md). An interrupted run continues."""
+import argparse
+import json
+import math
+import pathlib
+import time
+
+import numpy as np
+import torch
+
+import networks
+import pictures
+import problem
+
+DECAY, KEEP = 1e-5, 0.998
+
+
+def whdr(example, count=600):
+    """Share of wrong judgments of pairs (Bell et al. 2014, δ = .1) of the last solution, a third of the pairs of one paint."""
+    s, picture, reflectance, _, mask = example.planes()
+    rng = np.random.default_rng(1)
+    valid = np.flatnonzero((mask.ravel() > 0.5) & (picture.reshape(-1, 3).mean(-1) > 0.02))
+    if len(valid) < 100:
+        return None
+    true, found = (np.log(np.maximum(x.reshape(-1, 3).mean(-1), 1e-3)) for x in (reflectance, picture * np.exp(-s)[..., None]))
+    i, j = rng.choice(valid, (2, 20 * count))
+    step = true[i] - true[j]
+    equal, other = np.flatnonzero(abs(step) < 0.03)[: count // 3], np.flatnonzero(abs(step) > 0.1)[: 2 * count // 3]
+    chosen = np.concatenate([equal, other])
+    if len(chosen) == 0:
+        return None
+
+    def judged(x):
+        return np.where(x > np.log(1.1), 1, np.where(x < -np.log(1.1), -1, 0))
+
+    return float((judged((found[i] - found[j])[chosen]) != np.concatenate([np.zeros(len(equal)), np.sign(step[other])])).mean())
+
+
+def evaluate(network, examples):
+    """Mean loss without pairs, and WHDR, by kind. network None: the fitted prior."""
+    rows = {}
+
+    def one(example):
+        if network is None:
+            fields = np.zeros((problem.FIELDS, *example.size), np.float32)
+        else:
+            with torch.no_grad():
+                fields = problem.fields_of(network(torch.from_numpy(example.input)[None])[0], example.size).numpy()
+        return example.kind, example.loss(fields, (0, 0), False)[0], whdr(example)
+
+    for kind, loss, wrong in problem.Loss.pool.map(one, examples):
+        for name in {kind, kind if kind in ("procedural", "flat") else "traced"}:
+            rows.setdefault(name, []).append((loss, np.nan if wrong is None else wrong))
+    return {k: [round(float(x), 4) for x in np.nanmean(np.array(v), 0)] + [len(v)] for k, v in sorted(rows.items())}
+
+
+class Run:
+    def __init__(self, args):
+        self.args, self.out = args, args.out
+        self.out.mkdir(parents=True, exist_ok=True)
+        torch.manual_seed(args.seed)
+        self.network = networks.Prior(args.width).to(memory_format=torch.channels_last)
+        self.average = networks.Prior(args.width)
+        self.average.load_state_dict(self.network.state_dict())
+        self.optimizer = torch.optim.Adam(self.network.parameters(), lr=args.rate, weight_decay=DECAY, betas=(0.9, 0.98))
+        self.step = 0
+        self.path = self.out / "state.pt"
+        if self.path.exists():
+            state = torch.load(self.path)
+            self.step = state["step"]
+            for name in ("network", "average", "optimizer"):
+                getattr(self, name).load_state_dict(state[name])
+        elif args.start:
+            state = torch.load(args.start)
+            self.network.load_state_dict(state["average"])
+            self.average.load_state_dict(state["average"])
+
+    def save(self):
+        state = {n: getattr(self, n).state_dict() for n in ("network", "average", "optimizer")} | {"step": self.step, "width": self.args.width}
+        torch.save(state, self.path.with_suffix(".new"))
+        self.path.with_suffix(".new").rename(self.path)
+
+    def log(self, **values):
+        print(json.dumps(values), flush=True)
+        with open(self.out / "log.jsonl", "a") as f:
+            f.write(json.dumps(values) + "\n")
+
+    def train(self, pool, tests):
+        args, pairs = self.args, (self.args.equal, self.args.different)
+        if self.step == 0:
+            self.log(step=0, fitted=evaluate(None, tests))
+        start, sums = time.time(), []
+        while self.step < args.steps:
+            self.step += 1
+            rate = args.rate * min(1, self.step / 100) * 0.5 * (1 + math.cos(math.pi * self.step / args.steps)) + 1e-6
+            for group in self.optimizer.param_groups:
+                group["lr"] = rate
+            batch = pool.batch(args.batch)
+            answers = self.network(torch.from_numpy(np.stack([p.input for p in batch])).to(memory_format=torch.channels_last))
+            fields = [problem.fields_of(a, p.size) for a, p in zip(answers, batch)]
+            loss = problem.Loss.apply(batch, pairs, args.clip, *fields)
+            self.optimizer.zero_grad()
+            loss.backward()
+            torch.nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)
+            self.optimizer.step()
+            keep = min(KEEP, self.step / (self.step + 10))
+            with torch.no_grad():
+                for a, p in zip(self.average.parameters(), self.network.parameters()):
+                    a.mul_(keep).add_(p, alpha=1 - keep)
+            sums.append(float(loss))
+            if self.step % args.fresh == 0:
+                pool.add(pool.rng)
+            if self.step % 100 == 0:
+                self.log(step=self.step, loss=round(float(np.mean(sums)), 4), seconds=round(time.time() - start, 1), made=pool.made)
+                sums = []
+            if self.step % args.every == 0 or self.step == args.steps:
+                self.save()
+                self.log(step=self.step, held_out=evaluate(self.average, tests))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=pathlib.Path, required=True)
+    parser.add_argument("--samples", type=pathlib.Path, nargs="*", default=[], help="folders of SEED.npz")
+    parser.add_argument("--width", default="medium", choices=networks.WIDTHS)
+    parser.add_argument("--start", type=pathlib.Path, help="state.pt of another run")
+    parser.add_argument("--steps", type=int, default=6000)
+    parser.add_argument("--batch", type=int, default=8)
+    parser.add_argument("--rate", type=float, default=2e-3)
+    parser.add_argument("--clip", type=float, default=2.0, help="norm of one example's derivative")
+    parser.add_argument("--equal", type=float, default=1.0, help="weight of pairs of one paint")
+    parser.add_argument("--different", type=float, default=0.5, help="weight of pairs of two paints")
+    parser.add_argument("--assets", type=pathlib.Path, help="of ../intrinsic/README.md, for drawn pictures")
+    parser.add_argument("--shares", type=float, nargs=2, default=(0.4, 0.35), help="of photographs and of drawn pictures among examples")
+    parser.add_argument("--pool", type=int, default=1500, help="examples in memory")
+    parser.add_argument("--fresh", type=int, default=4, help="steps between new examples")
+    parser.add_argument("--every", type=int, default=500, help="steps between tests on held-out examples")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--threads", type=int, default=2)
+    args = parser.parse_args()
+    torch.set_num_threads(args.threads)
+    problem.LIBRARY = problem.load()
+    run = Run(args)
+    pool = pictures.Pool(args.samples, args.assets, args.shares, args.pool, args.seed)
+    start = time.time()
+    pool.fill()
+    tests = pictures.held_out(args.samples, args.assets, 40)
+    run.log(files=len(pool.files), pool=len(pool.items), tests=len(tests), parameters=networks.parameters(run.network), seconds=round(time.time() - start, 1))
+    run.train(pool, tests)
+
+
+if __name__ == "__main__":
+    main()
