@@ -137,6 +137,7 @@ def main():
     parser.add_argument("--pool", type=int, default=1500, help="examples in memory")
     parser.add_argument("--fresh", type=int, default=4, help="steps between new examples")
     parser.add_argument("--every", type=int, default=500, help="steps between tests on held-out examples")
+    parser.add_argument("--tests", type=int, default=40, help="held-out procedural and drawn examples, each")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--threads", type=int, default=2)
     args = parser.parse_args()
@@ -146,7 +147,7 @@ def main():
     pool = pictures.Pool(args.samples, args.assets, args.shares, args.pool, args.seed)
     start = time.time()
     pool.fill()
-    tests = pictures.held_out(args.samples, args.assets, 40)
+    tests = pictures.held_out(args.samples, args.assets, args.tests)
     run.log(files=len(pool.files), pool=len(pool.items), tests=len(tests), parameters=networks.parameters(run.network), seconds=round(time.time() - start, 1))
     run.train(pool, tests)
 

@@ -1,0 +1,68 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Sanity of examples, derivative, networks and resumption, in seconds: check.py. Stops at what is off."""
+import json
+import pathlib
+import tempfile
+import types
+
+import numpy as np
+import torch
+
+import networks
+import pictures
+import problem
+import train
+
+
+def expect(ok, text):
+    print(("ok    " if ok else "WRONG ") + text)
+    if not ok:
+        raise SystemExit(1)
+
+
+def converged(example, fields):
+    for _ in range(12):  # each solve goes on from the last
+        loss, slope = example.loss(fields, (1, 0.5))
+    return loss, slope
+
+
+def check_derivative():
+    for example in (problem.of_seed(1001, 176, 132), pictures.drawn(4, None)):
+        zero = np.zeros((problem.FIELDS, *example.size), np.float32)
+        _, slope = converged(example, zero)
+        for group in (slice(0, 4), slice(4, 8), slice(8, 11)):
+            way = zero.copy()
+            way[group] = slope[group] / np.linalg.norm(slope[group])
+            step = 4.0  # well above what solves leave
+            measured = (converged(example, step * way)[0] - converged(example, -step * way)[0]) / (2 * step)
+            stated = float((slope * way).sum())  # differs where a weight is at its limit, so that it may come back from there
+            expect(abs(measured - stated) < 0.15 * stated, f"derivative by fields {group.start} to {group.stop - 1}: {measured:.4f} by differences, {stated:.4f}")
+
+
+def check_networks():
+    for width in networks.WIDTHS:
+        network = networks.Prior(width)
+        answer = network(torch.randn(1, networks.INPUTS, 96, 128))
+        expect(tuple(answer.shape) == (1, networks.OUTPUTS, 48, 64) and not answer.any(), f"{width}: {networks.parameters(network)} parameters, starts at the fitted prior")
+    fields = problem.fields_of(torch.full((44, 8, 8), 1e9), (15, 13))
+    expect(fields.shape == (11, 15, 13) and torch.allclose(fields.amax((1, 2)), problem.LIMITS), "fields saturate at their limits")
+
+
+def check_run():
+    options = {"width": "small", "rate": 2e-3, "seed": 1, "start": None, "batch": 2, "clip": 2.0, "equal": 1.0, "different": 0.5, "fresh": 2, "every": 2}
+    with tempfile.TemporaryDirectory() as folder:
+        tests = [pictures.procedural(pictures.HELD_OUT_SEEDS)]
+        for steps in (2, 4):
+            pool = pictures.Pool([], None, (0, 0.5), 4, 1)
+            pool.fill()
+            train.Run(types.SimpleNamespace(out=pathlib.Path(folder), steps=steps, **options)).train(pool, tests)
+        seen = [json.loads(line)["step"] for line in (pathlib.Path(folder) / "log.jsonl").read_text().splitlines()]
+        expect(seen == [0, 2, 4], f"a run continues where it stopped: {seen}")
+
+
+if __name__ == "__main__":
+    problem.LIBRARY = problem.load()
+    check_derivative()
+    check_networks()
+    check_run()
