@@ -50,7 +50,7 @@ def check_networks():
 
 
 def check_run():
-    options = {"width": "small", "rate": 2e-3, "seed": 1, "start": None, "batch": 2, "clip": 2.0, "equal": 1.0, "different": 0.5, "fresh": 2, "every": 2}
+    options = {"width": "small", "rate": 2e-3, "seed": 1, "start": None, "batch": 2, "clip": 2.0, "equal": 1.0, "different": 0.5, "fresh": 2, "every": 2, "device": "cpu"}
     with tempfile.TemporaryDirectory() as folder:
         tests = [pictures.procedural(pictures.HELD_OUT_SEEDS)]
         for steps in (2, 4):

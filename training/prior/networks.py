@@ -32,8 +32,11 @@ class Prior(nn.Module):
             self.up.append(convolution(before + c, out))
             before = out
         self.head = nn.Conv2d(last, OUTPUTS, 1)
+        for module in self.modules():
+            if isinstance(module, nn.Conv2d):
+                nn.init.kaiming_normal_(module.weight, 0.1)
+                nn.init.zeros_(module.bias)
         nn.init.zeros_(self.head.weight)
-        nn.init.zeros_(self.head.bias)
 
     def forward(self, guide):
         skips, x = [], guide

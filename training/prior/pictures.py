@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Examples for fits and for tests of them: procedural scenes, photographs mixed from path-traced samples, and drawn ones (../intrinsic)."""
+import concurrent.futures
 import pathlib
 import sys
 import threading
@@ -59,6 +60,8 @@ class Pool:
         self.folders, self.assets, self.shares, self.count = folders, assets, shares, count
         self.rng, self.lock = np.random.default_rng(seed), threading.Lock()
         self.items, self.next, self.made = [], 0, 0
+        self.maker, self.adding = concurrent.futures.ThreadPoolExecutor(1), None
+        self.choices = np.random.default_rng(seed + 1)
         self.files = samples(folders, False)
 
     def make(self, rng):
@@ -80,6 +83,12 @@ class Pool:
                 self.items[self.next] = new
                 self.next = (self.next + 1) % self.count
 
+    def add_later(self):
+        """Adds one in the background; waits for the one before."""
+        if self.adding:
+            self.adding.result()
+        self.adding = self.maker.submit(self.add, self.rng)
+
     def fill(self, threads=2):
         def work(rng):
             while len(self.items) < self.count:
@@ -94,9 +103,10 @@ class Pool:
     def batch(self, count):
         """Examples of one size."""
         with self.lock:
-            first = self.items[int(self.rng.integers(len(self.items)))]
-            alike = [p for p in self.items if p.input.shape == first.input.shape]
-            return [first] + [alike[int(i)] for i in self.rng.integers(len(alike), size=count - 1)]
+            first = self.items[int(self.choices.integers(len(self.items)))]
+            alike = [p for p in self.items if p.input.shape == first.input.shape and p is not first]
+            others = self.choices.permutation(len(alike))[: count - 1]
+            return [first] + [alike[int(i)] for i in others]
 
 
 def held_out(folders, assets, count, mixes=2):

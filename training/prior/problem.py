@@ -85,24 +85,23 @@ def of_picture(picture, reflectance, light, mask, seed, kind, slope_error=SLOPE_
 def fields_of(answer, size):
     """The network's answer (44 × height/2 × width/2) as 11 saturated fields of its picture."""
     x = torch.nn.functional.pixel_shuffle(answer[None], 2)[0, :, : size[0], : size[1]]
-    return x / (1 + x.abs() / LIMITS[:, None, None])
+    return x / (1 + x.abs() / LIMITS.to(x.device)[:, None, None])
 
 
 class Loss(torch.autograd.Function):
     """Mean loss of a batch: fields of each problem → scalar. Solves run in threads."""
 
-    pool = concurrent.futures.ThreadPoolExecutor(2)
+    pool = concurrent.futures.ThreadPoolExecutor(os.cpu_count())
 
     @staticmethod
     def forward(context, problems, pairs, clip, *fields):
-        results = list(Loss.pool.map(lambda item: item[0].loss(item[1].detach().numpy(), pairs), zip(problems, fields)))
+        results = list(Loss.pool.map(lambda item: item[0].loss(item[1].detach().cpu().numpy(), pairs), zip(problems, fields)))
         losses = [r[0] for r in results]
         slopes = []
-        for _, slope in results:  # one example may not dominate a step
+        for (_, slope), planes in zip(results, fields):  # one example may not dominate a step
             norm = float(np.sqrt((slope.astype(np.float64) ** 2).sum()))
-            slopes.append(torch.from_numpy(slope) * (min(1.0, clip / max(norm, 1e-12)) / len(problems)))
+            slopes.append(torch.from_numpy(slope).to(planes.device) * (min(1.0, clip / max(norm, 1e-12)) / len(problems)))
         context.slopes = slopes
-        context.losses = losses
         return torch.tensor(float(np.mean(losses)))
 
     @staticmethod

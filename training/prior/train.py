@@ -61,19 +61,19 @@ class Run:
         self.args, self.out = args, args.out
         self.out.mkdir(parents=True, exist_ok=True)
         torch.manual_seed(args.seed)
-        self.network = networks.Prior(args.width).to(memory_format=torch.channels_last)
+        self.network = networks.Prior(args.width).to(args.device, memory_format=torch.channels_last)
         self.average = networks.Prior(args.width)
         self.average.load_state_dict(self.network.state_dict())
         self.optimizer = torch.optim.Adam(self.network.parameters(), lr=args.rate, weight_decay=DECAY, betas=(0.9, 0.98))
         self.step = 0
         self.path = self.out / "state.pt"
         if self.path.exists():
-            state = torch.load(self.path)
+            state = torch.load(self.path, map_location=args.device)
             self.step = state["step"]
             for name in ("network", "average", "optimizer"):
                 getattr(self, name).load_state_dict(state[name])
         elif args.start:
-            state = torch.load(args.start)
+            state = torch.load(args.start, map_location=args.device)
             self.network.load_state_dict(state["average"])
             self.average.load_state_dict(state["average"])
 
@@ -98,7 +98,8 @@ class Run:
             for group in self.optimizer.param_groups:
                 group["lr"] = rate
             batch = pool.batch(args.batch)
-            answers = self.network(torch.from_numpy(np.stack([p.input for p in batch])).to(memory_format=torch.channels_last))
+            inputs = torch.from_numpy(np.stack([p.input for p in batch]))
+            answers = self.network(inputs.to(args.device, memory_format=torch.channels_last))
             fields = [problem.fields_of(a, p.size) for a, p in zip(answers, batch)]
             loss = problem.Loss.apply(batch, pairs, args.clip, *fields)
             self.optimizer.zero_grad()
@@ -108,10 +109,10 @@ class Run:
             keep = min(KEEP, self.step / (self.step + 10))
             with torch.no_grad():
                 for a, p in zip(self.average.parameters(), self.network.parameters()):
-                    a.mul_(keep).add_(p, alpha=1 - keep)
+                    a.mul_(keep).add_(p.to(a.device), alpha=1 - keep)
             sums.append(float(loss))
             if self.step % args.fresh == 0:
-                pool.add(pool.rng)
+                pool.add_later()
             if self.step % 100 == 0:
                 self.log(step=self.step, loss=round(float(np.mean(sums)), 4), seconds=round(time.time() - start, 1), made=pool.made)
                 sums = []
@@ -139,7 +140,8 @@ def main():
     parser.add_argument("--every", type=int, default=500, help="steps between tests on held-out examples")
     parser.add_argument("--tests", type=int, default=40, help="held-out procedural and drawn examples, each")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--device", default="cpu", help="of the network: cpu or cuda; solves run on all processors")
+    parser.add_argument("--threads", type=int, default=2, help="of the network on a processor")
     args = parser.parse_args()
     torch.set_num_threads(args.threads)
     problem.LIBRARY = problem.load()
