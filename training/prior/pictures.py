@@ -14,12 +14,18 @@ import problem
 import sample
 
 SIZES = ((176, 132), (176, 132), (224, 168), (128, 96))
+EASY = 0.1  # loss of the fitted prior below which an example counts no more than in proportion
 HELD_OUT_SEEDS = 1_000_000  # procedural seeds from here on are in no fit
+
+
+def level(rng, width):
+    """Of the network's picture: elements solve pictures that are 1 to 16 times as large."""
+    return int(rng.choice(3, p=(0.3, 0.7, 0) if width < 256 else (0, 0.5, 0.5)))
 
 
 def procedural(seed):
     width, height = SIZES[seed % len(SIZES)]
-    return problem.of_seed(seed, width, height)
+    return problem.of_seed(seed, width, height, level(np.random.default_rng(seed), width))
 
 
 def mixed(scene, seed, rng, size):
@@ -27,7 +33,7 @@ def mixed(scene, seed, rng, size):
     planes = [m[name] for name in ("I", "R", "E", "mask")]
     if rng.random() < 0.5:
         planes = [p[:, ::-1] for p in planes]
-    return problem.of_picture(*planes, int(rng.integers(2**31)), scene["meta"]["kind"])
+    return problem.of_picture(*planes, int(rng.integers(2**31)), scene["meta"]["kind"], level(rng, max(planes[3].shape)))
 
 
 def photograph(path, seed):
@@ -55,8 +61,9 @@ def samples(folders, held_out):
 class Pool:
     """Examples that fits draw batches from; `add` replaces the oldest."""
 
-    def __init__(self, folders, assets, shares, count, seed):
-        """shares: of photographs and of drawn pictures, among the examples; the others are procedural."""
+    def __init__(self, folders, assets, shares, count, seed, pairs=(1.0, 0.5)):
+        """shares: of photographs and of drawn pictures, among the examples; the others are procedural. pairs: as for Problem.loss."""
+        self.pairs = pairs
         self.folders, self.assets, self.shares, self.count = folders, assets, shares, count
         self.rng, self.lock = np.random.default_rng(seed), threading.Lock()
         self.items, self.next, self.made = [], 0, 0
@@ -75,6 +82,8 @@ class Pool:
 
     def add(self, rng):
         new = self.make(rng)
+        fitted = new.loss(np.zeros((problem.FIELDS, *new.size), np.float32), self.pairs, False)[0]
+        new.weight = 1 / (fitted + EASY)  # or dark rooms decide alone
         with self.lock:
             self.made += 1
             if len(self.items) < self.count:

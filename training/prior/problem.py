@@ -20,8 +20,8 @@ def load(path=None):
     """The library that the build makes (-Dtraining=true), or PRIOR_PROBLEM."""
     library = ctypes.CDLL(str(path or os.environ.get("PRIOR_PROBLEM", ROOT / "build-training/training/prior/libprior-problem.so")))
     library.problem_of_seed.restype = library.problem_of_picture.restype = ctypes.c_void_p
-    library.problem_of_seed.argtypes = [ctypes.c_uint32, ctypes.c_int, ctypes.c_int, ctypes.c_double, ctypes.c_char_p]
-    library.problem_of_picture.argtypes = [FLOATS] * 4 + [ctypes.c_int, ctypes.c_int, ctypes.c_double, ctypes.c_uint, ctypes.c_char_p]
+    library.problem_of_seed.argtypes = [ctypes.c_uint32] + [ctypes.c_int] * 3 + [ctypes.c_double, ctypes.c_char_p]
+    library.problem_of_picture.argtypes = [FLOATS] * 4 + [ctypes.c_int] * 3 + [ctypes.c_double, ctypes.c_uint, ctypes.c_char_p]
     library.problem_free.argtypes = [ctypes.c_void_p]
     library.problem_size.argtypes = [ctypes.c_void_p, ctypes.POINTER(ctypes.c_int)]
     library.problem_input.argtypes = [ctypes.c_void_p, FLOATS]
@@ -53,6 +53,7 @@ class Problem:
         self.size = (h, w)
         self.input = np.empty((6, padded_h, padded_w), np.float32)
         LIBRARY.problem_input(handle, pointer(self.input))
+        self.weight = 1.0  # of its derivative in a batch
 
     def __del__(self):
         LIBRARY.problem_free(self.handle)
@@ -71,15 +72,16 @@ class Problem:
         return planes
 
 
-def of_seed(seed, width=176, height=132, slope_error=SLOPE_ERROR):
-    return Problem(LIBRARY.problem_of_seed(seed, width, height, slope_error, WEIGHTS), "procedural")
+def of_seed(seed, width=176, height=132, level=0):
+    """level: the network's picture has 1/2^level of the size."""
+    return Problem(LIBRARY.problem_of_seed(seed, width, height, level, SLOPE_ERROR, WEIGHTS), "procedural")
 
 
-def of_picture(picture, reflectance, light, mask, seed, kind, slope_error=SLOPE_ERROR):
+def of_picture(picture, reflectance, light, mask, seed, kind, level=0):
     """picture, reflectance, light: height × width × 3, linear; mask: height × width."""
     planes = [np.ascontiguousarray(p, np.float32) for p in (picture, reflectance, light, mask)]
     height, width = planes[3].shape
-    return Problem(LIBRARY.problem_of_picture(*(pointer(p) for p in planes), width, height, slope_error, seed, WEIGHTS), kind)
+    return Problem(LIBRARY.problem_of_picture(*(pointer(p) for p in planes), width, height, level, SLOPE_ERROR, seed, WEIGHTS), kind)
 
 
 def fields_of(answer, size):
@@ -89,21 +91,18 @@ def fields_of(answer, size):
 
 
 class Loss(torch.autograd.Function):
-    """Mean loss of a batch: fields of each problem → scalar. Solves run in threads."""
+    """Mean loss of a batch: fields of each problem → scalar. Its derivative weighs the problems. Solves run in threads."""
 
     pool = concurrent.futures.ThreadPoolExecutor(os.cpu_count())
 
     @staticmethod
-    def forward(context, problems, pairs, clip, *fields):
+    def forward(context, problems, pairs, *fields):
         results = list(Loss.pool.map(lambda item: item[0].loss(item[1].detach().cpu().numpy(), pairs), zip(problems, fields)))
         losses = [r[0] for r in results]
-        slopes = []
-        for (_, slope), planes in zip(results, fields):  # one example may not dominate a step
-            norm = float(np.sqrt((slope.astype(np.float64) ** 2).sum()))
-            slopes.append(torch.from_numpy(slope).to(planes.device) * (min(1.0, clip / max(norm, 1e-12)) / len(problems)))
+        slopes = [torch.from_numpy(r[1]).to(f.device) * (p.weight / len(problems)) for r, p, f in zip(results, problems, fields)]
         context.slopes = slopes
         return torch.tensor(float(np.mean(losses)))
 
     @staticmethod
     def backward(context, by):
-        return (None, None, None) + tuple(by * s for s in context.slopes)
+        return (None, None) + tuple(by * s for s in context.slopes)

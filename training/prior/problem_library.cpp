@@ -39,8 +39,9 @@ struct Problem {
   }
 };
 
-void make_input(Problem& p) {
+void make_input(Problem& p, int least_level) {
   const Example& e = p.e;
+  p.level = least_level;
   while (((std::max(e.width, e.height) + (1 << p.level) - 1) >> p.level) > kLongest) ++p.level;
   const std::vector<double> rgb(e.input.data.begin(), e.input.data.end());
   const reference::Guide guide = reference::make_guide(rgb.data(), e.width, e.height);
@@ -67,7 +68,7 @@ void forget_cues(Example& e) {
   e.cell.clear();
 }
 
-Problem* make_problem(const Scene& scene, double slope_error, unsigned seed,
+Problem* make_problem(const Scene& scene, double slope_error, unsigned seed, int least_level,
                       const Weights& weights) {
   auto p = std::make_unique<Problem>();
   std::mt19937 engine(seed);
@@ -76,7 +77,7 @@ Problem* make_problem(const Scene& scene, double slope_error, unsigned seed,
   p->e = make_example(scene, p->slope);
   draw_pairs(p->e);
   p->fitted = fitted_prior({weights.edge_hidden, weights.cell_hidden}, weights.values, p->e);
-  make_input(*p);
+  make_input(*p, least_level);
   forget_cues(p->e);
   return p.release();
 }
@@ -104,16 +105,18 @@ namespace bench = inverse::bench;
 
 extern "C" {
 
-/// A procedural scene (scenes.hpp).
-void* problem_of_seed(std::uint32_t seed, int width, int height, double slope_error,
-                      const char* weights) {
-  return make_problem(make_scene(seed, width, height), slope_error, seed, load_weights(weights));
+/// A procedural scene (scenes.hpp). `least_level`: of the network's picture, 0…2; it is higher where
+/// that would be too large.
+void* problem_of_seed(std::uint32_t seed, int width, int height, int least_level,
+                      double slope_error, const char* weights) {
+  return make_problem(make_scene(seed, width, height), slope_error, seed, least_level,
+                      load_weights(weights));
 }
 
 /// A picture with truth: input, reflectance, irradiance (interleaved RGB, linear), mask.
 void* problem_of_picture(const float* input, const float* reflectance, const float* shading,
-                         const float* mask, int width, int height, double slope_error,
-                         unsigned seed, const char* weights) {
+                         const float* mask, int width, int height, int least_level,
+                         double slope_error, unsigned seed, const char* weights) {
   const std::size_t n = std::size_t(width) * std::size_t(height);
   const auto image = [&](const float* values, int channels) {
     bench::Image out(width, height, channels);
@@ -121,7 +124,7 @@ void* problem_of_picture(const float* input, const float* reflectance, const flo
     return out;
   };
   return make_problem({image(input, 3), image(reflectance, 3), image(shading, 3), image(mask, 1)},
-                      slope_error, seed, load_weights(weights));
+                      slope_error, seed, least_level, load_weights(weights));
 }
 
 void problem_free(void* problem) { delete static_cast<Problem*>(problem); }
