@@ -14,6 +14,7 @@ import exr
 import flat
 import mix
 import render
+import retexture
 import sample as samples
 
 
@@ -162,6 +163,19 @@ def check_flat(count=20):
     expect(np.median(even) > 0.15, f"ln of their first light has a standard deviation of {np.median(even):.2f}")
 
 
+def check_retexture():
+    """A floor seen from above, and a box on it."""
+    s = synthetic(3)
+    h, w = s["mask"].shape
+    s["N"][:] = (0, 0, 1)
+    s["Z"][:] = 4
+    s["Z"][20:40, 30:60] = 3
+    s["meta"] |= {"lens_mm": 25, "camera": np.diag([1.0, 1, 1, 1]).tolist()}
+    expect(len(np.unique(retexture.surfaces(s))) == 3, "a floor and a box are two surfaces")
+    new = retexture.retexture(s, np.random.default_rng(1), share=1)
+    expect((np.abs(new["R"] - s["R"]).max(-1) > 1e-3).mean() > 0.95 and np.array_equal(new["S"], s["S"]), "both get other paint under the same light")
+
+
 def check_samples(folder):
     files = sorted(folder.glob("*.npz"), key=lambda f: int(f.stem))
     slopes = []
@@ -190,6 +204,7 @@ def main():
     check_files()
     check_denoise()
     check_flat()
+    check_retexture()
     if args.folder:
         check_samples(args.folder)
 

@@ -11,6 +11,7 @@ sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "intrinsic"))
 import flat
 import mix
 import problem
+import retexture
 import sample
 
 SIZES = ((176, 132), (176, 132), (224, 168), (128, 96))
@@ -36,14 +37,17 @@ def mixed(scene, seed, rng, size):
     return problem.of_picture(*planes, int(rng.integers(2**31)), scene["meta"]["kind"], level(rng, max(planes[3].shape)))
 
 
-def photograph(path, seed):
-    """Photograph number `seed` of a path-traced sample, half of them mirrored; every second one has other paint."""
-    rng = np.random.default_rng([seed, int(path.stem.split("-")[0])])
+def photograph(path, seed, assets):
+    """Photograph number `seed` of a path-traced sample, half of them mirrored. One of four has the paint that was rendered."""
+    rng = np.random.default_rng([seed, int(path.stem)])
     scene = sample.read(path)
+    if max(scene["mask"].shape) > 256 and rng.random() < 0.8:
+        scene = mix.shrink(scene, 2)
+    if seed % 4 > 1:
+        scene = retexture.retexture(scene, rng, assets)
     if seed % 2:
         scene = mix.repaint(scene, rng)
-    small = max(scene["mask"].shape) <= 256
-    return mixed(scene, seed, rng, 1 if small or rng.random() < 0.2 else 2)
+    return mixed(scene, seed, rng, 1)
 
 
 def drawn(seed, assets):
@@ -77,7 +81,7 @@ class Pool:
             self.files = samples(self.folders, False)
         which, seed = rng.random(), int(rng.integers(HELD_OUT_SEEDS))
         if which < self.shares[0] and self.files:
-            return photograph(self.files[int(rng.integers(len(self.files)))], seed)
+            return photograph(self.files[int(rng.integers(len(self.files)))], seed, self.assets)
         return drawn(seed, self.assets) if which < sum(self.shares) else procedural(seed)
 
     def add(self, rng):
@@ -118,9 +122,9 @@ class Pool:
             return [first] + [alike[int(i)] for i in others]
 
 
-def held_out(folders, assets, count, mixes=2):
+def held_out(folders, assets, count, mixes=4):
     """The same examples in every run: `count` procedural and drawn ones each, `mixes` of each sample that is held out."""
     result = [f(HELD_OUT_SEEDS + k) for k in range(count) for f in (procedural, lambda seed: drawn(seed, assets))]
     for path in samples(folders, True):
-        result += [photograph(path, 5000 + k) for k in range(mixes)]
+        result += [photograph(path, 5000 + k, assets) for k in range(mixes)]
     return result
