@@ -18,11 +18,11 @@ def convolution(inputs, outputs, stride=1):
 class Prior(nn.Module):
     """A U-Net. Starts at zero: at the fitted prior."""
 
-    def __init__(self, width):
+    def __init__(self, width, inputs=INPUTS, outputs=OUTPUTS):
         super().__init__()
         *channels, last = WIDTHS[width]
         self.down = nn.ModuleList()
-        before = INPUTS
+        before = inputs
         for c in channels:
             self.down.append(nn.Sequential(convolution(before, c, 2), convolution(c, c)))
             before = c
@@ -31,7 +31,7 @@ class Prior(nn.Module):
         for c, out in zip(channels[-2::-1], [*channels[-2:0:-1], last]):
             self.up.append(convolution(before + c, out))
             before = out
-        self.head = nn.Conv2d(last, OUTPUTS, 1)
+        self.head = nn.Conv2d(last, outputs, 1)
         for module in self.modules():
             if isinstance(module, nn.Conv2d):
                 nn.init.kaiming_normal_(module.weight, 0.1)

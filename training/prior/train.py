@@ -17,9 +17,9 @@ import problem
 DECAY, KEEP = 1e-5, 0.998
 
 
-def whdr(example, count=600):
-    """Share of wrong judgments of pairs (Bell et al. 2014, δ = .1) of the last solution, a third of the pairs of one paint."""
-    s, picture, reflectance, _, mask = example.planes()
+def whdr(example, planes=None, count=600):
+    """Share of wrong judgments of pairs (Bell et al. 2014, δ = .1) of the last solution, or of planes like it; a third of the pairs is of one paint."""
+    s, picture, reflectance, _, mask = planes or example.planes()
     rng = np.random.default_rng(1)
     valid = np.flatnonzero((mask.ravel() > 0.5) & (picture.reshape(-1, 3).mean(-1) > 0.02))
     if len(valid) < 100:
