@@ -16,31 +16,44 @@ import sample
 HERE = pathlib.Path(__file__).resolve().parent
 
 
+def take(folder, out, start):
+    """The sample of one camera's renderings to OUT/NUMBER.npz, or OUT/NUMBER.rejected with the reason. Returns what happened."""
+    number = json.loads((folder / "scene.json").read_text())["seed"]
+    try:
+        result = sample.from_renderings(folder)
+        meta = result["meta"]
+        meta["seconds"] = round(time.time() - start, 1)  # since the scene's start
+        sample.write(out / f"{number}.npz", result)
+        return f"{number} {meta['kind']} {meta['seconds']} s, noise {' '.join('%s %.3f' % (g['kind'], g['noise']) for g in meta['groups'])}"
+    except (sample.Rejected, ValueError) as error:
+        return reject(out, number, start, error)
+
+
+def reject(out, number, start, error):
+    (out / f"{number}.rejected").write_text(json.dumps({"seed": number, "reason": str(error)}))
+    return f"{number} rejected after {time.time() - start:.0f} s: {error}"
+
+
 def render(seed, args):
-    """Writes OUT/SEED.npz, or OUT/SEED.rejected with the reason. Returns what happened, or None if there was nothing to do."""
-    path, rejected = args.out / f"{seed}.npz", args.out / f"{seed}.rejected"
-    if path.exists() or rejected.exists():
+    """Renders a scene and takes its samples. Returns what happened, or None if there was nothing to do."""
+    if any((args.out / f"{seed}.{end}").exists() for end in ("npz", "rejected")):
         return None
     start = time.time()
     with tempfile.TemporaryDirectory() as folder:
-        options = {"seed": seed, "out": folder, **{name: getattr(args, name) for name in ("assets", "kind", "long", "samples", "threads")}}
+        options = {"seed": seed, "out": folder, **{name: getattr(args, name) for name in ("assets", "kind", "long", "samples", "threads", "views")}}
         command = ["nice", "-n", "19", "blender", "-b", "--factory-startup", "-noaudio", "-P", str(HERE / "scene/build.py"), "--"]
         command += [word for name, value in options.items() if value is not None for word in (f"--{name}", str(value))]
         try:
             done = subprocess.run(command, capture_output=True, text=True, timeout=args.timeout, env={**os.environ, "OMP_NUM_THREADS": "1"})
-            if done.returncode < 0:
-                return f"{seed} was interrupted by signal {-done.returncode}"
-            if not (pathlib.Path(folder) / "scene.json").exists():
-                lines = [l for l in (done.stdout + done.stderr).splitlines() if "Error" in l or "rejected" in l]
-                raise sample.Rejected(lines[-1] if lines else f"blender ended with status {done.returncode}")
-            result = sample.from_renderings(folder)
-            result["meta"]["seconds"] = round(time.time() - start, 1)
-            sample.write(path, result)
-            meta = result["meta"]
-            return f"{seed} {meta['kind']} {meta['seconds']} s, noise {' '.join('%s %.3f' % (g['kind'], g['noise']) for g in meta['groups'])}"
-        except (sample.Rejected, ValueError, subprocess.TimeoutExpired) as error:
-            rejected.write_text(json.dumps({"seed": seed, "reason": str(error)}))
-            return f"{seed} rejected after {time.time() - start:.0f} s: {error}"
+        except subprocess.TimeoutExpired as error:
+            return reject(args.out, seed, start, error)
+        if done.returncode < 0:
+            return f"{seed} was interrupted by signal {-done.returncode}"
+        views = sorted(path.parent for path in pathlib.Path(folder).glob("*/scene.json"))
+        if not views:
+            lines = [l for l in (done.stdout + done.stderr).splitlines() if "Error" in l or "rejected" in l]
+            return reject(args.out, seed, start, lines[-1] if lines else f"blender ended with status {done.returncode}")
+        return "\n".join(take(view, args.out, start) for view in views[::-1])  # the first last: it says that the scene is done
 
 
 def main():
@@ -49,7 +62,8 @@ def main():
     parser.add_argument("--assets", type=pathlib.Path, help="folder with textures/ and models/ (README.md); without it all is procedural")
     parser.add_argument("--first", type=int, default=0, help="first seed")
     parser.add_argument("--count", type=int, default=300)
-    parser.add_argument("--kind", help="only this kind: room, hall, desk, shelf, street, yard or country")
+    parser.add_argument("--kind", help="only this kind (KINDS in scene/build.py)")
+    parser.add_argument("--views", type=int, default=2, help="cameras in a scene, at most")
     parser.add_argument("--long", type=int, default=352, help="pixels of the long side; the short one has 3/4 of them")
     parser.add_argument("--samples", type=int, default=14, help="a pixel, of each of the two renderings, outdoors; indoors 2.5 times as many")
     parser.add_argument("--threads", type=int, default=1, help="of each Blender")

@@ -24,6 +24,12 @@ class Rejected(Exception):
     """The picture is not used for training; the message says why."""
 
 
+def name_of(seed, view):
+    """The number of a sample: its scene's seed, and a million more for each further camera. HELD_OUT divides a million, so that all
+    cameras of a scene are fitted, or none."""
+    return seed + 1_000_000 * view
+
+
 def held_out(path):
     """Whether the sample SEED.npz is in no fit: every fifth seed is not."""
     return int(path.stem) % HELD_OUT == 0
@@ -113,7 +119,7 @@ def judge(sample):
     if dark > 0.35:
         raise Rejected(f"{dark:.0%} is dark")
     spread = np.log(sample["R"][valid]).std(0).mean()
-    if spread < 0.12:
+    if spread < 0.07:
         raise Rejected(f"nearly one paint (rms of ln R {spread:.2f})")
 
 

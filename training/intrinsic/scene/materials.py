@@ -15,7 +15,10 @@ PHOTOS = {
     "asphalt": (r"asphalt", 2.5),
     "brick": (r"brick_wall|broken_brick|^brick_?\d|red_brick", 2.0),
     "paving": (r"brick_floor|brick_villa|cobble|paving|anti_slip", 2.0),
-    "tiles": (r"tiles", 1.2),
+    "tiles": (r"tiles|terrazzo|marble", 1.2),
+    "fabric": (r"fabric", 0.5),
+    "carpet": (r"carpet|fabric", 1.0),
+    "paper": (r"wallpaper|paper|cardboard", 1.0),
     "concrete": (r"concrete|broken_wall", 2.0),
     "wall": (r"beige_wall|beam_wall|concrete_wall|white_|plaster", 2.0),
     "planks": (r"planks", 1.5),
@@ -27,12 +30,29 @@ PHOTOS = {
 
 class Materials:
     def __init__(self, stage):
-        self.stage, self.rng = stage, stage.rng
+        self.stage, self.rng, self.pictures = stage, stage.rng, None  # pictures: Pictures, which need materials for their colors
         folder = pathlib.Path(stage.assets or "/nonexistent") / "textures"
         files = sorted(folder.glob("*.[jp][pn]g")) if folder.is_dir() else []
         self.photos = {kind: [f for f in files if re.search(words, f.name)] for kind, (words, _) in PHOTOS.items()}
+        # what a scene's paints share: how colored they are, and whether things are dark before light walls or the reverse
+        self.saturation = stage.pick([1, stage.uniform(0.2, 0.7), 0], [6, 1.5, 2])
+        self.things = stage.pick(["any", "dark", "light"], [6, 2.5, 1])
 
     # -- colors
+
+    def pale(self, color):
+        """With the scene's saturation."""
+        color = np.asarray(color, float)
+        return tuple(np.clip(color.mean() + self.saturation * (color - color.mean()), DARKEST, 0.9))
+
+    def toned(self, color):
+        """Of a thing: dark or light where the scene's things are."""
+        color = np.array(self.pale(color))
+        if self.things == "dark" and self.stage.chance(0.7):
+            color = color * self.stage.uniform(0.025, 0.1) / max(color.mean(), 0.025)
+        elif self.things == "light" and self.stage.chance(0.7):
+            color = color * self.stage.uniform(0.5, 0.8) / max(color.max(), 0.03)
+        return tuple(np.clip(color, DARKEST, 0.9))
 
     def gray(self, low=0.03, high=0.85):
         value = math.exp(self.stage.uniform(math.log(low), math.log(high)))
@@ -53,17 +73,19 @@ class Materials:
             hsv = (hue, u(0.08, 0.35), u(0.5, 0.85))
         else:
             hsv = (u(0.03, 0.12), u(0.3, 0.75), u(0.1, 0.55))
-        return tuple(np.clip(colorsys.hsv_to_rgb(*hsv), DARKEST, 0.9))
+        return self.pale(colorsys.hsv_to_rgb(*hsv))
 
     def wall_color(self):
-        if self.stage.chance(0.5):
+        if self.things == "light":
+            return self.gray(0.025, 0.12) if self.stage.chance(0.5) else self.pale(np.array(self.color()) * 0.2)
+        if self.things == "dark" or self.stage.chance(0.5):
             base = np.array(self.gray(0.5, 0.85)) * [1, self.stage.uniform(0.93, 1), self.stage.uniform(0.82, 1)]
             return tuple(base)
         u = self.stage.uniform
         if self.stage.chance(0.3):  # warm: light that comes off it is redder
-            return tuple(np.clip(colorsys.hsv_to_rgb(u(0.03, 0.12), u(0.35, 0.7), u(0.4, 0.85)), DARKEST, 0.9))
+            return self.pale(colorsys.hsv_to_rgb(u(0.03, 0.12), u(0.35, 0.7), u(0.4, 0.85)))
         hue = u(0.02, 0.16) if self.stage.chance(0.6) else self.rng.random()
-        return tuple(np.clip(colorsys.hsv_to_rgb(hue, u(0.08, 0.45), u(0.25, 0.8)), DARKEST, 0.9))
+        return self.pale(colorsys.hsv_to_rgb(hue, u(0.08, 0.45), u(0.25, 0.8)))
 
     # -- nodes
 
@@ -78,7 +100,7 @@ class Materials:
         return material, tree, diffuse
 
     def paint(self, color=None):
-        return self.empty(self.color() if color is None else color)[0]
+        return self.empty(self.toned(self.color()) if color is None else color)[0]
 
     def _coordinates(self, tree, scale, kind="Object"):
         place, mapping = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeMapping")
@@ -118,8 +140,9 @@ class Materials:
         tree.links.new(value, ramp.inputs[0])
         return ramp.outputs[0]
 
-    def image(self, picture):
-        """A drawn picture (PIL, sRGB) over the texture coordinates of the mesh."""
+    def image(self, picture, width=None, uv=True):
+        """A drawn picture (PIL, sRGB) over the texture coordinates of the mesh, once. With a width in meters it repeats: over the texture
+        coordinates, which then must be in units of this width, or (uv=False) from the sides of the thing."""
         import os
         import tempfile
 
@@ -131,8 +154,12 @@ class Materials:
         os.remove(path)
         material, tree, diffuse = self.empty((0.5,) * 3)
         texture, place = tree.nodes.new("ShaderNodeTexImage"), tree.nodes.new("ShaderNodeTexCoord")
-        texture.image, texture.extension = image, "EXTEND"
-        tree.links.new(place.outputs["UV"], texture.inputs[0])
+        texture.image, texture.extension = image, "EXTEND" if width is None else "REPEAT"
+        if uv:
+            tree.links.new(place.outputs["UV"], texture.inputs[0])
+        else:
+            texture.projection, texture.projection_blend = "BOX", 0.05
+            tree.links.new(self._coordinates(tree, 1 / width), texture.inputs[0])
         self._clamp(tree, texture.outputs[0], diffuse)
         return material
 
@@ -150,8 +177,9 @@ class Materials:
         tree.links.new(self._coordinates(tree, scale), texture.inputs[0])
         change = tree.nodes.new("ShaderNodeHueSaturation")
         change.inputs["Hue"].default_value = 0.5 + self.rng.normal(0, 0.01)
-        change.inputs["Saturation"].default_value = self.stage.uniform(0.7, 1.3)
-        change.inputs["Value"].default_value = self.stage.uniform(0.75, 1.4)
+        change.inputs["Saturation"].default_value = self.stage.uniform(0.7, 1.3) * self.saturation
+        dark = self.things == "dark" and kind in ("wood", "fabric") and self.stage.chance(0.7)
+        change.inputs["Value"].default_value = self.stage.uniform(0.15, 0.4) if dark else self.stage.uniform(0.75, 1.4)
         tree.links.new(texture.outputs[0], change.inputs["Color"])
         self._clamp(tree, change.outputs[0], diffuse)
         if bump and self.stage.chance(0.6):
@@ -162,7 +190,7 @@ class Materials:
 
     def mottled(self, color=None, strength=None, scale=None, bump=0.0):
         """Paint with slow stains or fine grain: plaster, concrete, paper, dirt."""
-        color = np.array(self.color() if color is None else color)
+        color = np.array(self.toned(self.color()) if color is None else color)
         strength = self.stage.uniform(0.03, 0.35) if strength is None else strength
         material, tree, diffuse = self.empty(color)
         vector = self._coordinates(tree, 1)
@@ -177,7 +205,7 @@ class Materials:
     def grain(self, color=None):
         """Wood: fibers along x, in bands that a noise bends."""
         if color is None:
-            color = colorsys.hsv_to_rgb(self.stage.uniform(0.04, 0.1), self.stage.uniform(0.4, 0.8), self.stage.uniform(0.1, 0.6))
+            color = self.toned(colorsys.hsv_to_rgb(self.stage.uniform(0.04, 0.1), self.stage.uniform(0.4, 0.8), self.stage.uniform(0.05, 0.6)))
         color = np.array(color)
         material, tree, diffuse = self.empty(color)
         wave, mix = tree.nodes.new("ShaderNodeTexWave"), tree.nodes.new("ShaderNodeMixRGB")
@@ -232,23 +260,35 @@ class Materials:
         self._clamp(tree, brick.outputs["Color"], diffuse)
         return material
 
+    def two_tones(self):
+        """Colors of a checkered floor."""
+        kind = self.stage.pick(["black", "near", "any"], [4, 2, 2])
+        if kind == "black":
+            return self.gray(0.022, 0.08), self.gray(0.5, 0.85)
+        a = np.array(self.color())
+        return tuple(a), self.color() if kind == "any" else tuple(np.clip(a * self.stage.uniform(0.4, 0.8), DARKEST, 0.9))
+
+    def checker(self, colors, size):
+        material, tree, diffuse = self.empty(colors[0])
+        checker = tree.nodes.new("ShaderNodeTexChecker")
+        checker.inputs["Scale"].default_value = 1 / size
+        checker.inputs["Color1"].default_value, checker.inputs["Color2"].default_value = ((*c, 1) for c in colors)
+        tree.links.new(self._coordinates(tree, 1), checker.inputs["Vector"])
+        self._clamp(tree, checker.outputs["Color"], diffuse)
+        return material
+
     def pattern(self, colors=None, size=None):
         """Stripes or checkers."""
         a, b = (self.color(), self.color()) if colors is None else colors
-        material, tree, diffuse = self.empty(a)
         size = math.exp(self.stage.uniform(math.log(0.008), math.log(0.15))) if size is None else size
         if self.stage.chance(0.5):
-            checker = tree.nodes.new("ShaderNodeTexChecker")
-            checker.inputs["Scale"].default_value = 1 / size
-            checker.inputs["Color1"].default_value, checker.inputs["Color2"].default_value = (*a, 1), (*b, 1)
-            tree.links.new(self._coordinates(tree, 1), checker.inputs["Vector"])
-            output = checker.outputs["Color"]
-        else:
-            wave = tree.nodes.new("ShaderNodeTexWave")
-            wave.bands_direction = self.stage.pick("XYZ")
-            wave.inputs["Scale"].default_value = 0.3 / size
-            tree.links.new(self._coordinates(tree, 1), wave.inputs["Vector"])
-            output = self._ramp(tree, wave.outputs["Fac"], [a, b], 0.4, self.stage.pick([0.45, 0.8]))
+            return self.checker((a, b), size)
+        material, tree, diffuse = self.empty(a)
+        wave = tree.nodes.new("ShaderNodeTexWave")
+        wave.bands_direction = self.stage.pick("XYZ")
+        wave.inputs["Scale"].default_value = 0.3 / size
+        tree.links.new(self._coordinates(tree, 1), wave.inputs["Vector"])
+        output = self._ramp(tree, wave.outputs["Fac"], [a, b], 0.4, self.stage.pick([0.45, 0.8]))
         self._clamp(tree, output, diffuse)
         return material
 
@@ -259,11 +299,15 @@ class Materials:
 
     def fabric(self):
         s = self.stage
-        kind = s.pick(["plain", "mottled", "pattern", "weave"], [3, 3, 2, 2])
+        kind = s.pick(["plain", "mottled", "pattern", "weave", "photo", "textile"], [4, 3, 1, 2, 2, 2])
+        if kind == "textile":
+            return self.image(self.pictures.textile(), s.uniform(0.06, 0.4), uv=False)
+        if kind == "photo":
+            return self.photo("fabric") or self.paint()
         if kind == "plain":
             return self.paint()
         if kind == "weave":
-            color = np.array(self.color())
+            color = np.array(self.toned(self.color()))
             return self.pattern((tuple(color), tuple(np.clip(color * s.uniform(0.6, 0.85), DARKEST, 1))), s.uniform(0.003, 0.008))
         return self.pattern() if kind == "pattern" else self.mottled(strength=s.uniform(0.05, 0.2), scale=s.uniform(60, 200), bump=0.001)
 
@@ -273,7 +317,7 @@ class Materials:
         if kind == "wood":
             return self.wood()
         if kind == "photo":
-            return self.photo(s.pick(["wall", "concrete", "brick", "planks", "wall"])) or self.mottled(self.wall_color(), 0.1)
+            return self.photo(s.pick(["wall", "concrete", "brick", "planks", "wall", "paper"])) or self.mottled(self.wall_color(), 0.1)
         if kind == "brick":
             return self.photo("brick") or self.bricks()
         if kind == "paper":
@@ -289,9 +333,10 @@ class Materials:
         s = self.stage
         kind = s.pick(["wood", "planks", "tiles", "concrete", "carpet", "checker"], [4, 3, 3, 2, 3, 1])
         if kind == "carpet":
-            return self.mottled(strength=s.uniform(0.05, 0.3), scale=s.uniform(80, 250), bump=0.004)
+            photo = self.photo("carpet") if s.chance(0.5) else None
+            return photo or self.mottled(strength=s.uniform(0.05, 0.3), scale=s.uniform(80, 250), bump=0.004)
         if kind == "checker":
-            return self.pattern((self.gray(0.03, 0.1), self.gray(0.5, 0.8)) if s.chance(0.5) else None, s.uniform(0.2, 0.5))
+            return self.checker(self.two_tones(), s.uniform(0.2, 0.5))
         return (self.photo(kind) if s.chance(0.75) else None) or (self.grain() if kind in ("wood", "planks") else self.cells())
 
     def any(self):

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Things that are not seen and cast shadows: leaves, blinds, bars, edges, people. They stand between a place and its light."""
+import math
+
+from mathutils import Matrix, Vector
+
+KINDS = {"leaves": 4, "blinds": 2, "bars": 2, "edge": 2, "pole": 1.5, "person": 2, "hand": 1, "holes": 1, "net": 1}
+
+
+def unseen(s, m, t, at, toward, distance, reach, kind=None):
+    """Puts something at `distance` from `at` in the direction `toward`; `reach` is the radius of what it shades, in meters."""
+    kind = s.pick(KINDS, list(KINDS.values())) if kind is None else kind
+    paint, r = m.paint(m.gray(0.05, 0.5)), reach * s.uniform(0.7, 1.3)
+    d = Vector(toward).normalized()
+    turn = s.uniform(0, 6.28)
+    if kind == "leaves":
+        branches = [s.tube([(x, -2 * r, 0), (0.4 * x, 0, 0), (x + s.uniform(-r, r), 2 * r, 0)], 0.01 * r, paint) for x in s.rng.uniform(-r, r, 2)]
+        items = [t.leaves(paint, r, (0, 0, 0), int(s.rng.integers(30, 260)), r * s.uniform(0.08, 0.35), 0.3)] + branches
+    elif kind == "blinds":
+        n, fill = int(s.rng.integers(4, 22)), s.uniform(0.3, 0.8)
+        items = [s.box((4 * r, 2.4 * r / n * fill, 0.002 * r), paint, (0, 2.4 * r * ((i + 0.5) / n - 0.5), 0)) for i in range(n)]
+    elif kind in ("bars", "net"):
+        n, width = (int(s.rng.integers(1, 5)), s.uniform(0.04, 0.12) * r) if kind == "bars" else (int(s.rng.integers(6, 14)), 0.015 * r)
+        places = [2.4 * r * ((i + 0.5) / n - 0.5) for i in range(n)]
+        items = [s.box((width, 3 * r, 0.02 * r), paint, (x, 0, 0)) for x in places]
+        items += [s.box((3 * r, width, 0.02 * r), paint, (0, y, 0)) for y in places]
+    elif kind == "edge":  # of a wall or a roof
+        corner = s.chance(0.4)
+        items = [s.box((9 * r, 9 * r, 0.02 * r), paint, (4.5 * r + s.uniform(-0.4, 0.5) * r, 4.5 * r * corner, 0))]
+    elif kind == "pole":
+        items = [s.box((s.uniform(0.05, 0.3) * r, 9 * r, 0.05 * r), paint, (x, 0, 0)) for x in s.rng.uniform(-r, r, s.pick([1, 1, 2, 3]))]
+    elif kind == "holes":
+        n, hole = int(s.rng.integers(2, 5)), s.uniform(0.25, 0.7)
+        step = 3 * r / n
+        items = [s.box((9 * r, step * (1 - hole), 0.01 * r), paint, (0, step * (i - n / 2), 0)) for i in range(n + 1)]
+        items += [s.box((step * (1 - hole), 9 * r, 0.01 * r), paint, (step * (i - n / 2), 0, 0.001)) for i in range(n + 1)]
+    elif kind == "person":
+        items = s.place(t.person(), (0, -1.2, 0))
+        for item in items:  # stands in the plane across the light
+            item.matrix_basis = Matrix.Scale(r / s.uniform(0.9, 1.6), 4) @ Matrix.Rotation(-math.pi / 2, 4, "X") @ item.matrix_basis
+    else:
+        items = t.hand()
+        for item in items:
+            item.matrix_basis = Matrix.Scale(r * s.uniform(3, 7), 4) @ item.matrix_basis
+    move = Matrix.Translation(Vector(at) + d * distance) @ d.to_track_quat("Z", "Y").to_matrix().to_4x4() @ Matrix.Rotation(turn, 4, "Z")
+    aside = Matrix.Translation((*(s.rng.uniform(-0.5, 0.5, 2) * r), 0))
+    for item in items:
+        item.matrix_basis = move @ aside @ item.matrix_basis
+        item.visible_camera = False
+    return items
