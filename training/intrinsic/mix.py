@@ -3,6 +3,8 @@
 
 Light of channel c is E_c, so I_c = R_c E_c; white balance and exposure belong to E. With m = mean_c ln E_c and b = ln E_R - ln E_B,
 the slope k of b over m says how light's color depends on its brightness; d = (1/2, 0, -1/2) is the axis along which it changes."""
+import io
+
 import numpy as np
 
 import sample as samples
@@ -158,22 +160,68 @@ def expose(picture, mask, rng):
 
 def photograph(picture, rng):
     """8-bit sRGB of linear values: lens blur, sensor noise, clipping."""
+    return np.round(255 * srgb(sensed(picture, rng))).astype(np.uint8)
+
+
+def sensed(picture, rng):
+    """Linear values with lens blur and sensor noise."""
     import cv2
 
     sigma = max(0.0, rng.normal(0.25, 0.35))
     if sigma > 0.15:
         picture = cv2.GaussianBlur(picture.astype(np.float32), (0, 0), sigma)
     shot, read = (np.exp(rng.uniform(np.log(1e-5), np.log(1e-3))), np.exp(rng.uniform(np.log(2e-4), np.log(4e-3)))) if rng.random() < 0.8 else (0, 0)
-    noisy = picture + rng.normal(size=picture.shape) * np.sqrt(shot * np.maximum(picture, 0) + read**2)
-    return np.round(255 * srgb(noisy)).astype(np.uint8)
+    return picture + rng.normal(size=picture.shape) * np.sqrt(shot * np.maximum(picture, 0) + read**2)
 
 
-def mix(sample, seed, size=1, k=None, bend=0.4):
+class Camera:
+    """What cameras and video do to a picture and a program cannot undo, drawn by rng: a tone curve and compression. The curve is a power
+    `contrast` of linear values, which R and E have as well, so that I = R E, and a slight S in sRGB, with which I = R E holds nearly."""
+
+    def __init__(self, rng):
+        self.rng = rng
+        kind = rng.random()
+        self.contrast = 1.0 if kind < 0.35 else rng.uniform(1.12, 1.3) if kind > 0.85 else float(np.clip(rng.normal(1.03, 0.06), 0.88, 1.15))
+        self.bend = rng.uniform(-0.05, 0.15) if rng.random() < 0.5 else 0.0
+        self.black = rng.uniform(0, 0.025) if rng.random() < 0.2 else 0.0
+
+    def curve(self, encoded):
+        """The S of values 0…1 in sRGB, and a lifted black."""
+        return self.black + (1 - self.black) * (encoded - self.bend * np.sin(2 * np.pi * encoded) / (2 * np.pi))
+
+    def photograph(self, picture):
+        """8-bit sRGB of linear values."""
+        encoded = srgb(np.maximum(sensed(picture, self.rng), 0) ** self.contrast)
+        return self.compressed(np.round(255 * self.curve(encoded)).astype(np.uint8))
+
+    def compressed(self, image):
+        """As JPEG, rarely as a small video scaled up, or as it is."""
+        import cv2
+        from PIL import Image
+
+        rng, (height, width) = self.rng, image.shape[:2]
+        kind = rng.random()
+        if kind > 0.75:
+            return image
+        quality, halved = int(rng.integers(40, 96)), rng.random() < 0.7  # of color, across and down
+        if kind > 0.65:
+            scale = rng.uniform(0.5, 0.85)
+            small = cv2.resize(image, (int(width * scale), int(height * scale)), interpolation=cv2.INTER_AREA)
+            image = cv2.resize(small, (width, height), interpolation=cv2.INTER_LINEAR if rng.random() < 0.5 else cv2.INTER_CUBIC)
+            quality, halved = int(rng.integers(40, 75)), True
+        file = io.BytesIO()
+        Image.fromarray(image).save(file, "jpeg", quality=quality, subsampling=2 if halved else 0)
+        return np.asarray(Image.open(file).convert("RGB"))
+
+
+def mix(sample, seed, size=1, k=None, bend=0.4, camera=False):
     """One photograph of a sample, at 1/size of its resolution. k: bends the light to this slope; without it a share `bend` of the
-    photographs is bent to a slope drawn as real ones are distributed, wider than lights and bounces alone make them. Returns a dict of
+    photographs is bent to a slope drawn as real ones are distributed, wider than lights and bounces alone make them. camera: with a tone
+    curve and compression; then mask is 0 where the image is clipped. Returns a dict of
     image   height × width × 3, 8-bit sRGB
     I       the same, linear 0…1, as a program gets it
-    R, E    reflectance and light, linear: I = R E before haze, blur, noise, clipping and rounding, also where mask is 0
+    R, E    reflectance and light, linear: I = R E before haze, blur, noise, the S of the curve, clipping, rounding and compression, also
+            where mask is 0
     mask    1 where R and E are true, and haze is thin
     weight  of pixels in the slope: true, and neither clipped nor black
     k, m_rms, axis, g   of slope();  bent, kelvin, flux, balance   what was drawn"""
@@ -202,7 +250,14 @@ def mix(sample, seed, size=1, k=None, bend=0.4):
     weight = ((mask > 0) & (picture.max(-1) < 1) & (picture.max(-1) > 0.004)).astype(np.float32)
     if weight.sum() < 0.3 * weight.size:
         weight = mask.astype(np.float32)
-    image = photograph(picture, rng)
+    if camera:
+        lens = Camera(np.random.default_rng([seed, sample["meta"]["seed"], 1]))
+        image = lens.photograph(picture)
+        reflectance, light = reflectance**lens.contrast, light**lens.contrast
+        seen = (image.max(-1) < 255) & (image.max(-1) > 0)
+        mask, weight = (mask * seen).astype(np.uint8), weight * seen
+    else:
+        image = photograph(picture, rng)
     return {
         "image": image,
         "I": linear(image / 255).astype(np.float32),
@@ -210,7 +265,7 @@ def mix(sample, seed, size=1, k=None, bend=0.4):
         "E": light,
         "mask": mask,
         "weight": weight,
-        **slope(light, weight),
+        **slope(light, weight if weight.any() else np.ones_like(weight)),
         "bent": k is not None,
         "kelvin": kelvin,
         "flux": flux.tolist(),
