@@ -158,7 +158,7 @@ def main():
         eye, target, lens = draw()
         camera = look(stage, eye, target, lens)
         bpy.context.view_layer.update()
-        score = judge(stage, camera, near, sky, *((0.9, 3) if kind in SETS else (0.72, 5)))
+        score = judge(stage, camera, near, sky, *((0.93, 2) if kind in SETS else (0.72, 5)))
         if score is not None:
             cameras.append((score, camera))
     if not cameras:

@@ -240,13 +240,13 @@ def ground(s, m, t):
     s.quad([(-12, -12, 0), (12, -12, 0), (12, 12, 0), (-12, 12, 0)], base)
     if s.chance(0.3):  # two floors meet
         other = kinds[s.pick(kinds)]() or m.mottled()
-        s.quad([(-12, 0, 0.004), (12, s.uniform(-1, 1), 0.004), (12, 12, 0.004), (-12, 12, 0.004)], other)
+        s.quad([(-12, 0, 0.0005), (12, s.uniform(-1, 1), 0.0005), (12, 12, 0.0005), (-12, 12, 0.0005)], other)
     paint = m.mottled(m.gray(0.4, 0.85) if s.chance(0.7) else m.color(), s.uniform(0.02, 0.25), 30)
-    z = 0.006
+    z = 0.0005  # paint has hardly any height: a dark line along its edge would tell what it is
     for _ in range(int(s.rng.integers(1, 6))):
         kind = s.pick(["patch", "line", "crossing", "court", "print", "rug", "motif"], [3, 2, 1.5, 0.7, 1, 0.2 if outdoors else 1.5, 0.7])
         at, turn = (s.uniform(-1.5, 1.5), s.uniform(-1.5, 1.5), 0), s.uniform(0, 6.28)
-        z += 0.001
+        z += 0.0004
         if kind == "patch":
             dark = m.mottled(m.gray(0.02, 0.1), 0.2, 40) if s.chance(0.7) else m.mottled()
             items = [patch(s, dark, s.uniform(0.15, 1.2), z)]

@@ -46,5 +46,5 @@ def unseen(s, m, t, at, toward, distance, reach, kind=None):
     aside = Matrix.Translation((*(s.rng.uniform(-0.5, 0.5, 2) * r), 0))
     for item in items:
         item.matrix_basis = move @ aside @ item.matrix_basis
-        item.visible_camera = False
+        item.visible_camera, item.hide_viewport = False, True  # the second for rays that judge cameras
     return items
