@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 DARKEST = 0.02  # shading is radiance over reflectance
+BRIGHTEST = 0.9
 
 # What a photographed texture is good for, by words in its file's name; and the width of one tile in meters.
 PHOTOS = {
@@ -43,7 +44,7 @@ class Materials:
     def pale(self, color):
         """With the scene's saturation."""
         color = np.asarray(color, float)
-        return tuple(np.clip(color.mean() + self.saturation * (color - color.mean()), DARKEST, 0.9))
+        return tuple(np.clip(color.mean() + self.saturation * (color - color.mean()), DARKEST, BRIGHTEST))
 
     def toned(self, color):
         """Of a thing: dark or light where the scene's things are."""
@@ -52,12 +53,12 @@ class Materials:
             color = color * self.stage.uniform(0.025, 0.1) / max(color.mean(), 0.025)
         elif self.things == "light" and self.stage.chance(0.7):
             color = color * self.stage.uniform(0.5, 0.8) / max(color.max(), 0.03)
-        return tuple(np.clip(color, DARKEST, 0.9))
+        return tuple(np.clip(color, DARKEST, BRIGHTEST))
 
     def gray(self, low=0.03, high=0.85):
         value = math.exp(self.stage.uniform(math.log(low), math.log(high)))
         tint = 1 + self.rng.normal(0, 0.02, 3)
-        return tuple(np.clip(value * tint, DARKEST, 0.9))
+        return tuple(np.clip(value * tint, DARKEST, BRIGHTEST))
 
     def color(self):
         """Any paint: black, white and gray, dark, vivid or pale."""
@@ -110,12 +111,14 @@ class Materials:
         return mapping.outputs[0]
 
     def _clamp(self, tree, color, diffuse):
-        """No reflectance below DARKEST."""
-        most = tree.nodes.new("ShaderNodeMixRGB")
-        most.blend_type, most.inputs[0].default_value = "LIGHTEN", 1
-        most.inputs[2].default_value = (DARKEST,) * 3 + (1,)
-        tree.links.new(color, most.inputs[1])
-        tree.links.new(most.outputs[0], diffuse.inputs["Color"])
+        """No reflectance below DARKEST or above BRIGHTEST."""
+        for blend, limit in (("LIGHTEN", DARKEST), ("DARKEN", BRIGHTEST)):
+            mix = tree.nodes.new("ShaderNodeMixRGB")
+            mix.blend_type, mix.inputs[0].default_value = blend, 1
+            mix.inputs[2].default_value = (limit,) * 3 + (1,)
+            tree.links.new(color, mix.inputs[1])
+            color = mix.outputs[0]
+        tree.links.new(color, diffuse.inputs["Color"])
 
     def _bump(self, tree, height, diffuse, distance):
         bump = tree.nodes.new("ShaderNodeBump")
@@ -148,7 +151,7 @@ class Materials:
 
         handle, path = tempfile.mkstemp(".png")
         os.close(handle)
-        picture.convert("RGB").save(path)
+        picture.convert("RGB").save(path, compress_level=1)
         image = bpy.data.images.load(path)
         image.pack()
         os.remove(path)
@@ -196,7 +199,7 @@ class Materials:
         vector = self._coordinates(tree, 1)
         scale = self.stage.pick([2, 8, 40]) * self.stage.uniform(0.5, 1.5) if scale is None else scale
         noise = self._noise(tree, vector, scale, 8)
-        low, high = np.clip(color * (1 - strength), DARKEST, 0.9), np.clip(color * (1 + strength), DARKEST, 0.9)
+        low, high = np.clip(color * (1 - strength), DARKEST, BRIGHTEST), np.clip(color * (1 + strength), DARKEST, BRIGHTEST)
         self._clamp(tree, self._ramp(tree, noise, [low, high]), diffuse)
         if bump:
             self._bump(tree, self._noise(tree, vector, self.stage.uniform(60, 200)), diffuse, bump)
@@ -235,7 +238,7 @@ class Materials:
     def bricks(self, colors=None, mortar=None, width=None):
         """Bricks or tiles with joints, on the plane that the coordinates x + y and z span."""
         base = np.array(self.color() if colors is None else colors[0])
-        other = np.clip(base * self.rng.uniform(0.7, 1.25, 3), DARKEST, 0.9) if colors is None else colors[1]
+        other = np.clip(base * self.rng.uniform(0.7, 1.25, 3), DARKEST, BRIGHTEST) if colors is None else colors[1]
         material, tree, diffuse = self.empty(base)
         place, split = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeSeparateXYZ")
         add, join = tree.nodes.new("ShaderNodeMath"), tree.nodes.new("ShaderNodeCombineXYZ")
@@ -266,7 +269,7 @@ class Materials:
         if kind == "black":
             return self.gray(0.022, 0.08), self.gray(0.5, 0.85)
         a = np.array(self.color())
-        return tuple(a), self.color() if kind == "any" else tuple(np.clip(a * self.stage.uniform(0.4, 0.8), DARKEST, 0.9))
+        return tuple(a), self.color() if kind == "any" else tuple(np.clip(a * self.stage.uniform(0.4, 0.8), DARKEST, BRIGHTEST))
 
     def checker(self, colors, size):
         material, tree, diffuse = self.empty(colors[0])
@@ -322,7 +325,7 @@ class Materials:
             return self.photo("brick") or self.bricks()
         if kind == "paper":
             color = np.array(self.wall_color())
-            return self.pattern((tuple(color), tuple(np.clip(color * self.rng.uniform(0.6, 1.2), DARKEST, 0.9))), s.uniform(0.03, 0.15))
+            return self.pattern((tuple(color), tuple(np.clip(color * self.rng.uniform(0.6, 1.2), DARKEST, BRIGHTEST))), s.uniform(0.03, 0.15))
         return (
             self.paint(self.wall_color())
             if kind == "paint"

@@ -342,7 +342,7 @@ def shop(s, m, t):
             size = high - low
             if size[2] > step - 0.04 or x + size[0] > width / 2:
                 t.remove(items)
-                x += 0.06
+                x += 0.2
                 continue
             s.place(items, (x - low[0], -0.08 - low[1], z + 0.013 - low[2]))
             x += size[0] + 0.008
