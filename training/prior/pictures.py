@@ -30,7 +30,7 @@ def procedural(seed):
 
 
 def mixed(scene, seed, rng, size):
-    m = mix.mix(scene, seed, size)
+    m = mix.mix(scene, seed, size, camera=rng.random() < 0.5)
     planes = [m[name] for name in ("I", "R", "E", "mask")]
     if rng.random() < 0.5:
         planes = [p[:, ::-1] for p in planes]
