@@ -38,6 +38,24 @@ def whdr(example, planes=None, count=600):
     return float((judged((found[i] - found[j])[chosen]) != np.concatenate([np.zeros(len(equal)), np.sign(step[other])])).mean())
 
 
+def fields_apart(network, inputs, rng):
+    """Mean square distance of the fields, relative to their limits, between two crops that a few pixels and noise separate: what would
+    flicker when a camera moves."""
+    step = 16  # of sizes
+    y, x = (int(k) for k in rng.integers(0, step, 2))
+    height, width = inputs.shape[2] - step, inputs.shape[3] - step
+    if min(height, width) < 2 * step:
+        return inputs.new_zeros(())
+    noise = torch.randn_like(inputs[:, :, :height, :width]) * torch.rand(len(inputs), 1, 1, 1, device=inputs.device) * 0.06
+    both = torch.cat([inputs[:, :, :height, :width], inputs[:, :, y : y + height, x : x + width] + noise])
+    fields = torch.stack([problem.fields_of(a, (height, width)) for a in network(both)]) / problem.LIMITS.to(inputs.device)[:, None, None]
+    first, second = fields.split(len(inputs))
+    inner = 8  # what a crop's border changes does not count
+    a = first[:, :, y + inner : height - inner, x + inner : width - inner]
+    b = second[:, :, inner : height - inner - y, inner : width - inner - x]
+    return ((a - b) ** 2).mean()
+
+
 def evaluate(network, examples):
     """Mean loss without pairs, and WHDR, by kind. network None: the fitted prior."""
     rows = {}
@@ -91,30 +109,32 @@ class Run:
         args, pairs = self.args, (self.args.equal, self.args.different)
         if self.step == 0:
             self.log(step=0, fitted=evaluate(None, tests))
-        start, sums = time.time(), []
+        start, sums, shifts = time.time(), [], np.random.default_rng(args.seed)
         while self.step < args.steps:
             self.step += 1
             rate = args.rate * min(1, self.step / 100) * 0.5 * (1 + math.cos(math.pi * self.step / args.steps)) + 1e-6
             for group in self.optimizer.param_groups:
                 group["lr"] = rate
             batch = pool.batch(args.batch)
-            inputs = torch.from_numpy(np.stack([p.input for p in batch]))
-            answers = self.network(inputs.to(args.device, memory_format=torch.channels_last))
+            inputs = torch.from_numpy(np.stack([p.input for p in batch])).to(args.device, memory_format=torch.channels_last)
+            answers = self.network(inputs)
             fields = [problem.fields_of(a, p.size) for a, p in zip(answers, batch)]
             loss = problem.Loss.apply(batch, pairs, *fields)
+            apart = fields_apart(self.network, inputs, shifts) if args.steady else torch.zeros(())
             self.optimizer.zero_grad()
-            loss.backward()
+            (loss + args.steady * apart).backward()
             torch.nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)
             self.optimizer.step()
             keep = min(KEEP, self.step / (self.step + 10))
             with torch.no_grad():
                 for a, p in zip(self.average.parameters(), self.network.parameters()):
                     a.mul_(keep).add_(p.to(a.device), alpha=1 - keep)
-            sums.append(float(loss))
+            sums.append((float(loss), float(apart)))
             if self.step % args.fresh == 0:
                 pool.add_later()
             if self.step % 100 == 0:
-                self.log(step=self.step, loss=round(float(np.mean(sums)), 4), seconds=round(time.time() - start, 1), made=pool.made)
+                loss, apart = np.mean(sums, 0)
+                self.log(step=self.step, loss=round(float(loss), 4), apart=round(float(apart), 6), seconds=round(time.time() - start, 1), made=pool.made)
                 sums = []
             if self.step % args.every == 0 or self.step == args.steps:
                 self.save()
@@ -133,6 +153,7 @@ def main():
     parser.add_argument("--equal", type=float, default=1.0, help="weight of pairs of one paint")
     parser.add_argument("--different", type=float, default=0.5, help="weight of pairs of two paints")
     parser.add_argument("--assets", type=pathlib.Path, help="of ../intrinsic/README.md, for drawn pictures")
+    parser.add_argument("--steady", type=float, default=1.0, help="weight of the fields' change between crops and noise")
     parser.add_argument("--shares", type=float, nargs=2, default=(0.4, 0.35), help="of photographs and of drawn pictures among examples")
     parser.add_argument("--pool", type=int, default=1500, help="examples in memory")
     parser.add_argument("--fresh", type=int, default=4, help="steps between new examples")
