@@ -8,12 +8,13 @@
 
 namespace inverse {
 
-std::string models_folder(const std::string& set, const char* part) {
+std::string models_set(const std::string& set) {
   const char* environment = std::getenv("INVERSE_MODELS");
-  const std::string all = !set.empty()                  ? set
-                          : environment && *environment ? environment
-                                                        : MODELS_FOLDER;
-  std::string folder = all + "/" + part;
+  return !set.empty() ? set : environment && *environment ? environment : MODELS_FOLDER;
+}
+
+std::string models_folder(const std::string& set, const char* part) {
+  std::string folder = models_set(set) + "/" + part;
   std::error_code status;
   if (!std::filesystem::is_directory(folder, status))
     throw Error(ErrorKind::file, "there is no folder " + folder +

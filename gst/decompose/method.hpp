@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gst/base/filter.hpp"
@@ -89,12 +91,15 @@ class DecompositionMethod {
 template <typename P, typename MethodParams>
 class MethodSettings final : public DecomposerSettings {
  public:
-  MethodSettings(const PropertyTable<P>& table, const QualityLevels<MethodParams>& levels)
+  /// `complete` adds to the parameters of a frame what takes more than the properties.
+  MethodSettings(const PropertyTable<P>& table, const QualityLevels<MethodParams>& levels,
+                 std::function<void(P&)> complete = {})
       : parameters_(table,
                     [&levels](const P& set) {
                       return defaults(set, levels.levels[levels.top(set.quality)]);
                     }),
-        levels_(levels) {}
+        levels_(levels),
+        complete_(std::move(complete)) {}
   PropertyStore& store() override { return parameters_; }
   std::vector<double> level_costs() const override { return levels_.costs(); }
   bool adaptive() const override { return properties().adaptive; }
@@ -112,6 +117,7 @@ class MethodSettings final : public DecomposerSettings {
       next = parameters_.snapshot(
           [&](P& params) { params = defaults(params, levels_.levels[controller.level()]); });
     next.derive();
+    if (complete_) complete_(next);
     const MethodParams &before = params_, &now = next;
     const bool changed = before != now;
     params_ = next;
@@ -132,6 +138,7 @@ class MethodSettings final : public DecomposerSettings {
 
   Parameters<P> parameters_;
   const QualityLevels<MethodParams>& levels_;
+  std::function<void(P&)> complete_;
   P params_;
 };
 

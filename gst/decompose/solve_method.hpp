@@ -14,17 +14,21 @@ class SolveMethod : public DecompositionMethod {
   using Params = SolveParams<typename Method::Params>;
   SolveMethod(const PropertyTable<Params>& table,
               const QualityLevels<typename Method::Params>& levels)
-      : settings_(table, levels) {}
+      : settings_(table, levels, [this](Params& params) {
+          params.prior.network = models_.take(params.prior_source, params.prior_width);
+        }) {}
 
   DecomposerSettings& settings() override { return settings_; }
-  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent, const Log&) override {
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent, const Log& log) override {
     method_.emplace(device, extent);
     stroke_work_.configure(device, extent);
     const Params params = settings_.properties();
-    method_->prepare(params.halvings());
+    models_.start(log);
+    const PriorModelPtr network = models_.take(params.prior_source, params.prior_width);
+    method_->prepare(params.halvings(), network);
     // Setting one up later would make the frame late that changes to it.
     if (params.target_fps > 0 || params.latency_budget > 0)
-      for (const size_t halvings : {0, 1, 2}) method_->prepare(halvings);
+      for (const size_t halvings : {0, 1, 2}) method_->prepare(halvings, network);
   }
   void release() override {
     method_.reset();
@@ -79,6 +83,7 @@ class SolveMethod : public DecompositionMethod {
       return findings;
   }
 
+  PriorModels models_;
   StrokeEditor strokes_;
   StrokeWork stroke_work_{strokes_};
 };

@@ -31,6 +31,8 @@ void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,
                     static_cast<double>(found.slope_confidence), "tiles", G_TYPE_UINT, solve.tiles,
                     "tiles-evaluated", G_TYPE_UINT, found.tiles_evaluated, "tiles-active",
                     G_TYPE_UINT, found.tiles_active, nullptr);
+  gst_structure_set(stats, "prior", G_TYPE_STRING,
+                    solve.network ? solve.network->name.c_str() : PriorModels::kFitted, nullptr);
   const Tolerances& tolerances = solve.tolerances;
   for (const auto& [name, value] : {std::pair{"half-tolerance", tolerances.half},
                                     {"tile-tolerance", tolerances.tile},

@@ -2,6 +2,7 @@
 #pragma once
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
 #include "method.hpp"
+#include "prior_models.hpp"
 #include "stroke_properties.hpp"
 
 namespace inverse {
@@ -10,6 +11,7 @@ namespace inverse {
 template <typename MethodParams>
 struct SolveParams : MethodParams, DecomposerParams, StrokeParams {
   float skip_error = Tolerances::kSkipError;  ///< rms log shading
+  std::string prior_source = PriorModels::kFitted;
   void take_defaults(const SolveParams& set) {
     skip_error = set.skip_error;
     this->tolerances.scale_to(skip_error);
@@ -62,6 +64,9 @@ PropertyTable<P> solve_properties() {
           -SceneLight::kMaxSlope, SceneLight::kMaxSlope,
           "Step of ln red/blue of light with a step of its ln brightness, -2 to 2; auto = found in "
           "the frames, 0 = gray light"),
+      text<P>("prior", &P::prior_source,
+              "What tells paint from light: fitted = a function of a few pixels, learned = also a "
+              "network that comes with gst-inverse, else the path of such a network (.net)"),
       number<P>(
           "reflectance-weight", [](P& p) -> float& { return p.prior.reflectance_weight; }, 1e-3f,
           1e3f, "Weight of smooth reflectance; raise it to move texture into shading"),

@@ -115,7 +115,9 @@ class GlobalIntrinsic {
   /// w = 1); gray if the scene has none.
   void draw_labels(gpu::Commands& commands, const Plane& input, const Plane& target);
   /// Sets up a resolution for good (ScaledIntrinsic::prepare).
-  void prepare(size_t halvings) { solve_.prepare(halvings); }
+  void prepare(size_t halvings, const PriorModelPtr& network = nullptr) {
+    solve_.prepare(halvings, network);
+  }
   /// As ScaledIntrinsic::drawn.
   const TileList* drawn() const { return drawn_; }
   /// As ScaledIntrinsic::converged.

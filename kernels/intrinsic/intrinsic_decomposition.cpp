@@ -13,9 +13,9 @@ namespace {
 
 /// The parameters that the solution depends on: without those that only set the amount of work.
 IntrinsicDecomposition::Params problem_of(IntrinsicDecomposition::Params params) {
-  constexpr IntrinsicDecomposition::Params kDefaults{};
-  params.cycles = kDefaults.cycles;
-  params.warm_cycles = kDefaults.warm_cycles;
+  const IntrinsicDecomposition::Params defaults;
+  params.cycles = defaults.cycles;
+  params.warm_cycles = defaults.warm_cycles;
   params.tolerances = {};
   return params;
 }
@@ -347,7 +347,8 @@ void IntrinsicDecomposition::record_report(gpu::Commands& commands, const Params
   Report& report = reports_[recorded_++];
   report.colored = slope != nullptr;
   report.strokes = strokes_.count();
-  report.stats = {plan_, multigrid_.depth(), prior_.tiles(), params.tolerances};
+  report.stats = {plan_, multigrid_.depth(), prior_.tiles(), params.tolerances,
+                  params.prior.network};
   if (!report.found)
     report.found = gpu::Buffer::create(device_, gpu::Element::word,
                                        sizeof(Numbers) / sizeof(uint32_t), gpu::Memory::readback);

@@ -62,6 +62,7 @@ class IntrinsicDecomposition {
     uint32_t levels = 0;  ///< of the multigrid
     uint32_t tiles = 0;   ///< of 16 x 16 pixels, of a frame
     Tolerances tolerances;
+    PriorModelPtr network;  ///< of the prior; null: the fitted one alone
   };
 
   /// Throws Error(limit) if frames of this size do not fit the device.
@@ -89,6 +90,8 @@ class IntrinsicDecomposition {
   /// `other` (R.rgb, S), resampled to this size.
   void continue_from(gpu::Commands& commands, const IntrinsicDecomposition& other,
                      PlanePtr intrinsic);
+  /// Makes what a network of the prior needs, as the first frame with it does otherwise.
+  void prepare(const PriorModelPtr& network) { prior_.prepare(network); }
   /// Whether the next frame extends strokes to surroundings of similar reflectance.
   bool fills() const { return strokes_.mask().unfilled(); }
   /// Frames recorded since construction: the last one's number is one less.

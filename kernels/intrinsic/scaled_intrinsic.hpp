@@ -24,6 +24,8 @@ class ScaledIntrinsic {
     bool half_resolution = false;
     /// With half_resolution: a quarter of width and height instead.
     bool quarter_resolution = false;
+    /// Which of gst-inverse's networks `prior.network` is, if the caller chooses among them.
+    PriorWidth prior_width = PriorWidth::medium;
     /// How often the frame is halved before it is solved, unless Tolerances::half decides.
     size_t halvings() const { return !half_resolution ? 0 : quarter_resolution ? 2 : 1; }
     void set_halvings(size_t halvings) {
@@ -50,11 +52,12 @@ class ScaledIntrinsic {
   /// solve. Throws Error(limit) with the largest size if they would have to be more often than
   /// twice.
   static size_t min_halvings(const gpu::Device& device, Extent extent);
-  /// Sets a resolution up for good. Throws Error(limit) if frames of this size do not fit the
-  /// device.
-  void prepare(size_t halvings) {
+  /// Sets a resolution up for good, with a network of the prior or, null, without. Throws
+  /// Error(limit) if frames of this size do not fit the device.
+  void prepare(size_t halvings, const PriorModelPtr& network = nullptr) {
     halvings = std::max(halvings, min_halvings_);
     set_up(halvings);
+    methods_[halvings]->prepare(network);
     stays_[halvings] = true;
   }
   /// As IntrinsicDecomposition::record.

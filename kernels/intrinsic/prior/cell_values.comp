@@ -5,24 +5,41 @@
 #include "intrinsic/energy/energy.glsl"
 #include "intrinsic/guide/guide.glsl"
 
-// EdgePrior, cells: v, V and g of energy.glsl from a cell's cues. One pack of cells an invocation.
+// EdgePrior, cells: v, V and g of energy.glsl from a cell's cues and, with kLearned, what a network adds. One pack of cells an
+// invocation.
+layout(constant_id = 1) const bool kLearned = false;
 PLANE_IN(0, cells);
 PLANE_IN(1, guide_coarse);
 PLANE_IN(2, statistics);
 PLANE_IN(3, tuning);
-PLANE_OUT(4, value);
-#define TILE_CONSTANT 1
-#define TILE_BINDING 5
+PLANE_IN(4, fields);  // network/fields.glsl
+PLANE_OUT(5, value);
+#define TILE_CONSTANT 2
+#define TILE_BINDING 6
 #include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   ivec2 size;  // of level 2
   float value_weight;
   float chroma_weight;
+  ivec2 network_size;  // of the network's picture
+  int network_level;
 } push;
 #include "edge_net.glsl"
 #include "net.glsl"
+#include "network/fields.glsl"
 
 const float kCellArea = 16.0;
+
+// What the network adds: of the pixel that holds the cell, or the mean over those in it.
+vec3 learned(ivec2 cell) {
+  int shift = push.network_level - 2, count = 1 << max(-shift, 0);
+  ivec2 first = shift >= 0 ? cell >> shift : cell << -shift, end = min(first + count, push.network_size);
+  vec4 sum = vec4(0.0);
+  for (int y = first.y; y < end.y; ++y)
+    for (int x = first.x; x < end.x; ++x) sum += FETCH(fields, FIELDS_STRIDE * (y * push.network_size.x + x) + FIELDS_CELL);
+  ivec2 pixels = end - first;
+  return sum.xyz / float(pixels.x * pixels.y);
+}
 
 void main() {
   int packs = int(PACK4(uint(push.size.x)));
@@ -46,6 +63,7 @@ void main() {
     vec4 sums[CELL_VECTORS];
     CELL_BIASES(sums);
     vec3 result = cell_net(f, sums);
+    if (kLearned) result += learned(ivec2(min(x, push.size.x - 1), position.y));
     float on = x < push.size.x ? 1.0 : 0.0;
     v = vec4(v.yzw, on * kCellArea * push.value_weight * weight(result.x));
     target = vec4(target.yzw, on * (p.x + p.w + result.y));

@@ -5,7 +5,9 @@
 
 namespace inverse {
 EdgePrior::EdgePrior(const std::shared_ptr<gpu::Device>& device, Extent extent)
-    : fold_biases_(device),
+    : device_(device),
+      extent_(extent),
+      fold_biases_(device),
       change_(device, {}, device->variant().area_workgroup()),
       edges_{{device, {.down = false}, 4, 4}, {device, {.down = true}, 4, 4}},
       values_(device, {}, 1, 4),
@@ -16,10 +18,36 @@ EdgePrior::EdgePrior(const std::shared_ptr<gpu::Device>& device, Extent extent)
       kept_(gpu::Buffer::create(device, gpu::Element::vec4, half_of(extent).pixels())),
       kept_statistics_(gpu::Buffer::create(device, gpu::Element::vec4, Guide::kStatisticsSize)) {}
 
+EdgePrior::Learned::Learned(const std::shared_ptr<gpu::Device>& device, Extent extent,
+                            const PriorModelPtr& model)
+    : network(device, extent, model), values(device, {.learned = true}, 1, 4) {
+  using Shader = shaders::intrinsic_prior_edges;
+  const uint32_t kind =
+      network.picture().level >= 2 ? Shader::LEARNED_BLOCKS : Shader::LEARNED_PIXELS;
+  for (const bool down : {false, true})
+    edges[down ? 1 : 0] = {device, {.down = down, .learned = kind}, 4, 4};
+}
+
+void EdgePrior::prepare(const PriorModelPtr& network) {
+  if (!network)
+    learned_.reset();
+  else if (!learned_ || learned_->network.model() != network)
+    learned_.emplace(device_, extent_, network);
+}
+
+void EdgePrior::record_frame(gpu::Commands& commands, const Guide& guide, const Params& params) {
+  prepare(params.network);
+  commands.dispatch(fold_biases_, {.statistics = guide.statistics(), .biases = biases_}, {});
+  if (!learned_) return;
+  learned_->network.record(commands, guide);
+  commands.stage("prior-network");
+}
+
 void EdgePrior::record_edges(gpu::Commands& commands, const Guide& guide, const Target& target,
                              const Params& params, const TileList* listed) const {
   const Extent extent = guide.extent();
-  for (const auto& edges : edges_)
+  const PriorPicture* picture = learned_ ? &learned_->network.picture() : nullptr;
+  for (const Edges& edges : learned_ ? learned_->edges : edges_)
     edges.dispatch(
         commands, listed,
         {.level0 = guide.level0(),
@@ -27,11 +55,14 @@ void EdgePrior::record_edges(gpu::Commands& commands, const Guide& guide, const 
          .cells = guide.cells(),
          .statistics = guide.statistics(),
          .tuning = biases_,
+         .fields = learned_ ? learned_->network.fields() : biases_,
          .system = target.system,
          .flux = target.flux},
         {.size = extent,
          .reflectance_weight = params.reflectance_weight,
-         .shading_weight = params.shading_weight},
+         .shading_weight = params.shading_weight,
+         .network_width = picture ? static_cast<int32_t>(picture->extent.width) : 0,
+         .network_level = picture ? static_cast<int32_t>(picture->level) : 0},
         line_of(static_cast<uint64_t>(pack4_count(extent.width)) * ((extent.height + 3) / 4)));
   if (target.strokes)
     target.strokes->record_edges(commands, guide, target.system, target.flux, listed);
@@ -40,14 +71,20 @@ void EdgePrior::record_edges(gpu::Commands& commands, const Guide& guide, const 
 void EdgePrior::record_values(gpu::Commands& commands, const Guide& guide, const Target& target,
                               const Params& params, const TileList* listed) const {
   const Extent cells = guide.cell_extent();
-  values_.dispatch(
+  const PriorPicture* picture = learned_ ? &learned_->network.picture() : nullptr;
+  (learned_ ? learned_->values : values_).dispatch(
       commands, listed,
       {.cells = guide.cells(),
        .guide_coarse = guide.guide_coarse(),
        .statistics = guide.statistics(),
        .tuning = biases_,
+       .fields = learned_ ? learned_->network.fields() : biases_,
        .value = target.value},
-      {.size = cells, .value_weight = params.value_weight, .chroma_weight = params.chroma_weight},
+      {.size = cells,
+       .value_weight = params.value_weight,
+       .chroma_weight = params.chroma_weight,
+       .network_size = picture ? picture->extent : Extent{},
+       .network_level = picture ? static_cast<int32_t>(picture->level) : 0},
       line_of(pack4_count(cells)));
   if (target.strokes) target.strokes->record_values(commands, guide, target.value, listed);
 }
@@ -71,7 +108,7 @@ void EdgePrior::record(gpu::Commands& commands, const Guide& guide, const Target
     commands.copy(guide.level1(), kept_, kept_->bytes());
     commands.copy(guide.statistics(), kept_statistics_, kept_statistics_->bytes());
   }
-  commands.dispatch(fold_biases_, {.statistics = guide.statistics(), .biases = biases_}, {});
+  record_frame(commands, guide, params);
   record_edges(commands, guide, target, params, nullptr);
   record_values(commands, guide, target, params, nullptr);
 }
@@ -93,7 +130,7 @@ void EdgePrior::record_changes(gpu::Commands& commands, const Guide& guide, cons
                     line_of(uint64_t{tiles()} * change_.kernel()->workgroup()));
   if (target.strokes) changes_.record_merge(commands, target.strokes->changed());
   changes_.record(commands);
-  commands.dispatch(fold_biases_, {.statistics = guide.statistics(), .biases = biases_}, {});
+  record_frame(commands, guide, params);
   record_edges(commands, guide, target, params, &changes_);
   record_keep(commands, guide, changes_);
   record_values(commands, guide, target, params, nullptr);
@@ -103,8 +140,8 @@ void EdgePrior::record_changes(gpu::Commands& commands, const Guide& guide, cons
 }
 
 void EdgePrior::record_tiles(gpu::Commands& commands, const Guide& guide, const Target& target,
-                             const Params& params, const TileList& listed) const {
-  commands.dispatch(fold_biases_, {.statistics = guide.statistics(), .biases = biases_}, {});
+                             const Params& params, const TileList& listed) {
+  record_frame(commands, guide, params);
   record_edges(commands, guide, target, params, &listed);
   record_keep(commands, guide, listed);
   record_values(commands, guide, target, params, &listed);

@@ -2,8 +2,10 @@
 #pragma once
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "kernels/intrinsic/guide/guide.hpp"
+#include "kernels/intrinsic/prior/network/prior_network.hpp"
 #include "kernels/intrinsic/strokes/strokes.hpp"
 #include "kernels/intrinsic_prior_cell_values.spv.hpp"
 #include "kernels/intrinsic_prior_change.spv.hpp"
@@ -15,8 +17,9 @@ namespace inverse {
 
 /// Weights every edge by how much of its step is reflectance or shading, and sets the value prior
 /// of every cell (energy.glsl: a, b, v, V, g), by two small fitted functions of local cues
-/// (docs/reference/methods/intrinsicdecomp.md, 2). Can reuse the edges of unchanged tiles. The
-/// solver only reads the three buffers of Target: another prior can replace this one.
+/// (docs/reference/methods/intrinsicdecomp.md, 2), and a network that adds to them. Can reuse the
+/// edges of unchanged tiles. The solver only reads the three buffers of Target: another prior can
+/// replace this one.
 class EdgePrior {
  public:
   struct Params {
@@ -30,6 +33,8 @@ class EdgePrior {
     /// Factor on g, how firmly equal chroma means equal reflectance; 0…1e3, 0 switches the chroma
     /// bins off.
     float chroma_weight = 1.0F;
+    /// Adds to the fitted functions; null: nothing does.
+    PriorModelPtr network;
     bool operator==(const Params&) const = default;
   };
   /// Output buffers. Edges stay there from frame to frame.
@@ -49,6 +54,8 @@ class EdgePrior {
 
   EdgePrior(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
+  /// Makes kernels and buffers for a network, as the first frame with it does otherwise.
+  void prepare(const PriorModelPtr& network);
   /// Records all edges and values. `keep`: saves the guide for a later `record_changes`.
   void record(gpu::Commands& commands, const Guide& guide, const Target& target,
               const Params& params, bool keep = false);
@@ -59,7 +66,7 @@ class EdgePrior {
                       const Params& params, float tolerance);
   /// Records the edges and values of listed tiles only.
   void record_tiles(gpu::Commands& commands, const Guide& guide, const Target& target,
-                    const Params& params, const TileList& listed) const;
+                    const Params& params, const TileList& listed);
   /// Forgets the saved guide.
   void reset() { known_ = false; }
   /// How many tiles a frame has.
@@ -70,17 +77,31 @@ class EdgePrior {
   const gpu::BufferPtr& kept_statistics() const { return kept_statistics_; }
 
  private:
+  using Edges = TileProgram<shaders::intrinsic_prior_edges>;
+  using Values = TileProgram<shaders::intrinsic_prior_cell_values>;
+  /// What takes the place of `edges_` and `values_` with a network.
+  struct Learned {
+    Learned(const std::shared_ptr<gpu::Device>& device, Extent extent, const PriorModelPtr& model);
+    PriorNetwork network;
+    Edges edges[2];
+    Values values;
+  };
+  /// What comes before edges and values.
+  void record_frame(gpu::Commands& commands, const Guide& guide, const Params& params);
   void record_edges(gpu::Commands& commands, const Guide& guide, const Target& target,
                     const Params& params, const TileList* listed) const;
   void record_values(gpu::Commands& commands, const Guide& guide, const Target& target,
                      const Params& params, const TileList* listed) const;
   void record_keep(gpu::Commands& commands, const Guide& guide, const TileList& listed) const;
 
+  std::shared_ptr<gpu::Device> device_;
+  Extent extent_;
   gpu::Program<shaders::intrinsic_prior_fold_biases> fold_biases_;
   gpu::Program<shaders::intrinsic_prior_change> change_;
-  TileProgram<shaders::intrinsic_prior_edges> edges_[2];  // to the right, down
-  TileProgram<shaders::intrinsic_prior_cell_values> values_;
+  Edges edges_[2];  // to the right, down
+  Values values_;
   TileProgram<shaders::intrinsic_prior_save_reference> save_reference_;
+  std::optional<Learned> learned_;
   TileList changes_;
   gpu::BufferPtr biases_, kept_, kept_statistics_;
   Params known_params_;

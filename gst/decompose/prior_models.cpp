@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "prior_models.hpp"
+
+#include <utility>
+
+#include "common/error.hpp"
+#include "gst/base/models.hpp"
+
+namespace inverse {
+
+void PriorModels::start(const Log& log) {
+  log_ = log;
+  source_.clear();
+  models_.clear();
+}
+
+PriorModelPtr PriorModels::take(const std::string& source, PriorWidth width) {
+  if (std::exchange(source_, source) != source) {
+    models_.clear();
+    warned_ = false;
+  }
+  if (source == kFitted) return nullptr;
+  const std::string path = source == kLearned
+                               ? models_set() + "/intrinsic/prior-" + name_of(width) + ".net"
+                               : source;
+  const auto known = models_.find(path);
+  return known != models_.end() ? known->second : models_[path] = load(path);
+}
+
+PriorModelPtr PriorModels::load(const std::string& path) {
+  try {
+    if (path.ends_with(".onnx")) {
+      const std::string net = path.substr(0, path.size() - 5) + ".net";
+      throw Error(ErrorKind::file, path + ": elements do not read ONNX; run \"inverse-onnx-import " +
+                                       path + " " + net + "\" and set prior=" + net);
+    }
+    PriorModelPtr model = PriorModel::load(path);
+    GST_CAT_INFO_OBJECT(log_.category, log_.object, "prior: read %s, %zu nodes, %zu parameters",
+                        path.c_str(), model->graph.nodes.size(), model->graph.weights.size());
+    return model;
+  } catch (const Error& error) {
+    if (!std::exchange(warned_, true))
+      post_warning(log_, GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_READ,
+                   "prior=%s is not used, but the fitted prior: %s", source_.c_str(), error.what());
+    return nullptr;
+  }
+}
+
+}  // namespace inverse

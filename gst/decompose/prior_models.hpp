@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <map>
+#include <string>
+
+#include "gst/base/log/log.hpp"
+#include "kernels/intrinsic/prior/network/prior_model.hpp"
+
+namespace inverse {
+
+/// The network that the property `prior` names. Not thread-safe.
+class PriorModels {
+ public:
+  static constexpr const char *kFitted = "fitted", *kLearned = "learned";
+  /// Reads files again from now on, and posts warnings there.
+  void start(const Log& log);
+  /// Null for the fitted prior, and after one warning for what cannot be used. `source` is a file's
+  /// path, kFitted, or kLearned: that of gst-inverse's networks that has this width.
+  PriorModelPtr take(const std::string& source, PriorWidth width);
+
+ private:
+  PriorModelPtr load(const std::string& path);
+
+  Log log_{};
+  std::string source_;                          // the last one
+  std::map<std::string, PriorModelPtr> models_;  // of it, by path; null: refused
+  bool warned_ = false;                         // of it
+};
+
+}  // namespace inverse

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "kernels/network/graph.hpp"
+
+namespace inverse {
+
+/// The networks that come with gst-inverse, by their size.
+enum class PriorWidth : uint8_t { small, medium, large };
+/// "small", …
+const char* name_of(PriorWidth width);
+
+/// A network that changes the fitted prior of intrinsicdecomp: from 6 channels of the guide to 44
+/// of half the size (docs/reference/networks.md, The prior's network).
+struct PriorModel {
+  static constexpr uint32_t kInputs = 6, kOutputs = 44;
+  /// Width and height of the input are multiples of this.
+  static constexpr uint32_t kStep = 16;
+  /// Of the picture that the input shows.
+  static constexpr uint32_t kMaxSide = 256;
+
+  std::string name;  ///< of its file
+  network::Graph graph;
+
+  /// Throws Error(file) if the graph does not take and give that at every size, naming the fault.
+  PriorModel(std::string name, network::Graph graph);
+  /// Reads a .net file. Throws Error(file).
+  static std::shared_ptr<const PriorModel> load(const std::string& path);
+};
+
+using PriorModelPtr = std::shared_ptr<const PriorModel>;
+
+}  // namespace inverse

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "prior_network.hpp"
+
+#include <array>
+#include <utility>
+
+#include "kernels/image/pyramid.hpp"
+
+namespace inverse {
+namespace {
+
+uint32_t padded(uint32_t side) {
+  return (side + PriorModel::kStep - 1) / PriorModel::kStep * PriorModel::kStep;
+}
+
+network::Network network_of(const std::shared_ptr<gpu::Device>& device, const PriorModel& model,
+                            const PriorPicture& picture) {
+  const std::array<network::Shape, 1> input{
+      {{PriorModel::kInputs, picture.padded.height, picture.padded.width}}};
+  return {device, model.graph, input};
+}
+
+}  // namespace
+
+PriorPicture::PriorPicture(Extent frame) : extent(frame) {
+  for (; std::max(extent.width, extent.height) > PriorModel::kMaxSide; ++level)
+    extent = half_of(extent);
+  padded = {inverse::padded(extent.width), inverse::padded(extent.height)};
+}
+
+PriorNetwork::PriorNetwork(const std::shared_ptr<gpu::Device>& device, Extent frame,
+                           PriorModelPtr model)
+    : picture_(frame),
+      model_(std::move(model)),
+      network_(network_of(device, *model_, picture_)),
+      input_(device),
+      output_(device),
+      fields_(gpu::Buffer::create(
+          device, gpu::Element::vec4,
+          picture_.extent.pixels() * shaders::intrinsic_prior_network_output::FIELDS_STRIDE)) {}
+
+void PriorNetwork::record(gpu::Commands& commands, const Guide& guide) const {
+  commands.dispatch(input_,
+                    {.level0 = guide.level0(),
+                     .level1 = guide.level1(),
+                     .cells = guide.cells(),
+                     .statistics = guide.statistics(),
+                     .result = network_.input(0)},
+                    {.size = guide.extent(),
+                     .network = picture_.extent,
+                     .padded = picture_.padded,
+                     .level = static_cast<int32_t>(picture_.level)},
+                    line_of(picture_.padded.pixels()));
+  network_.record(commands);
+  commands.dispatch(output_, {.prior = network_.output(0), .fields = fields_},
+                    {.size = picture_.extent, .half_padded = half_of(picture_.padded)},
+                    line_of(half_of(picture_.extent).pixels()));
+}
+
+}  // namespace inverse

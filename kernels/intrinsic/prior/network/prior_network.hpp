@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <memory>
+
+#include "kernels/intrinsic/guide/guide.hpp"
+#include "kernels/intrinsic_prior_network_input.spv.hpp"
+#include "kernels/intrinsic_prior_network_output.spv.hpp"
+#include "kernels/network/network.hpp"
+#include "prior_model.hpp"
+
+namespace inverse {
+
+/// The picture that a PriorNetwork sees of a frame.
+struct PriorPicture {
+  uint32_t level = 0;  ///< a pixel of it is 2^level x 2^level pixels of the frame
+  Extent extent;       ///< at most PriorModel::kMaxSide along a side
+  Extent padded;       ///< to multiples of PriorModel::kStep
+  explicit PriorPicture(Extent frame);
+};
+
+/// What a network adds to the fitted prior of a frame, from its guide
+/// (docs/reference/methods/intrinsicdecomp.md, 2), for frames of one size on one device.
+class PriorNetwork {
+ public:
+  /// Throws Error(limit) and Error(out_of_memory).
+  PriorNetwork(const std::shared_ptr<gpu::Device>& device, Extent frame, PriorModelPtr model);
+
+  const PriorModelPtr& model() const { return model_; }
+  const PriorPicture& picture() const { return picture_; }
+  void record(gpu::Commands& commands, const Guide& guide) const;
+  /// Three vec4 a pixel of the picture (fields.glsl).
+  const gpu::BufferPtr& fields() const { return fields_; }
+  const network::Network& network() const { return network_; }
+
+ private:
+  PriorPicture picture_;
+  PriorModelPtr model_;
+  network::Network network_;
+  gpu::Program<shaders::intrinsic_prior_network_input> input_;
+  gpu::Program<shaders::intrinsic_prior_network_output> output_;
+  gpu::BufferPtr fields_;
+};
+
+}  // namespace inverse
