@@ -20,9 +20,8 @@ PriorModelPtr PriorModels::take(const std::string& source, PriorWidth width) {
     warned_ = false;
   }
   if (source == kFitted) return nullptr;
-  const std::string path = source == kLearned
-                               ? models_set() + "/intrinsic/prior-" + name_of(width) + ".net"
-                               : source;
+  const std::string path =
+      source == kLearned ? models_set() + "/intrinsic/prior-" + name_of(width) + ".net" : source;
   const auto known = models_.find(path);
   return known != models_.end() ? known->second : models_[path] = load(path);
 }
@@ -31,7 +30,8 @@ PriorModelPtr PriorModels::load(const std::string& path) {
   try {
     if (path.ends_with(".onnx")) {
       const std::string net = path.substr(0, path.size() - 5) + ".net";
-      throw Error(ErrorKind::file, path + ": elements do not read ONNX; run \"inverse-onnx-import " +
+      throw Error(ErrorKind::file, path +
+                                       ": elements do not read ONNX; run \"inverse-onnx-import " +
                                        path + " " + net + "\" and set prior=" + net);
     }
     PriorModelPtr model = PriorModel::load(path);

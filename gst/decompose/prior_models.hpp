@@ -22,9 +22,9 @@ class PriorModels {
   PriorModelPtr load(const std::string& path);
 
   Log log_{};
-  std::string source_;                          // the last one
+  std::string source_;                           // the last one
   std::map<std::string, PriorModelPtr> models_;  // of it, by path; null: refused
-  bool warned_ = false;                         // of it
+  bool warned_ = false;                          // of it
 };
 
 }  // namespace inverse

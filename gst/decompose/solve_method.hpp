@@ -19,7 +19,8 @@ class SolveMethod : public DecompositionMethod {
         }) {}
 
   DecomposerSettings& settings() override { return settings_; }
-  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent, const Log& log) override {
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent,
+                 const Log& log) override {
     method_.emplace(device, extent);
     stroke_work_.configure(device, extent);
     const Params params = settings_.properties();

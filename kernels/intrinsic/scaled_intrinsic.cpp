@@ -11,8 +11,6 @@ ScaledIntrinsic::ScaledIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
       extent_(extent),
       fade_(device_, extent),
       min_halvings_(min_halvings(*device_, extent)) {
-  // Kernels do not depend on the size, and stay with the device.
-  constexpr Extent kTiny{1, 1};
   IntrinsicDecomposition(device_, kTiny);
   Step(device_, kTiny);
   LayerDistance(device_, kTiny);

@@ -58,6 +58,7 @@ class ScaledIntrinsic {
     halvings = std::max(halvings, min_halvings_);
     set_up(halvings);
     methods_[halvings]->prepare(network);
+    if (network) IntrinsicDecomposition(device_, kTiny).prepare(network);
     stays_[halvings] = true;
   }
   /// As IntrinsicDecomposition::record.
@@ -81,6 +82,8 @@ class ScaledIntrinsic {
 
  private:
   static constexpr size_t kResolutions = 3;
+  /// For kernels, which do not depend on the size and stay with the device.
+  static constexpr Extent kTiny{1, 1};
   /// From one resolution down to the next coarser one, and up again.
   struct Step {
     Step(const std::shared_ptr<gpu::Device>& device, Extent fine)

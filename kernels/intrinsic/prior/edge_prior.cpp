@@ -72,20 +72,20 @@ void EdgePrior::record_values(gpu::Commands& commands, const Guide& guide, const
                               const Params& params, const TileList* listed) const {
   const Extent cells = guide.cell_extent();
   const PriorPicture* picture = learned_ ? &learned_->network.picture() : nullptr;
-  (learned_ ? learned_->values : values_).dispatch(
-      commands, listed,
-      {.cells = guide.cells(),
-       .guide_coarse = guide.guide_coarse(),
-       .statistics = guide.statistics(),
-       .tuning = biases_,
-       .fields = learned_ ? learned_->network.fields() : biases_,
-       .value = target.value},
-      {.size = cells,
-       .value_weight = params.value_weight,
-       .chroma_weight = params.chroma_weight,
-       .network_size = picture ? picture->extent : Extent{},
-       .network_level = picture ? static_cast<int32_t>(picture->level) : 0},
-      line_of(pack4_count(cells)));
+  (learned_ ? learned_->values : values_)
+      .dispatch(commands, listed,
+                {.cells = guide.cells(),
+                 .guide_coarse = guide.guide_coarse(),
+                 .statistics = guide.statistics(),
+                 .tuning = biases_,
+                 .fields = learned_ ? learned_->network.fields() : biases_,
+                 .value = target.value},
+                {.size = cells,
+                 .value_weight = params.value_weight,
+                 .chroma_weight = params.chroma_weight,
+                 .network_size = picture ? picture->extent : Extent{},
+                 .network_level = picture ? static_cast<int32_t>(picture->level) : 0},
+                line_of(pack4_count(cells)));
   if (target.strokes) target.strokes->record_values(commands, guide, target.value, listed);
 }
 

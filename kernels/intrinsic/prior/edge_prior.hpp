@@ -34,7 +34,7 @@ class EdgePrior {
     /// bins off.
     float chroma_weight = 1.0F;
     /// Adds to the fitted functions; null: nothing does.
-    PriorModelPtr network;
+    PriorModelPtr network = nullptr;
     bool operator==(const Params&) const = default;
   };
   /// Output buffers. Edges stay there from frame to frame.

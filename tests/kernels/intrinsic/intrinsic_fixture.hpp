@@ -67,6 +67,56 @@ inline double shading_distance(const Pixels& one, const Pixels& other) {
 
 class IntrinsicTest : public GpuTest {
  protected:
+  /// Buffers for what the prior of a frame writes.
+  EdgePrior::Target prior_target(Extent extent) {
+    const uint64_t packs = pack4_count(extent), cells = pack4_count(half_of(half_of(extent)));
+    return {buffer(packs * 3), buffer(packs * EdgePrior::kFluxStride),
+            buffer(cells * EdgePrior::kValueStride)};
+  }
+  /// Compares what the prior of a frame wrote, its padding included.
+  void expect_prior(const EdgePrior::Target& target, const reference::Guide& guide,
+                    const reference::EdgePrior& expected, const std::string& what) {
+    const auto same = [](double got, double want) {
+      return std::abs(got - want) <= 2e-3 * (std::abs(want) + 0.01);
+    };
+    const Pixels system = download(target.system), flux = download(target.flux),
+                 value = download(target.value);
+    const reference::GuideLevel &fine = guide.level[0], &coarse = guide.level[2];
+    const Extent extent{uint32_t(fine.width), uint32_t(fine.height)},
+        cells{uint32_t(coarse.width), uint32_t(coarse.height)};
+    for (uint32_t y = 0; y < extent.height; ++y)
+      for (uint32_t x = 0; x < 4 * pack4_count(extent.width); ++x) {
+        const size_t i = size_t{y} * extent.width + x;
+        const bool inside = x < extent.width;
+        const double weights[] = {inside ? expected.a_right[i] + expected.b_right[i] : 0,
+                                  inside ? expected.a_down[i] + expected.b_down[i] : 0};
+        const double fluxes[] = {
+            x + 1 < extent.width ? expected.a_right[i] * (fine.m[i] - fine.m[i + 1]) : 0,
+            inside && y + 1 < extent.height
+                ? expected.a_down[i] * (fine.m[i] - fine.m[i + extent.width])
+                : 0};
+        for (size_t k = 0; k < 2; ++k) {
+          const double weight = system[packed(extent, x, y, 3, k)],
+                       step = flux[packed(extent, x, y, EdgePrior::kFluxStride, k)];
+          ASSERT_PRED2(same, weight, weights[k]) << what << " at " << x << "," << y << " " << k;
+          ASSERT_TRUE(weights[k] != 0 || weight == 0) << what << ": an edge that is missing";
+          ASSERT_PRED2(same, step, fluxes[k]) << what << " at " << x << "," << y << " " << k;
+        }
+      }
+    for (uint32_t y = 0; y < cells.height; ++y)
+      for (uint32_t x = 0; x < 4 * pack4_count(cells.width); ++x) {
+        const size_t i = size_t{y} * cells.width + x;
+        const bool inside = x < cells.width;
+        const double want[] = {inside ? expected.v[i] : 0, inside ? expected.V[i] : 0,
+                               inside ? expected.g[i] : 0};
+        for (size_t k = 0; k < 3; ++k) {
+          const double got = value[packed(cells, x, y, EdgePrior::kValueStride, k)];
+          const double small = k == 1 ? 0.1 : 0.01;  // V is a logarithm
+          ASSERT_NEAR(got, want[k], 2e-3 * (std::abs(want[k]) + small))
+              << what << " cell " << x << "," << y << " " << k;
+        }
+      }
+  }
   PlanePtr input(Extent extent, const Pixels& pixels) { return shared_plane(extent, pixels); }
   static reference::IntrinsicResult expected_of(Extent extent, const Pixels& pixels,
                                                 const reference::IntrinsicParams& params = {},

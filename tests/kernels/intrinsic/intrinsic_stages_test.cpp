@@ -14,10 +14,7 @@ TEST_F(IntrinsicTest, GuideAndPriorAgreeWithReference) {
     const auto expected = reference::edge_prior(guide, {});
     Guide made(device, extent);
     EdgePrior prior(device, extent);
-    const Extent cells = made.cell_extent();
-    const EdgePrior::Target target{buffer(pack4_count(extent) * 3),
-                                   buffer(pack4_count(extent) * EdgePrior::kFluxStride),
-                                   buffer(pack4_count(cells) * EdgePrior::kValueStride)};
+    const EdgePrior::Target target = prior_target(extent);
     const auto frame = plane(extent, pixels);
     const auto light = upload({float(color.slope), float(color.reference), 1, 1});
     run([&](gpu::Commands& commands) {
@@ -26,47 +23,17 @@ TEST_F(IntrinsicTest, GuideAndPriorAgreeWithReference) {
       prior.record(commands, made, target, {});
     });
     const Pixels level0 = download(made.level0());
+    for (size_t i = 0; i < extent.pixels(); ++i) {
+      ASSERT_NEAR(level0[4 * i], guide.level[0].m[i], 1e-3) << name_of(extent) << " pixel " << i;
+      ASSERT_NEAR(level0[4 * i + 1], guide.level[0].c0[i], 1e-3);
+      ASSERT_NEAR(level0[4 * i + 2], guide.level[0].c1[i], 1e-3);
+    }
     const Pixels statistics = download(made.statistics());
     EXPECT_NEAR(statistics[0], guide.mean, 1e-4) << name_of(extent);
     for (size_t k = 0; k < guide.statistics.size(); ++k)
       EXPECT_NEAR(statistics[k < 4 ? 4 + k : 1], guide.statistics[k], 1e-3)
           << name_of(extent) << " " << k;
-    const Pixels system = download(target.system), flux = download(target.flux),
-                 value = download(target.value);
-    for (uint32_t y = 0; y < extent.height; ++y)
-      for (uint32_t x = 0; x < 4 * pack4_count(extent.width); ++x) {
-        const auto at = [&](const Pixels& p, size_t stride, size_t k) {
-          return p[packed(extent, x, y, stride, k)];
-        };
-        const auto same = [&](double got, double want) {
-          ASSERT_NEAR(got, want, 2e-3 * (std::abs(want) + 0.01))
-              << name_of(extent) << " at " << x << "," << y;
-        };
-        if (x >= extent.width) {
-          for (size_t k = 0; k < 2; ++k) ASSERT_EQ(at(system, 3, k), 0) << "padding";
-          continue;
-        }
-        const size_t i = static_cast<size_t>(y) * extent.width + x;
-        same(level0[4 * i], guide.level[0].m[i]);
-        same(level0[4 * i + 1], guide.level[0].c0[i]);
-        same(level0[4 * i + 2], guide.level[0].c1[i]);
-        same(at(system, 3, 0), expected.a_right[i] + expected.b_right[i]);
-        same(at(system, 3, 1), expected.a_down[i] + expected.b_down[i]);
-        const auto step = [&](size_t j) { return guide.level[0].m[i] - guide.level[0].m[j]; };
-        if (x + 1 < extent.width) same(at(flux, 2, 0), expected.a_right[i] * step(i + 1));
-        if (y + 1 < extent.height)
-          same(at(flux, 2, 1), expected.a_down[i] * step(i + extent.width));
-      }
-    for (uint32_t y = 0; y < cells.height; ++y)
-      for (uint32_t x = 0; x < 4 * pack4_count(cells.width); ++x) {
-        const size_t i = static_cast<size_t>(y) * cells.width + x;
-        const bool inside = x < cells.width;
-        const double want[] = {inside ? expected.v[i] : 0, inside ? expected.V[i] : 0,
-                               inside ? expected.g[i] : 0};
-        for (size_t k = 0; k < 3; ++k)
-          ASSERT_NEAR(value[packed(cells, x, y, 3, k)], want[k], 2e-3 * (std::abs(want[k]) + 0.01))
-              << name_of(extent) << " cell " << x << "," << y;
-      }
+    expect_prior(target, guide, expected, name_of(extent));
   }
 }
 

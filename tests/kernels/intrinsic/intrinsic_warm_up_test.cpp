@@ -2,6 +2,7 @@
 // No kernel of intrinsicdecomp is built in mid-stream.
 #include "intrinsic_fixture.hpp"
 #include "kernels/intrinsic/intrinsic_levels.hpp"
+#include "prior_graph.hpp"
 
 namespace inverse::testing {
 
@@ -14,7 +15,7 @@ class IntrinsicWarmUp : public OnANewDevice<IntrinsicTest> {
   struct Seen {
     unsigned listed = 0, compared = 0, crossed = 0;
   };
-  Seen play(ScaledIntrinsic& method) {
+  Seen play(ScaledIntrinsic& method, const PriorModelPtr& network = nullptr) {
     std::vector<std::unique_ptr<gpu::Commands>> commands;
     for (size_t i = 0; i < gpu::kFramesInFlight; ++i)
       commands.push_back(std::make_unique<gpu::Commands>(device));
@@ -36,7 +37,9 @@ class IntrinsicWarmUp : public OnANewDevice<IntrinsicTest> {
       seen.compared += stats.compared;
       seen.crossed += stats.crossed;
     };
-    ScaledIntrinsic::Params params;
+    ScaledIntrinsic::Params usual;
+    usual.prior.network = network;
+    ScaledIntrinsic::Params params = usual;
     const PlanePtr still = input(kExtent, scene(kExtent, 31));
     for (int k = 0; k < 28; ++k) show(still, params, k > 0);
     params.scale.white_level = 0.5F;
@@ -49,7 +52,7 @@ class IntrinsicWarmUp : public OnANewDevice<IntrinsicTest> {
       level.set(params);
       for (int k = 0; k < 5; ++k) show(still, params, k > 0);
     }
-    params = {};
+    params = usual;
     params.tolerances.half = 1;  // half resolution is good enough
     for (int k = 0; k < 40; ++k) show(still, params, k > 0);
     params.tolerances.half = 0;
@@ -58,7 +61,7 @@ class IntrinsicWarmUp : public OnANewDevice<IntrinsicTest> {
     for (int k = 0; k < 8; ++k) show(still, params, k > 0);
     params.anchor.anchor_weight = 0;
     for (int k = 0; k < 3; ++k) show(still, params, false);
-    params = {};
+    params = usual;
     params.adaptive = false;
     for (int k = 0; k < 3; ++k) show(still, params, false);
     for (auto& own : commands) own->wait();
@@ -74,6 +77,18 @@ TEST_F(IntrinsicWarmUp, BuildsEveryKernelBeforeTheStream) {
   EXPECT_EQ(device->kernels_used(), warm);
   EXPECT_GT(seen.listed, 30U);
   EXPECT_GT(seen.compared, 1U);
+  EXPECT_GT(seen.crossed, 4U);
+}
+
+TEST_F(IntrinsicWarmUp, BuildsThoseOfANetworkToo) {
+  const PriorModelPtr network = prior_model(3);
+  ScaledIntrinsic method(device, kExtent);
+  method.prepare(0, network);
+  gpu::build_kernels(device);
+  const uint64_t warm = device->kernels_used();
+  const Seen seen = play(method, network);
+  EXPECT_EQ(device->kernels_used(), warm);
+  EXPECT_GT(seen.listed, 30U);
   EXPECT_GT(seen.crossed, 4U);
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "intrinsic_edge_weights.hpp"
 #include "multigrid.hpp"
@@ -177,7 +178,8 @@ double between_cells(const std::vector<double>& plane, const GuideLevel& cells, 
 
 }  // namespace
 
-EdgePrior edge_prior(const Guide& guide, const IntrinsicParams& params) {
+EdgePrior edge_prior(const Guide& guide, const IntrinsicParams& params,
+                     const PriorNetwork* network) {
   const GuideLevel& l = guide.level[0];
   const std::size_t n = l.m.size();
   EdgePrior p;
@@ -190,6 +192,11 @@ EdgePrior edge_prior(const Guide& guide, const IntrinsicParams& params) {
         if (down ? y + 1 >= l.height : x + 1 >= l.width) continue;
         edge_features(guide, x, y, down, ef.data());
         evaluate(kEdgeNet, ef.data(), out.data());
+        if (network) {
+          const PriorFields& field = network->at_pixel(x, y);
+          for (std::size_t k : {0, 1})
+            out[k] += field[(down ? 2 : 0) + k] + field[4 + k] * ef[0] + field[6 + k] * ef[1];
+        }
         (down ? p.a_down : p.a_right)[l.index(x, y)] =
             params.reflectance_weight * weight_of(out[0]);
         (down ? p.b_down : p.b_right)[l.index(x, y)] = params.shading_weight * weight_of(out[1]);
@@ -202,11 +209,21 @@ EdgePrior edge_prior(const Guide& guide, const IntrinsicParams& params) {
       const std::size_t i = cells.index(x, y);
       cell_features(guide, x, y, cf.data());
       evaluate(kCellNet, cf.data(), out.data());
+      if (network) {
+        const PriorFields field = network->at_cell(x, y);
+        for (std::size_t k = 0; k < 3; ++k) out[k] += field[8 + k];
+      }
       p.v[i] = kCellArea * params.value_weight * weight_of(out[0]);
       p.V[i] = cells.m[i] + cells.u[i] + out[1];
       p.g[i] = kCellArea * params.chroma_weight * weight_of(out[2]);
     }
   return p;
+}
+
+EdgePrior edge_prior(const Guide& guide, const IntrinsicParams& params) {
+  std::optional<PriorNetwork> network;
+  if (params.network) network.emplace(guide, *params.network);
+  return edge_prior(guide, params, network ? &*network : nullptr);
 }
 
 ChromaBins splat_bins(const GuideLevel& cells, const std::vector<double>& g,

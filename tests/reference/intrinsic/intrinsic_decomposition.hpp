@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "intrinsic_features.hpp"
+#include "prior_network.hpp"
 #include "strokes.hpp"
 
 namespace inverse::reference {
@@ -36,8 +37,9 @@ struct IntrinsicParams {
   double hold_texture = 0.2;   ///< A pixel's change beyond its cell's that halves that.
   double cut_fraction = 0.3;   ///< Mean mismatch in [0, 1] above which the frame is a cut.
   LightColor light;            ///< In force for the frame.
-  const StrokeMask* strokes = nullptr;  ///< Of the user; null: none.
-  int cycles = 4;                       ///< Multigrid cycles.
+  const StrokeMask* strokes = nullptr;      ///< Of the user; null: none.
+  const network::Graph* network = nullptr;  ///< Adds to the fitted prior; null: none.
+  int cycles = 4;                           ///< Multigrid cycles.
   double slowest = 0.5;  ///< Error factor up to which cycles are extrapolated; 0: not.
   int cell_cycles = 2;   ///< Cycles from the cell level down within each; bins renewed before each.
 };
@@ -57,7 +59,10 @@ struct EdgePrior {
   std::vector<double> v, V, g;
 };
 
-/// Evaluates the fitted prior.
+/// Evaluates the fitted prior and what `network` adds, or null.
+EdgePrior edge_prior(const Guide& guide, const IntrinsicParams& params,
+                     const PriorNetwork* network);
+/// The same with params.network.
 EdgePrior edge_prior(const Guide& guide, const IntrinsicParams& params);
 
 /// State between frames.

@@ -31,23 +31,6 @@ double chroma_step(const GuideLevel& l, std::size_t i, std::size_t j) {
   return std::hypot(l.c0[i] - l.c0[j], l.c1[i] - l.c1[j]);
 }
 
-GuideLevel halve(const GuideLevel& f) {
-  GuideLevel c;
-  c.width = (f.width + 1) / 2, c.height = (f.height + 1) / 2;
-  const auto mean = [&](const std::vector<double>& in) {
-    std::vector<double> out(std::size_t(c.width) * c.height);
-    for (int y = 0; y < c.height; ++y)
-      for (int x = 0; x < c.width; ++x)
-        out[std::size_t(y) * c.width + x] =
-            0.25 * (in[f.index(2 * x, 2 * y)] + in[f.index(2 * x + 1, 2 * y)] +
-                    in[f.index(2 * x, 2 * y + 1)] + in[f.index(2 * x + 1, 2 * y + 1)]);
-    return out;
-  };
-  c.m = mean(f.m), c.c0 = mean(f.c0), c.c1 = mean(f.c1), c.u = mean(f.u);
-  c.gm = mean(f.gm), c.gc = mean(f.gc);
-  return c;
-}
-
 /// Numbers that say what kind of frame this is, from guide level 1. Dark pixels count little.
 void frame_statistics(Guide& g, double slope) {
   const GuideLevel& l = g.level[1];
@@ -84,6 +67,23 @@ void frame_statistics(Guide& g, double slope) {
 }
 
 }  // namespace
+
+GuideLevel halve(const GuideLevel& f) {
+  GuideLevel c;
+  c.width = (f.width + 1) / 2, c.height = (f.height + 1) / 2;
+  const auto mean = [&](const std::vector<double>& in) {
+    std::vector<double> out(std::size_t(c.width) * c.height);
+    for (int y = 0; y < c.height; ++y)
+      for (int x = 0; x < c.width; ++x)
+        out[std::size_t(y) * c.width + x] =
+            0.25 * (in[f.index(2 * x, 2 * y)] + in[f.index(2 * x + 1, 2 * y)] +
+                    in[f.index(2 * x, 2 * y + 1)] + in[f.index(2 * x + 1, 2 * y + 1)]);
+    return out;
+  };
+  c.m = mean(f.m), c.c0 = mean(f.c0), c.c1 = mean(f.c1), c.u = mean(f.u);
+  c.gm = mean(f.gm), c.gc = mean(f.gc);
+  return c;
+}
 
 std::size_t GuideLevel::index(int x, int y) const {
   return std::size_t(std::clamp(y, 0, height - 1)) * std::size_t(width) +

@@ -49,6 +49,9 @@ std::array<double, 3> in_white_light(const std::array<double, 3>& rgb, const Lig
 /// any finite or non-finite value; see sanitize_linear).
 Guide make_guide(const double* rgb, int width, int height, const LightColor& light = {});
 
+/// The next coarser level of a guide.
+GuideLevel halve(const GuideLevel& fine);
+
 /// Cues of the edge between pixel (x, y) and its right (down = false) or lower neighbor.
 void edge_features(const Guide& guide, int x, int y, bool down, double* out);
 

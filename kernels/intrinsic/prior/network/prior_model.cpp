@@ -31,8 +31,8 @@ void check(const PriorModel& model, const network::Shape& given) {
   const network::Shape& got = shapes[model.graph.outputs[0].value];
   const network::Shape expected{PriorModel::kOutputs, given.height / 2, given.width / 2};
   if (got != expected)
-    refuse(model.name,
-           "of " + text_of(given) + " it makes " + text_of(got) + " in place of " + text_of(expected));
+    refuse(model.name, "of " + text_of(given) + " it makes " + text_of(got) + " in place of " +
+                           text_of(expected));
 }
 
 }  // namespace

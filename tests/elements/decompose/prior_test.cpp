@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The property prior of intrinsicdecomp and globalintrinsic.
+#include <cstdlib>
+#include <filesystem>
+
+#include "kernels/network/graph_file.hpp"
+#include "tests/elements/element_test.hpp"
+#include "tests/kernels/intrinsic/prior_graph.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace inverse::testing {
+namespace {
+
+const std::string kCaps = VideoHarness::caps("RGBA", 160, 120);
+const std::vector<uint8_t> kFrame = random_frame(kCaps, 3);
+
+class Prior : public ::testing::TestWithParam<const char*> {
+ protected:
+  std::string line(const std::string& prior) const {
+    return std::string(GetParam()) + " name=e show=reflectance prior=" + prior;
+  }
+  std::string network(const std::string& name, unsigned seed, float gain = 1) const {
+    return folder_.write(name, network::to_file(prior_graph(seed, gain)));
+  }
+  static std::string prior_in_stats(VideoHarness& harness) {
+    return stat<std::string>(harness.find("e"), "prior");
+  }
+  void use_models(const std::string& folder) const { setenv("INVERSE_MODELS", folder.c_str(), 1); }
+  void TearDown() override { use_models(models_); }
+  std::vector<uint8_t> usual() const {
+    VideoHarness harness(line("fitted"), kCaps, kCaps);
+    const auto frame = harness.process(kFrame);
+    EXPECT_EQ(prior_in_stats(harness), "fitted");
+    return frame;
+  }
+  TemporaryFolder folder_;
+
+ private:
+  const std::string models_ = std::getenv("INVERSE_MODELS");
+};
+
+INSTANTIATE_TEST_SUITE_P(Elements, Prior, ::testing::Values("intrinsicdecomp", "globalintrinsic"),
+                         [](const auto& info) { return std::string(info.param); });
+
+}  // namespace
+
+TEST_P(Prior, AFileChangesFrames) {
+  const std::string random = network("random.net", 1), zero = network("zero.net", 1, 0);
+  VideoHarness harness(line(random), kCaps, kCaps), same(line(zero), kCaps, kCaps);
+  EXPECT_GT(largest_difference(harness.process(kFrame), usual()), 10);
+  EXPECT_EQ(prior_in_stats(harness), random);
+  EXPECT_EQ(same.process(kFrame), usual());
+  EXPECT_TRUE(harness.warnings().empty());
+  EXPECT_TRUE(harness.errors().empty());
+}
+
+TEST_P(Prior, LearnedIsTheNetworkInTheModelsFolder) {
+  use_models(folder_.path());
+  {
+    VideoHarness harness(line("learned"), kCaps, kCaps);
+    EXPECT_EQ(harness.process(kFrame), usual());
+    EXPECT_EQ(harness.process(kFrame).empty(), false);
+    EXPECT_EQ(prior_in_stats(harness), "fitted");
+    expect_one(harness.warnings(), "prior=learned is not used",
+               folder_ / "intrinsic/prior-medium.net");
+  }
+  std::filesystem::create_directory(folder_ / "intrinsic");
+  const std::string path = network("intrinsic/prior-medium.net", 2);
+  VideoHarness harness(line("learned"), kCaps, kCaps), named(line(path), kCaps, kCaps);
+  EXPECT_EQ(harness.process(kFrame), named.process(kFrame));
+  EXPECT_EQ(prior_in_stats(harness), path);
+  EXPECT_TRUE(harness.warnings().empty());
+}
+
+TEST_P(Prior, WhatCannotBeUsedIsOneWarning) {
+  NetworkBuilder other(1);
+  other.output(other.convolution(other.input(3), 44, 3, 2));
+  const std::string rgb = folder_.write("rgb.net", network::to_file(other.graph()));
+  const std::string text = folder_.write("text.net", "no network"), missing = folder_ / "none.net";
+  const auto expect = [&](const std::string& prior, const std::string& why) {
+    VideoHarness harness(line(prior), kCaps, kCaps);
+    EXPECT_EQ(harness.process(kFrame), usual()) << prior;
+    for (int k = 0; k < 4; ++k) harness.process(kFrame);
+    expect_one(harness.warnings(), "prior=" + prior + " is not used, but the fitted prior", why);
+    EXPECT_TRUE(harness.errors().empty());
+  };
+  expect(rgb, "it takes 3 channels in place of 6");
+  expect(text, "too short to be a network");
+  expect(missing, "No such file");
+  expect(folder_.path(), "it ");
+  expect("/a/b.onnx", "run \"inverse-onnx-import /a/b.onnx /a/b.net\" and set prior=/a/b.net");
+}
+
+TEST_P(Prior, ChangesWhilePlaying) {
+  const std::string one = network("one.net", 1), two = network("two.net", 2);
+  VideoHarness harness(line(one), kCaps, kCaps);
+  for (const std::string& prior : {one, two, std::string("fitted"), folder_ / "none.net", two}) {
+    const bool exists = prior != folder_ / "none.net";
+    g_object_set(harness.find("e"), "prior", prior.c_str(), nullptr);
+    const auto got = harness.process(kFrame, 12);
+    EXPECT_EQ(prior_in_stats(harness), exists ? prior : "fitted");
+    VideoHarness fresh(line(exists ? prior : "fitted"), kCaps, kCaps);
+    EXPECT_LT(largest_difference(got, fresh.process(kFrame, 12)), 16) << prior;
+    EXPECT_EQ(harness.warnings().size(), exists ? 0 : 1) << prior;
+  }
+  EXPECT_TRUE(harness.errors().empty());
+}
+
+}  // namespace inverse::testing

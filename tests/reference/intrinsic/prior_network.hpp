@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// A network that changes the fitted prior of intrinsicdecomp: what it sees of a guide, and what its
+// output says. Double precision; docs/reference/methods/intrinsicdecomp.md, 2.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "intrinsic_features.hpp"
+#include "tests/reference/network/network.hpp"
+
+namespace inverse::reference {
+
+inline constexpr int kMaxPriorSide = 256;  ///< Of the network's picture.
+inline constexpr int kPriorStep = 16;      ///< Its input is padded to multiples of this.
+inline constexpr int kPriorFields = 11;    ///< The output has four channels for each.
+inline constexpr double kPriorInput = 8;   ///< Largest size of an input.
+
+/// ln a and ln b of the right edge, and of the lower one; ln a and ln b by edge cue 0, and by cue
+/// 1; ln v, V, ln g of a cell.
+using PriorFields = std::array<double, kPriorFields>;
+/// What the fields saturate to.
+inline constexpr PriorFields kPriorLimits = {5, 5, 5, 5, 2, 2, 2, 2, 5, 2, 5};
+
+/// The network's picture of a frame.
+struct PriorPicture {
+  int level = 0;  ///< One of its pixels is 2^level x 2^level pixels of the frame.
+  int width = 0, height = 0;
+  PriorPicture(int frame_width, int frame_height);
+};
+
+/// The input, 6 channels.
+Image prior_input(const Guide& guide);
+
+/// Fields of every pixel of the picture, row by row, from the output. NaN counts as 0.
+std::vector<PriorFields> prior_fields(const Image& output, const PriorPicture& picture);
+
+/// What a network says of a frame.
+class PriorNetwork {
+ public:
+  PriorNetwork(const Guide& guide, const network::Graph& graph);
+  PriorNetwork(PriorPicture picture, std::vector<PriorFields> fields)
+      : picture_(picture), fields_(std::move(fields)) {}
+  /// Of the edges of the frame's pixel (x, y).
+  const PriorFields& at_pixel(int x, int y) const {
+    return at(x >> picture_.level, y >> picture_.level);
+  }
+  /// Of a cell of guide level kCellLevel: of the pixel that holds it, or the mean of those in it.
+  PriorFields at_cell(int x, int y) const;
+
+ private:
+  const PriorFields& at(int x, int y) const {
+    return fields_[std::size_t(y) * std::size_t(picture_.width) + std::size_t(x)];
+  }
+  PriorPicture picture_;
+  std::vector<PriorFields> fields_;
+};
+
+}  // namespace inverse::reference
