@@ -35,11 +35,16 @@ void EdgePrior::prepare(const PriorModelPtr& network) {
     learned_.emplace(device_, extent_, network);
 }
 
-void EdgePrior::record_frame(gpu::Commands& commands, const Guide& guide, const Params& params) {
+void EdgePrior::record_frame(gpu::Commands& commands, const Guide& guide, const Params& params,
+                             const TileList* listed) {
   prepare(params.network);
   commands.dispatch(fold_biases_, {.statistics = guide.statistics(), .biases = biases_}, {});
   if (!learned_) return;
-  learned_->network.record(commands, guide);
+  const auto run = [&] { learned_->network.record(commands, guide); };
+  if (listed)
+    commands.when(listed->words(), 0, run);
+  else
+    run();
   commands.stage("prior-network");
 }
 
@@ -108,7 +113,7 @@ void EdgePrior::record(gpu::Commands& commands, const Guide& guide, const Target
     commands.copy(guide.level1(), kept_, kept_->bytes());
     commands.copy(guide.statistics(), kept_statistics_, kept_statistics_->bytes());
   }
-  record_frame(commands, guide, params);
+  record_frame(commands, guide, params, nullptr);
   record_edges(commands, guide, target, params, nullptr);
   record_values(commands, guide, target, params, nullptr);
 }
@@ -130,7 +135,7 @@ void EdgePrior::record_changes(gpu::Commands& commands, const Guide& guide, cons
                     line_of(uint64_t{tiles()} * change_.kernel()->workgroup()));
   if (target.strokes) changes_.record_merge(commands, target.strokes->changed());
   changes_.record(commands);
-  record_frame(commands, guide, params);
+  record_frame(commands, guide, params, &changes_);
   record_edges(commands, guide, target, params, &changes_);
   record_keep(commands, guide, changes_);
   record_values(commands, guide, target, params, nullptr);
@@ -141,7 +146,7 @@ void EdgePrior::record_changes(gpu::Commands& commands, const Guide& guide, cons
 
 void EdgePrior::record_tiles(gpu::Commands& commands, const Guide& guide, const Target& target,
                              const Params& params, const TileList& listed) {
-  record_frame(commands, guide, params);
+  record_frame(commands, guide, params, &listed);
   record_edges(commands, guide, target, params, &listed);
   record_keep(commands, guide, listed);
   record_values(commands, guide, target, params, &listed);

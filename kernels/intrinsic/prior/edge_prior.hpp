@@ -86,8 +86,9 @@ class EdgePrior {
     Edges edges[2];
     Values values;
   };
-  /// What comes before edges and values.
-  void record_frame(gpu::Commands& commands, const Guide& guide, const Params& params);
+  /// What comes before edges and values. If no tile is `listed`, what the network said stays.
+  void record_frame(gpu::Commands& commands, const Guide& guide, const Params& params,
+                    const TileList* listed);
   void record_edges(gpu::Commands& commands, const Guide& guide, const Target& target,
                     const Params& params, const TileList* listed) const;
   void record_values(gpu::Commands& commands, const Guide& guide, const Target& target,

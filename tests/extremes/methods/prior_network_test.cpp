@@ -56,7 +56,6 @@ TEST(PriorNetwork, MoreCyclesComeCloserWhereItIsSaturated) {
           early_sum += early;
           late_sum += late;
         }
-  RecordProperty("early", std::to_string(early_sum / 24));
   EXPECT_LT(late_sum, 0.9 * early_sum);
 }
 

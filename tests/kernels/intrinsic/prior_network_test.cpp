@@ -232,6 +232,47 @@ TEST_F(PriorNetworkTest, AnotherNetworkTakesEffectAtOnce) {
   }
 }
 
+TEST_F(PriorNetworkTest, APictureAtRestDoesNotRunIt) {
+  if (!device->variant().conditional) GTEST_SKIP() << "the device skips nothing";
+  const Extent extent{349, 287};
+  // So large a gain makes much of noise.
+  const PriorModelPtr model = prior_model(4, 1e3F);
+  const Pixels first = scene(extent, 8);
+  Pixels second = first;
+  std::mt19937 random(9);
+  std::uniform_real_distribution<float> noise(0.99F, 1.01F);
+  for (float& v : second) v *= noise(random);
+  const auto said_of = [&](const Pixels& pixels) {
+    return reference::PriorNetwork(
+        reference::PriorPicture(int(extent.width), int(extent.height)),
+        fields_of(download(run_network(extent, pixels, model).network->fields())));
+  };
+  const reference::PriorNetwork said = said_of(first), fresh = said_of(second);
+  const reference::Guide guide = guide_of(extent, first), noisy = guide_of(extent, second);
+  reference::EdgePrior expected = reference::edge_prior(guide, {}, &said);
+  const reference::EdgePrior cells = reference::edge_prior(noisy, {}, &said);
+  EXPECT_GT(max_difference(cells.V, reference::edge_prior(noisy, {}, &fresh).V), 0.1)
+      << "noise must matter to the network";
+  expected.v = cells.v, expected.V = cells.V, expected.g = cells.g;
+
+  Guide made(device, extent);
+  EdgePrior prior(device, extent);
+  const EdgePrior::Target target = prior_target(extent);
+  EdgePrior::Params params;
+  params.network = model;
+  const auto play = [&](const Pixels& pixels) {
+    const auto frame = plane(extent, pixels);
+    run([&](gpu::Commands& commands) {
+      made.record(commands, frame.buffer, nullptr);
+      prior.record_changes(commands, made, target, params, 0.1F);
+    });
+  };
+  run([&](gpu::Commands& commands) { commands.fill(target.system); });
+  play(first);
+  play(second);
+  expect_prior(target, guide, expected, "edges of the first frame, cells of the second");
+}
+
 TEST_F(PriorNetworkTest, RefusesOtherNetworks) {
   const auto refused = [](const network::Graph& graph, const std::string& why) {
     expect_error(ErrorKind::file, why, [&] { PriorModel("a.net", graph); });
