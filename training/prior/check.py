@@ -40,6 +40,19 @@ def check_derivative():
             expect(abs(measured - stated) < 0.15 * stated, f"derivative by fields {group.start} to {group.stop - 1}: {measured:.4f} by differences, {stated:.4f}")
 
 
+def check_local_derivative():
+    rng = np.random.default_rng(0)
+    for example in (problem.of_seed(1001, 128, 96, 1), pictures.drawn(4, None)):
+        fields = rng.normal(size=(problem.FIELDS, *example.size)).astype(np.float32)
+        _, slope = example.local_loss(fields)
+        for group in (slice(0, 4), slice(4, 8), slice(9, 10)):
+            way = np.zeros_like(fields)
+            way[group] = slope[group] / np.linalg.norm(slope[group])
+            measured = (example.local_loss(fields + 0.1 * way)[0] - example.local_loss(fields - 0.1 * way)[0]) / 0.2
+            stated = float((slope * way).sum())
+            expect(abs(measured - stated) < 0.01 * stated, f"derivative of the local loss: {measured:.5f} by differences, {stated:.5f}")
+
+
 def check_networks():
     for width in networks.WIDTHS:
         network = networks.Prior(width)
@@ -50,7 +63,7 @@ def check_networks():
 
 
 def check_run():
-    options = {"width": "small", "rate": 2e-3, "seed": 1, "start": None, "batch": 2, "equal": 1.0, "different": 0.5, "fresh": 2, "every": 2, "device": "cpu", "steady": 1.0}
+    options = {"width": "small", "rate": 2e-3, "seed": 1, "start": None, "batch": 2, "equal": 1.0, "different": 0.5, "fresh": 2, "every": 2, "device": "cpu", "steady": 1.0, "local": 0.3, "local_only": False}
     with tempfile.TemporaryDirectory() as folder:
         tests = [pictures.procedural(pictures.HELD_OUT_SEEDS)]
         for steps in (2, 4):
@@ -64,5 +77,6 @@ def check_run():
 if __name__ == "__main__":
     problem.LIBRARY = problem.load()
     check_derivative()
+    check_local_derivative()
     check_networks()
     check_run()

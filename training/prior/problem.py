@@ -27,6 +27,8 @@ def load(path=None):
     library.problem_input.argtypes = [ctypes.c_void_p, FLOATS]
     library.problem_loss.argtypes = [ctypes.c_void_p, FLOATS, ctypes.c_double, ctypes.c_double, FLOATS]
     library.problem_loss.restype = ctypes.c_double
+    library.problem_local_loss.argtypes = [ctypes.c_void_p, FLOATS, FLOATS]
+    library.problem_local_loss.restype = ctypes.c_double
     library.problem_planes.argtypes = [ctypes.c_void_p] + [FLOATS] * 5
     return library
 
@@ -64,6 +66,12 @@ class Problem:
         slope = np.empty_like(fields) if gradient else None
         return LIBRARY.problem_loss(self.handle, pointer(fields), *pairs, pointer(slope) if gradient else None), slope
 
+    def local_loss(self, fields):
+        """The same of a loss that takes no solve: shares of paint at edges, and V."""
+        fields = np.ascontiguousarray(fields, np.float32)
+        slope = np.empty_like(fields)
+        return LIBRARY.problem_local_loss(self.handle, pointer(fields), pointer(slope)), slope
+
     def planes(self):
         """Of the last loss, in white light: ln shading, input, true reflectance, true shading, mask."""
         n = (self.height, self.width)
@@ -96,8 +104,20 @@ class Loss(torch.autograd.Function):
     pool = concurrent.futures.ThreadPoolExecutor(os.cpu_count())
 
     @staticmethod
-    def forward(context, problems, pairs, *fields):
-        results = list(Loss.pool.map(lambda item: item[0].loss(item[1].detach().cpu().numpy(), pairs), zip(problems, fields)))
+    def forward(context, problems, pairs, local, *fields):
+        """local: weight of the loss that takes no solve; None: that loss alone."""
+
+        def one(item):
+            example, planes = item[0], item[1].detach().cpu().numpy()
+            if local is None:
+                return example.local_loss(planes)
+            loss, slope = example.loss(planes, pairs)
+            if local:
+                more, steeper = example.local_loss(planes)
+                loss, slope = loss + local * more, slope + local * steeper
+            return loss, slope
+
+        results = list(Loss.pool.map(one, zip(problems, fields)))
         losses = [r[0] for r in results]
         slopes = [torch.from_numpy(r[1]).to(f.device) * (p.weight / len(problems)) for r, p, f in zip(results, problems, fields)]
         context.slopes = slopes
@@ -105,4 +125,4 @@ class Loss(torch.autograd.Function):
 
     @staticmethod
     def backward(context, by):
-        return (None, None) + tuple(by * s for s in context.slopes)
+        return (None, None, None) + tuple(by * s for s in context.slopes)

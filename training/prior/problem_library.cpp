@@ -97,6 +97,117 @@ void for_cells(const Problem& p, F f) {
     }
 }
 
+/// The fitted prior, changed by fields.
+Prior with_fields(const Problem& p, const float* fields) {
+  const Example& e = p.e;
+  const std::size_t n = p.size();
+  Prior prior = p.fitted;
+  const auto at = [&](int field, std::size_t pixel) {
+    return fields[std::size_t(field) * n + pixel];
+  };
+  for (int y = 0; y < e.height; ++y)
+    for (int x = 0; x < e.width; ++x) {
+      const std::size_t i = std::size_t(y * e.width + x), j = p.pixel(x, y);
+      for (int o = 0; o < 2; ++o) {
+        const float contrast = at(kContrast + o, j), chroma = at(kChroma + o, j);
+        prior.right[std::size_t(o)][i] +=
+            at(kBias + o, j) + contrast * e.right[0][i] + chroma * e.right[1][i];
+        prior.down[std::size_t(o)][i] +=
+            at(kBias + 2 + o, j) + contrast * e.down[0][i] + chroma * e.down[1][i];
+      }
+    }
+  for_cells(p, [&](std::size_t cell, std::size_t pixel, float share) {
+    for (int o = 0; o < 3; ++o) prior.cell[std::size_t(o)][cell] += share * at(kCell + o, pixel);
+  });
+  return prior;
+}
+
+/// The derivative by fields of what has the derivative `change` by the prior.
+void to_fields(const Problem& p, const Prior& change, float* gradient) {
+  const Example& e = p.e;
+  const std::size_t n = p.size();
+  std::fill(gradient, gradient + std::size_t(kFields) * n, 0.0F);
+  const auto to = [&](int field, std::size_t pixel) -> float& {
+    return gradient[std::size_t(field) * n + pixel];
+  };
+  for (int y = 0; y < e.height; ++y)
+    for (int x = 0; x < e.width; ++x) {
+      const std::size_t i = std::size_t(y * e.width + x), j = p.pixel(x, y);
+      for (int o = 0; o < 2; ++o) {
+        const float right = change.right[std::size_t(o)][i], down = change.down[std::size_t(o)][i];
+        to(kBias + o, j) += right;
+        to(kBias + 2 + o, j) += down;
+        to(kContrast + o, j) += right * e.right[0][i] + down * e.down[0][i];
+        to(kChroma + o, j) += right * e.right[1][i] + down * e.down[1][i];
+      }
+    }
+  for_cells(p, [&](std::size_t cell, std::size_t pixel, float share) {
+    for (int o = 0; o < 3; ++o) to(kCell + o, pixel) += share * change.cell[std::size_t(o)][cell];
+  });
+}
+
+/// See problem_local_loss.
+double local_loss(const Example& e, const Prior& prior, Prior& change) {
+  constexpr double kStep = 0.05, kNear = 0.2, kValueWeight = 0.3, kDark = 0.02;
+  const std::size_t n = e.m.size(), w = std::size_t(e.width), cells = e.cell_m.size();
+  change.right.fill(Plane(n, 0)), change.down = change.right;
+  change.cell.fill(Plane(cells, 0));
+  const auto known = [&](std::size_t i) {
+    return e.mask.data[i] > 0.5F && e.shading.data[i] > 1e-4F && e.m[i] > -5;
+  };
+  const auto for_edges = [&](auto visit) {
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!known(i)) continue;
+      if (i % w + 1 < w && known(i + 1)) visit(i, i + 1, prior.right, change.right);
+      if (i + w < n && known(i + w)) visit(i, i + w, prior.down, change.down);
+    }
+  };
+  const auto weight_of_step = [&](std::size_t i, std::size_t j) {
+    const double step = std::abs(double(e.m[i] - e.m[j]));
+    return step / (step + kStep);
+  };
+  double all = 1e-9, error = 0;
+  for_edges([&](std::size_t i, std::size_t j, const auto&, auto&) { all += weight_of_step(i, j); });
+  for_edges([&](std::size_t i, std::size_t j, const auto& o, auto& d) {
+    const double shading = std::log(double(e.shading.data[i]) / e.shading.data[j]),
+                 step = double(e.m[i] - e.m[j]), paint = step - shading,
+                 share = std::abs(paint) / (std::abs(paint) + std::abs(shading) + 1e-4),
+                 logit = double(o[1][i] - o[0][i]), said = 1 / (1 + std::exp(-logit)),
+                 weight = weight_of_step(i, j) / all;
+    const auto entropy = [](double p, double q) {
+      return -p * std::log(q + 1e-6) - (1 - p) * std::log(1 - q + 1e-6);
+    };
+    error += weight * (entropy(share, said) - entropy(share, share));
+    d[1][i] += float(weight * (said - share));
+    d[0][i] -= float(weight * (said - share));
+  });
+  Plane truth(cells, 0), count(cells, 0);
+  for (std::size_t i = 0; i < n; ++i)
+    if (known(i)) {
+      truth[std::size_t(e.cell_of(int(i)))] += std::log(e.shading.data[i]);
+      count[std::size_t(e.cell_of(int(i)))] += 1;
+    }
+  double sum = 0, total = 1e-9;
+  Plane off(cells, 0), weight(cells, 0);
+  for (std::size_t c = 0; c < cells; ++c) {
+    if (count[c] == 0) continue;
+    const double light = std::exp(double(e.cell_m[c]));
+    weight[c] = float(light / (light + kDark));
+    off[c] = e.cell_value[c] + prior.cell[1][c] - truth[c] / count[c];
+    sum += weight[c] * off[c], total += weight[c];
+  }
+  double pulls = 0;
+  for (std::size_t c = 0; c < cells; ++c) {
+    const double d = off[c] - sum / total, root = std::sqrt(d * d + kNear * kNear);
+    error += kValueWeight * weight[c] / total * (root - kNear);
+    change.cell[1][c] = float(kValueWeight * weight[c] / total * d / root);
+    pulls += change.cell[1][c];
+  }
+  for (std::size_t c = 0; c < cells; ++c)
+    change.cell[1][c] -= float(pulls * weight[c] / total);
+  return error;
+}
+
 }  // namespace
 }  // namespace inverse::training
 
@@ -148,45 +259,23 @@ void problem_input(const void* problem, float* out) {
 double problem_loss(void* problem, const float* fields, double equal, double different,
                     float* gradient) {
   auto& p = *static_cast<Problem*>(problem);
-  const Example& e = p.e;
-  const std::size_t n = p.size();
-  Prior prior = p.fitted, change;
-  const auto at = [&](int field, std::size_t pixel) { return fields[std::size_t(field) * n + pixel]; };
-  for (int y = 0; y < e.height; ++y)
-    for (int x = 0; x < e.width; ++x) {
-      const std::size_t i = std::size_t(y * e.width + x), j = p.pixel(x, y);
-      for (int o = 0; o < 2; ++o) {
-        const float contrast = at(kContrast + o, j), chroma = at(kChroma + o, j);
-        prior.right[std::size_t(o)][i] +=
-            at(kBias + o, j) + contrast * e.right[0][i] + chroma * e.right[1][i];
-        prior.down[std::size_t(o)][i] +=
-            at(kBias + 2 + o, j) + contrast * e.down[0][i] + chroma * e.down[1][i];
-      }
-    }
-  for_cells(p, [&](std::size_t cell, std::size_t pixel, float share) {
-    for (int o = 0; o < 3; ++o) prior.cell[std::size_t(o)][cell] += share * at(kCell + o, pixel);
-  });
+  const Prior prior = with_fields(p, fields);
+  Prior change;
   const double value =
-      evaluate(e, prior, p.solution, gradient ? &change : nullptr, {equal, different});
-  if (!gradient) return value;
-  std::fill(gradient, gradient + std::size_t(kFields) * n, 0.0F);
-  const auto to = [&](int field, std::size_t pixel) -> float& {
-    return gradient[std::size_t(field) * n + pixel];
-  };
-  for (int y = 0; y < e.height; ++y)
-    for (int x = 0; x < e.width; ++x) {
-      const std::size_t i = std::size_t(y * e.width + x), j = p.pixel(x, y);
-      for (int o = 0; o < 2; ++o) {
-        const float right = change.right[std::size_t(o)][i], down = change.down[std::size_t(o)][i];
-        to(kBias + o, j) += right;
-        to(kBias + 2 + o, j) += down;
-        to(kContrast + o, j) += right * e.right[0][i] + down * e.down[0][i];
-        to(kChroma + o, j) += right * e.right[1][i] + down * e.down[1][i];
-      }
-    }
-  for_cells(p, [&](std::size_t cell, std::size_t pixel, float share) {
-    for (int o = 0; o < 3; ++o) to(kCell + o, pixel) += share * change.cell[std::size_t(o)][cell];
-  });
+      evaluate(p.e, prior, p.solution, gradient ? &change : nullptr, {equal, different});
+  if (gradient) to_fields(p, change, gradient);
+  return value;
+}
+
+/// Without a solve: how far the prior is from the truth at each edge and cell. An edge's share of
+/// paint, b / (a + b), is compared with the true share of the step in ln R (cross entropy less its
+/// minimum, weighted by the step); V with true ln shading less the mean difference (pseudo-Huber).
+double problem_local_loss(void* problem, const float* fields, float* gradient) {
+  const auto& p = *static_cast<const Problem*>(problem);
+  const Prior prior = with_fields(p, fields);
+  Prior change;
+  const double value = local_loss(p.e, prior, change);
+  if (gradient) to_fields(p, change, gradient);
   return value;
 }
 

@@ -119,7 +119,7 @@ class Run:
             inputs = torch.from_numpy(np.stack([p.input for p in batch])).to(args.device, memory_format=torch.channels_last)
             answers = self.network(inputs)
             fields = [problem.fields_of(a, p.size) for a, p in zip(answers, batch)]
-            loss = problem.Loss.apply(batch, pairs, *fields)
+            loss = problem.Loss.apply(batch, pairs, None if args.local_only else args.local, *fields)
             apart = fields_apart(self.network, inputs, shifts) if args.steady else torch.zeros(())
             self.optimizer.zero_grad()
             (loss + args.steady * apart).backward()
@@ -153,6 +153,8 @@ def main():
     parser.add_argument("--equal", type=float, default=1.0, help="weight of pairs of one paint")
     parser.add_argument("--different", type=float, default=0.5, help="weight of pairs of two paints")
     parser.add_argument("--assets", type=pathlib.Path, help="of ../intrinsic/README.md, for drawn pictures")
+    parser.add_argument("--local", type=float, default=0.3, help="weight of shares of paint at edges, and of V")
+    parser.add_argument("--local-only", action="store_true", help="no solves: a fast start")
     parser.add_argument("--steady", type=float, default=1.0, help="weight of the fields' change between crops and noise")
     parser.add_argument("--shares", type=float, nargs=2, default=(0.4, 0.35), help="of photographs and of drawn pictures among examples")
     parser.add_argument("--pool", type=int, default=1500, help="examples in memory")
