@@ -368,7 +368,8 @@ void draw_pairs(Example& e) {
       const double ratio = std::log(double(r[3 * i + c]) / double(r[3 * j + c]));
       apart = std::max(apart, std::abs(ratio)), step += ratio / 3;
     }
-    if (apart < kEqual) e.equal.push_back({i, j, 0});
+    if (apart < kEqual)
+      e.equal.push_back({i, j, 0});
     else if (std::abs(step) > kDifferent && e.different.size() < kPairs)
       e.different.push_back({i, j, float(step)});
   }
@@ -494,8 +495,7 @@ double evaluate(const Model& model, const std::vector<float>& parameters, const 
   model.edge.forward(parameters, e.right, hidden_right, prior.right);
   model.edge.forward(parameters, e.down, hidden_down, prior.down);
   model.cell.forward(parameters, e.cell, hidden_cell, prior.cell);
-  const double value =
-      evaluate(e, prior, solution, gradient ? &change : nullptr, pair_weights);
+  const double value = evaluate(e, prior, solution, gradient ? &change : nullptr, pair_weights);
   if (!gradient) return value;
   model.edge.backward(parameters, e.right, hidden_right, change.right, *gradient);
   model.edge.backward(parameters, e.down, hidden_down, change.down, *gradient);

@@ -43,7 +43,8 @@ Example make_example(const Scene& scene, double k);
 
 /// Draws up to 1500 pairs of pixels of equal reflectance (within .05 of ln in every channel), and
 /// of different ones (mean ln apart by .15), that are not dark. Where the slope assumed is wrong,
-/// the reflectance that belongs to it differs in and out of a shadow, and so there is no equal pair.
+/// the reflectance that belongs to it differs in and out of a shadow, and so there is no equal
+/// pair.
 void draw_pairs(Example& example);
 
 /// The two networks in one parameter vector. Their last cue is the slope of light, min(|k|, 1): the
@@ -59,18 +60,18 @@ struct Solution {
   Plane s, adjoint;
 };
 
-/// The seven planes of the prior: ln a and ln b of every right and lower edge; ln v, what V is above
-/// the cell's value, and ln g of every cell. Weights are clamped, and those of cells times their
-/// area, when they are used.
+/// The seven planes of the prior: ln a and ln b of every right and lower edge; ln v, what V is
+/// above the cell's value, and ln g of every cell. Weights are clamped, and those of cells times
+/// their area, when they are used.
 struct Prior {
   std::array<Plane, 2> right, down;
   std::array<Plane, 3> cell;
 };
 
 /// Windowed scale-invariant error of reflectance and shading (k = 20, k = 60, whole frame), which
-/// is LMSE at three scales, plus the error of log shading, plus weighted errors over pairs: the mean
-/// |step of ln R| of equal ones, and what different ones lack, as WHDR judges; `gradient` receives
-/// its derivative by s.
+/// is LMSE at three scales, plus the error of log shading, plus weighted errors over pairs: the
+/// mean |step of ln R| of equal ones, and what different ones lack, as WHDR judges; `gradient`
+/// receives its derivative by s.
 double loss(const Example& example, const Plane& s, Plane& gradient,
             const PairWeights& pair_weights = {});
 

@@ -88,8 +88,8 @@ void for_cells(const Problem& p, F f) {
   const int up = std::max(0, 2 - p.level), down = std::max(0, p.level - 2);
   for (int y = 0; y < p.e.cells_y; ++y)
     for (int x = 0; x < p.e.cells_x; ++x) {
-      const int x0 = x << up >> down, x1 = std::min(p.width, x0 + (1 << up)),
-                y0 = y << up >> down, y1 = std::min(p.height, y0 + (1 << up));
+      const int x0 = x << up >> down, x1 = std::min(p.width, x0 + (1 << up)), y0 = y << up >> down,
+                y1 = std::min(p.height, y0 + (1 << up));
       const float share = 1.0F / float((x1 - x0) * (y1 - y0));
       for (int v = y0; v < y1; ++v)
         for (int u = x0; u < x1; ++u)
@@ -203,8 +203,7 @@ double local_loss(const Example& e, const Prior& prior, Prior& change) {
     change.cell[1][c] = float(kValueWeight * weight[c] / total * d / root);
     pulls += change.cell[1][c];
   }
-  for (std::size_t c = 0; c < cells; ++c)
-    change.cell[1][c] -= float(pulls * weight[c] / total);
+  for (std::size_t c = 0; c < cells; ++c) change.cell[1][c] -= float(pulls * weight[c] / total);
   return error;
 }
 
@@ -216,8 +215,8 @@ namespace bench = inverse::bench;
 
 extern "C" {
 
-/// A procedural scene (scenes.hpp). `least_level`: of the network's picture, 0…2; it is higher where
-/// that would be too large.
+/// A procedural scene (scenes.hpp). `least_level`: of the network's picture, 0…2; it is higher
+/// where that would be too large.
 void* problem_of_seed(std::uint32_t seed, int width, int height, int least_level,
                       double slope_error, const char* weights) {
   return make_problem(make_scene(seed, width, height), slope_error, seed, least_level,
@@ -243,8 +242,8 @@ void problem_free(void* problem) { delete static_cast<Problem*>(problem); }
 /// Width and height of the picture; width, height and padded size of the network's; its level.
 void problem_size(const void* problem, int* out) {
   const auto& p = *static_cast<const Problem*>(problem);
-  const int size[] = {p.e.width, p.e.height, p.width, p.height, p.padded_width(),
-                      p.padded_height(), p.level};
+  const int size[] = {p.e.width,        p.e.height,        p.width, p.height,
+                      p.padded_width(), p.padded_height(), p.level};
   std::copy(std::begin(size), std::end(size), out);
 }
 
