@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicdecompthesis in the benchmark: its two solvers are two methods.
+#include <tuple>
+
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
 #include "kernels/thesis/chapter3/thesis_levels.hpp"
 #include "methods.hpp"
@@ -52,7 +54,23 @@ void add_ablations(Method& method, const ThesisParams& base,
                                .name = term,
                                .parameters = {{"without", term}},
                                .make = make(params),
+                               .photographs = weight == &ThesisParams::w_non_local,
                                .effort = Effort::full});
+  }
+}
+
+/// The reweighting as printed (3.19), with samples and without.
+void add_printed(Method& method, ThesisParams params,
+                 const std::function<decltype(Setting::make)(const ThesisParams&)>& make) {
+  params.irls = ThesisParams::Irls::printed;
+  for (const char* name : {"printed", "printed, without samples"}) {
+    method.settings.push_back({.curve = "IRLS weight",
+                               .name = name,
+                               .parameters = {{"irls", name}},
+                               .make = make(params),
+                               .photographs = true,
+                               .effort = Effort::full});
+    params.w_non_local = 0;
   }
 }
 
@@ -126,7 +144,10 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
          .make = [make, base,
                   times](Size size) { return at_lower_resolution(size, times, make(base)); },
          .effort = Effort::full});
-  if (pcg) add_ablations(method, base, make);
+  if (pcg) {
+    add_ablations(method, base, make);
+    add_printed(method, base, make);
+  }
   Setting video{.curve = "video",
                 .name = "4x8",
                 .make = make(base),
@@ -135,15 +156,21 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
                 .video = true,
                 .effort = Effort::full};
   if (pcg) {
-    ThesisParams alone = base;
-    alone.keyframes = 0;
-    method.settings.push_back({.curve = "keyframes",
-                               .name = "none",
-                               .parameters = {{"keyframes", "0"}},
-                               .make = make(alone),
-                               .stills = false,
-                               .video = true,
-                               .effort = Effort::full});
+    const std::tuple<const char*, const char*, void (*)(ThesisParams&)> variants[] = {
+        {"keyframes", "none", [](ThesisParams& p) { p.keyframes = 0; }},
+        {"without", "samples", [](ThesisParams& p) { p.w_non_local = 0; }},
+        {"without", "clusters", [](ThesisParams& p) { p.w_clustering = 0; }}};
+    for (const auto& [curve, name, change] : variants) {
+      ThesisParams params = base;
+      change(params);
+      method.settings.push_back({.curve = curve,
+                                 .name = name,
+                                 .parameters = {{curve, name}},
+                                 .make = make(params),
+                                 .stills = false,
+                                 .video = true,
+                                 .effort = Effort::full});
+    }
   } else {
     video.sets = {"own"};  // the other solver of the same energy is measured on all
   }

@@ -2,12 +2,15 @@
 // own-scenes FOLDER STAMP: renders the project's own data for the benchmark with the renderer of
 // the bundled clip: four kinds of stills, and videos that differ in the work they need. Writes
 // STAMP when done. Takes about a minute of processor time; deterministic.
+//
+// own-scenes FOLDER --size WIDTHxHEIGHT: the stills alone, in this size.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <exception>
 #include <fstream>
 #include <random>
+#include <string>
 
 #include "rendered.hpp"
 
@@ -22,6 +25,8 @@ using clip::Vec3;
 
 constexpr int kWidth = 320, kHeight = 240;
 constexpr const char* kSet = "own";
+
+constexpr clip::Quality kStill{36, 16, 3}, kMoving{16, 4, 3};
 
 TruthFrame render(const clip::Scene& scene, clip::Quality quality) {
   return rendered(scene, kWidth, kHeight, quality);
@@ -173,14 +178,22 @@ TruthFrame noisy(TruthFrame frame, unsigned seed) {
   return frame;
 }
 
+/// Writes the stills; returns the still life.
+TruthFrame write_stills(const std::string& folder, int width, int height) {
+  const auto write = [&](const char* name, const char* regime, const clip::Scene& scene) {
+    TruthFrame frame = rendered(scene, width, height, kStill);
+    write_scene(folder, {kSet, name, regime, false, {frame}});
+    return frame;
+  };
+  write("patches", "diverse value", patches());
+  write("sculptures", "little paint", sculptures());
+  write("toys", "near-constant value", toys());
+  return write("still life", "much of everything", clip::still_life(0.35F));
+}
+
 void write_all(const std::string& folder) {
-  constexpr clip::Quality kStill{36, 16, 3}, kMoving{16, 4, 3};
   constexpr int kFrames = 10;
-  const TruthFrame table = render(clip::still_life(0.35F), kStill);
-  write_scene(folder, {kSet, "still life", "much of everything", false, {table}});
-  write_scene(folder, {kSet, "patches", "diverse value", false, {render(patches(), kStill)}});
-  write_scene(folder, {kSet, "sculptures", "little paint", false, {render(sculptures(), kStill)}});
-  write_scene(folder, {kSet, "toys", "near-constant value", false, {render(toys(), kStill)}});
+  const TruthFrame table = write_stills(folder, kWidth, kHeight);
   Scene light{kSet, "moving light", "everything changes", true, {}};
   Scene still{kSet, "still camera", "nothing changes", true, {}};
   Scene noise{kSet, "noisy camera", "sensor noise only", true, {}};
@@ -200,8 +213,16 @@ void write_all(const std::string& folder) {
 }  // namespace inverse::bench
 
 int main(int argc, char** argv) try {
+  int width = 0, height = 0;
+  if (argc == 4 && std::string(argv[2]) == "--size" &&
+      std::sscanf(argv[3], "%dx%d", &width, &height) == 2 && width > 0 && height > 0) {
+    inverse::bench::write_stills(argv[1], width, height);
+    return 0;
+  }
   if (argc != 3) {
-    std::fprintf(stderr, "usage: own-scenes FOLDER STAMP\n");
+    std::fprintf(stderr,
+                 "usage: own-scenes FOLDER STAMP\n"
+                 "       own-scenes FOLDER --size WIDTHxHEIGHT\n");
     return 2;
   }
   inverse::bench::write_all(argv[1]);
