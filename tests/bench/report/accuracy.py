@@ -29,10 +29,16 @@ def grouped(rows):
     return [{**r, "regime": "own stills"} if r["set"] == "own" else r for r in rows]
 
 
-def by_scene(rows, method, setting=None):
+THESIS = [("thesis, chapter 3", None, None), ("Eq. 3.19 as printed", "IRLS weight", "printed"),
+          ("without samples", "without", "samples"), ("as printed, without samples", "IRLS weight", "printed, without samples")]
+CHAPTERS = [("thesis, chapter 3", "thesis PCG", None, None), ("thesis, chapter 5", "globalintrinsicthesis", None, None),
+            ("chapter 5, base colors not refined", "globalintrinsicthesis", "without", "refinement")]
+
+
+def by_scene(rows, method, setting=None, curve=None):
     """Rows of a method's setting, or of its default."""
     return {(r["set"], r["scene"]): r for r in rows if r["method"] == method and
-            (r["base"] if setting is None else r["setting"] == setting and r["curve"] != "without")}
+            (r["base"] if setting is None else r["setting"] == setting and (r["curve"] == curve if curve else r["curve"] != "without"))}
 
 
 def settings(rows):
@@ -42,8 +48,8 @@ def settings(rows):
     yield "intrinsicdecomp", by_scene(rows, "intrinsicdecomp")
 
 
-def stills(rows):
-    found = list(settings(rows))
+def stills(found):
+    """Errors by regime of what is compared: pairs of a title and {scene: row}."""
     means = {n: {t: [summary.mean(r[k] for r in of.values() if r["regime"] == n) for k in ("lmse20", "mse", "dssim")]
                  for t, of in found} for n in REGIMES}
     least = {n: [min(m[k] for m in means[n].values()) for k in range(3)] for n in REGIMES}
@@ -59,19 +65,38 @@ def stills(rows):
     return tables.table(["LMSE [95 %] / si-MSE / DSSIM"] + REGIMES, out)
 
 
-def paired(rows):
-    ours = by_scene(rows, "intrinsicdecomp")
-    out = []
-    for title, of in settings(rows):
-        if title == "intrinsicdecomp":
-            continue
-        cells = [title]
-        for n in REGIMES:
-            d = intervals.differences({s: r["lmse20"] for s, r in ours.items() if r["regime"] == n},
-                                      {s: r["lmse20"] for s, r in of.items() if r["regime"] == n})
-            cells.append(tables.bracketed(d["mean"], d["interval"], "+"))
-        out.append(cells)
-    return tables.table(["intrinsicdecomp minus"] + REGIMES, out)
+def difference(a, b, regime):
+    d = intervals.differences(*({s: r["lmse20"] for s, r in of.items() if r["regime"] == regime} for of in (a, b)))
+    return tables.bracketed(d["mean"], d["interval"], "+")
+
+
+def paired(found):
+    ours = dict(found)["intrinsicdecomp"]
+    return tables.table(["intrinsicdecomp minus"] + REGIMES,
+                        [[title] + [difference(ours, of, n) for n in REGIMES] for title, of in found if of is not ours])
+
+
+def thesis(rows):
+    """Variants of the thesis' method, what each of its terms brings, and its two methods side by side."""
+    found = [(title, by_scene(rows, "thesis PCG", setting, curve)) for title, curve, setting in THESIS]
+    whole = found[0][1]
+    minus = tables.table(["minus the thesis"] + REGIMES, [[title] + [difference(of, whole, n) for n in REGIMES] for title, of in found[1:]])
+    terms = tables.without([{**e, "time": None} for e in ablations.stills(rows, "thesis PCG", "wall_ms")])
+    return (f"{stills(found)}\nLMSE minus that of the thesis, paired by scene [95 % interval]; negative is better:\n\n{minus}\n"
+            f"One term removed:\n\n{terms}\n{chapters(rows)}")
+
+
+def chapters(rows):
+    """LMSE of reflectance and of colored shading where the truth has the color of light: wrong colors count."""
+    found = [(title, by_scene(rows, method, setting, curve)) for title, method, curve, setting in CHAPTERS]
+    scenes = [s for s, r in found[1][1].items()]
+    names = [n for n in REGIMES if any(found[1][1][s]["regime"] == n for s in scenes)]
+
+    def cell(of, regime):
+        some = [of[s] for s in scenes if of[s]["regime"] == regime]
+        return " / ".join(figure(summary.mean(r[k] for r in some)) for k in ("lmse20_R", "lmse20_S"))
+
+    return tables.table(["LMSE (k = 20), reflectance / colored shading"] + names, [[title] + [cell(of, n) for n in names] for title, of in found])
 
 
 VIDEOS = [("thesis", "thesis PCG", "video", "4x8"), ("without anchor", "intrinsicdecomp", "without", "temporal anchor"),
@@ -101,8 +126,9 @@ def main(path, *more):
     single = [r for r in rows if not r["video"]]
     if not any(r["curve"] == "weights" for r in single):
         sys.exit(f"{path} is not of a --full run with given data")
-    alone, commit = ablations.leave_one_out(single), results["machine"]["commit"]
-    parts = {"stills": f"Measured at commit {commit}.\n\n{stills(single)}\nLMSE of `intrinsicdecomp` minus that of the other method, paired by scene [95 % interval]; negative is better:\n\n" + paired(single),
+    alone, commit, found = ablations.leave_one_out(single), results["machine"]["commit"], list(settings(single))
+    parts = {"stills": f"Measured at commit {commit}.\n\n{stills(found)}\nLMSE of `intrinsicdecomp` minus that of the other method, paired by scene [95 % interval]; negative is better:\n\n" + paired(found),
+             "thesis": f"Measured at commit {commit}.\n\n{thesis(single)}",
              "terms": tables.without(ablations.stills(single, "intrinsicdecomp", summary.steady_time(results["device"]))) +
              "\nThree weights chosen for each scene on all other scenes (27 settings):\n\n" + tables.left_out(alone),
              "sequences": sequences(rows)}

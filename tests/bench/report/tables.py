@@ -108,16 +108,16 @@ def signed(value, digits=0):
 
 
 def without(entries):
-    """Errors with one term left out, regime by regime, what that makes of the error, and of the time."""
+    """Errors with one term left out, regime by regime, what that makes of the error, and of the time, where it is known."""
     if not entries:
         return ""
-    whole, rows = entries[0], []
+    whole, rows, timed = entries[0], [], any(e["time"] for e in entries)
     for e in entries:
         cells = [figure(v) + ("" if e is whole or not whole["errors"][n] else f" ({signed(v / whole['errors'][n])})")
                  for n, v in e["errors"].items()]
         rows.append([f"without {e['term']}" if e["term"] else "whole"] + cells +
-                    ["" if e is whole or not e["time"] else signed(e["time"])])
-    return table(["LMSE (k = 20)"] + [f"{n} ({c})" for n, c in whole["scenes"].items()] + ["time"], rows)
+                    (["" if e is whole or not e["time"] else signed(e["time"])] if timed else []))
+    return table(["LMSE (k = 20)"] + [f"{n} ({c})" for n, c in whole["scenes"].items()] + (["time"] if timed else []), rows)
 
 
 def left_out(found):

@@ -183,6 +183,12 @@ class Photographs(unittest.TestCase):
         self.assertIn("| constant reflectance | 0 [0, 0] | −.200", text)
         self.assertIn("at δ = .10: a 2 of 3, b 1 of 2.", text)
 
+    def test_variants_of_the_thesis_have_their_titles(self):
+        rows = [row for curve, setting in (("without", "samples"), ("IRLS weight", "printed"), ("IRLS weight", "printed, without samples"))
+                for row in self.found({"a": [1, 1, 1]}, method="thesis PCG", curve=curve, setting=setting, base=False, preset="")]
+        self.assertEqual(list(whdr.titles({"rows": rows}).values()),
+                         [f"thesis, chapter 3 without {what}" for what in ("p/2", "p/2, samples", "samples")])
+
     def test_the_tables_of_a_page_are_replaced(self):
         page = "a\n<!-- photographs -->\nold\n<!-- end -->\nb\n"
         self.assertEqual(tables.inserted(page, "photographs", "new\n"), page.replace("old", "new"))

@@ -100,6 +100,8 @@ def titles(found):
             ours[key] = f"{method}, gray light"
         elif (method, curve) == ("intrinsicdecomp", "without"):
             ours[key] = f"{method} without {setting}"
+        elif method == "thesis PCG":
+            thesis[key] = f"{names[method]} without {setting.replace('printed, without', 'p/2,').replace('printed', 'p/2')}"
         elif row["preset"] and method in ("intrinsicdecomp", "globalintrinsic"):
             ours[key] = f"{method} `{row['preset']}`"
         elif curve in ("only", "thresholds") or method in tables.FILTERS:
