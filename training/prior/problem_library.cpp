@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <random>
 #include <string>
 
-#include "tests/reference/intrinsic/intrinsic_features.hpp"
+#include "tests/reference/intrinsic/prior_network.hpp"
 #include "training/edges/colored_light.hpp"
 #include "training/edges/problem.hpp"
 #include "training/edges/weights.hpp"
@@ -17,49 +18,35 @@
 namespace inverse::training {
 namespace {
 
-constexpr int kLongest = 256;  // side of the network's picture
-constexpr int kFields = 11, kPad = 16;
+constexpr int kFields = reference::kPriorFields;
 // Fields of the network's answer: bias of ln a and ln b to the right, downward; coefficients of the
 // contrast cue and of the chroma cue, for both directions; ln v, V, ln g.
 enum Field { kBias = 0, kContrast = 4, kChroma = 6, kCell = 8 };
+
+std::size_t index(int x, int y, int width) {
+  return std::size_t(y) * std::size_t(width) + std::size_t(x);
+}
 
 struct Problem {
   Example e;
   Prior fitted;
   Solution solution;
-  int level = 0, width = 0, height = 0;  // of the network's picture
-  Plane input;                           // 6 x padded height x padded width
-  double slope = 0;
+  reference::PriorPicture picture{0, 0};  // that the network sees
+  reference::Image input;
 
-  int padded_width() const { return (width + kPad - 1) / kPad * kPad; }
-  int padded_height() const { return (height + kPad - 1) / kPad * kPad; }
-  std::size_t size() const { return std::size_t(width) * std::size_t(height); }
+  std::size_t size() const { return std::size_t(picture.width) * std::size_t(picture.height); }
   std::size_t pixel(int x, int y) const {
-    return std::size_t(y >> level) * std::size_t(width) + std::size_t(x >> level);
+    return index(x >> picture.level, y >> picture.level, picture.width);
   }
 };
 
-void make_input(Problem& p, int least_level) {
+void make_input(Problem& p, double slope, int least_level) {
   const Example& e = p.e;
-  p.level = least_level;
-  while (((std::max(e.width, e.height) + (1 << p.level) - 1) >> p.level) > kLongest) ++p.level;
   const std::vector<double> rgb(e.input.data.begin(), e.input.data.end());
-  const reference::Guide guide = reference::make_guide(rgb.data(), e.width, e.height);
-  const reference::GuideLevel& g = guide.level[std::size_t(p.level)];
-  p.width = g.width, p.height = g.height;
-  const int w = p.padded_width(), h = p.padded_height();
-  for (int c = 0; c < 6; ++c)
-    for (int y = 0; y < h; ++y)
-      for (int x = 0; x < w; ++x) {
-        const std::size_t i = g.index(x, y);
-        const std::array<double, 6> v{0.7 * (g.m[i] - guide.mean),
-                                      2 * g.c0[i],
-                                      2 * g.c1[i],
-                                      2 * g.u[i] - 0.7,
-                                      std::clamp((g.m[i] + 4) / 2, -1.0, 2.0),
-                                      std::min(std::abs(p.slope), 1.0)};
-        p.input.push_back(float(std::clamp(v[std::size_t(c)], -8.0, 8.0)));
-      }
+  reference::Guide guide = reference::make_guide(rgb.data(), e.width, e.height);
+  guide.statistics.back() = std::min(std::abs(slope), 1.0);  // the picture is in white light
+  p.picture = {e.width, e.height, least_level};
+  p.input = reference::prior_input(guide, p.picture);
 }
 
 /// Keeps of the cues only those that the network's coefficients multiply.
@@ -68,16 +55,25 @@ void forget_cues(Example& e) {
   e.cell.clear();
 }
 
+/// The weights of a file, which is read once.
+const Weights& weights_of(const std::string& path) {
+  static std::mutex mutex;
+  static std::map<std::string, Weights> known;
+  const std::lock_guard lock(mutex);
+  const auto found = known.find(path);
+  return found != known.end() ? found->second : known[path] = load_weights(path);
+}
+
 Problem* make_problem(const Scene& scene, double slope_error, unsigned seed, int least_level,
                       const Weights& weights) {
   auto p = std::make_unique<Problem>();
   std::mt19937 engine(seed);
   std::normal_distribution<double> normal;
-  p->slope = light_slope(scene) + slope_error * normal(engine);
-  p->e = make_example(scene, p->slope);
+  const double slope = light_slope(scene) + slope_error * normal(engine);
+  p->e = make_example(scene, slope);
   draw_pairs(p->e);
   p->fitted = fitted_prior({weights.edge_hidden, weights.cell_hidden}, weights.values, p->e);
-  make_input(*p, least_level);
+  make_input(*p, slope, least_level);
   forget_cues(p->e);
   return p.release();
 }
@@ -85,15 +81,15 @@ Problem* make_problem(const Scene& scene, double slope_error, unsigned seed, int
 /// Calls f(cell, network pixel, share of the pixel in the cell's mean).
 template <class F>
 void for_cells(const Problem& p, F f) {
-  const int up = std::max(0, 2 - p.level), down = std::max(0, p.level - 2);
+  const int up = std::max(0, 2 - p.picture.level), down = std::max(0, p.picture.level - 2);
   for (int y = 0; y < p.e.cells_y; ++y)
     for (int x = 0; x < p.e.cells_x; ++x) {
-      const int x0 = x << up >> down, x1 = std::min(p.width, x0 + (1 << up)), y0 = y << up >> down,
-                y1 = std::min(p.height, y0 + (1 << up));
+      const int x0 = x << up >> down, x1 = std::min(p.picture.width, x0 + (1 << up)),
+                y0 = y << up >> down, y1 = std::min(p.picture.height, y0 + (1 << up));
       const float share = 1.0F / float((x1 - x0) * (y1 - y0));
       for (int v = y0; v < y1; ++v)
         for (int u = x0; u < x1; ++u)
-          f(std::size_t(y * p.e.cells_x + x), std::size_t(v * p.width + u), share);
+          f(index(x, y, p.e.cells_x), index(u, v, p.picture.width), share);
     }
 }
 
@@ -107,7 +103,7 @@ Prior with_fields(const Problem& p, const float* fields) {
   };
   for (int y = 0; y < e.height; ++y)
     for (int x = 0; x < e.width; ++x) {
-      const std::size_t i = std::size_t(y * e.width + x), j = p.pixel(x, y);
+      const std::size_t i = index(x, y, e.width), j = p.pixel(x, y);
       for (int o = 0; o < 2; ++o) {
         const float contrast = at(kContrast + o, j), chroma = at(kChroma + o, j);
         prior.right[std::size_t(o)][i] +=
@@ -132,7 +128,7 @@ void to_fields(const Problem& p, const Prior& change, float* gradient) {
   };
   for (int y = 0; y < e.height; ++y)
     for (int x = 0; x < e.width; ++x) {
-      const std::size_t i = std::size_t(y * e.width + x), j = p.pixel(x, y);
+      const std::size_t i = index(x, y, e.width), j = p.pixel(x, y);
       for (int o = 0; o < 2; ++o) {
         const float right = change.right[std::size_t(o)][i], down = change.down[std::size_t(o)][i];
         to(kBias + o, j) += right;
@@ -220,7 +216,7 @@ extern "C" {
 void* problem_of_seed(std::uint32_t seed, int width, int height, int least_level,
                       double slope_error, const char* weights) {
   return make_problem(make_scene(seed, width, height), slope_error, seed, least_level,
-                      load_weights(weights));
+                      weights_of(weights));
 }
 
 /// A picture with truth: input, reflectance, irradiance (interleaved RGB, linear), mask.
@@ -234,7 +230,7 @@ void* problem_of_picture(const float* input, const float* reflectance, const flo
     return out;
   };
   return make_problem({image(input, 3), image(reflectance, 3), image(shading, 3), image(mask, 1)},
-                      slope_error, seed, least_level, load_weights(weights));
+                      slope_error, seed, least_level, weights_of(weights));
 }
 
 void problem_free(void* problem) { delete static_cast<Problem*>(problem); }
@@ -242,15 +238,20 @@ void problem_free(void* problem) { delete static_cast<Problem*>(problem); }
 /// Width and height of the picture; width, height and padded size of the network's; its level.
 void problem_size(const void* problem, int* out) {
   const auto& p = *static_cast<const Problem*>(problem);
-  const int size[] = {p.e.width,        p.e.height,        p.width, p.height,
-                      p.padded_width(), p.padded_height(), p.level};
+  const int size[] = {p.e.width,
+                      p.e.height,
+                      p.picture.width,
+                      p.picture.height,
+                      int(p.input.shape.width),
+                      int(p.input.shape.height),
+                      p.picture.level};
   std::copy(std::begin(size), std::end(size), out);
 }
 
 /// 6 x padded height x padded width.
 void problem_input(const void* problem, float* out) {
   const auto& p = *static_cast<const Problem*>(problem);
-  std::copy(p.input.begin(), p.input.end(), out);
+  std::copy(p.input.data.begin(), p.input.data.end(), out);
 }
 
 /// `fields`: 11 x height x width of the network's picture. Returns the loss; `gradient`, if not

@@ -43,7 +43,7 @@ def main():
         rows[name] = train.evaluate(network, examples)
         rows[name]["unsteady"] = round(unsteady(network, examples[::5]), 4)
     kinds = [k for k in rows["fitted"]]
-    print("| | " + " | ".join(f"{k} ({rows['fitted'][k][2]})" for k in kinds) + " | unsteady |\n|---" * 1 + "|---" * (len(kinds) + 1) + "|")
+    print("| | " + " | ".join(f"{k} ({rows['fitted'][k][2]})" for k in kinds) + " | unsteady |\n" + "|---" * (len(kinds) + 2) + "|")
     for name, row in rows.items():
         print(f"| {name} | " + " | ".join(f"{row[k][0]:.4f} / {row[k][1]:.3f}" for k in kinds) + f" | {row.get('unsteady', '')} |")
 

@@ -19,15 +19,18 @@ double saturated(double v, double limit) {
 
 }  // namespace
 
-PriorPicture::PriorPicture(int frame_width, int frame_height)
-    : width(frame_width), height(frame_height) {
+PriorPicture::PriorPicture(int frame_width, int frame_height, int least_level)
+    : level(least_level) {
   const auto divided = [&](int side) { return (side + (1 << level) - 1) >> level; };
   while (divided(std::max(frame_width, frame_height)) > kMaxPriorSide) ++level;
   width = divided(frame_width), height = divided(frame_height);
 }
 
 Image prior_input(const Guide& guide) {
-  const PriorPicture picture(guide.level[0].width, guide.level[0].height);
+  return prior_input(guide, {guide.level[0].width, guide.level[0].height});
+}
+
+Image prior_input(const Guide& guide, const PriorPicture& picture) {
   GuideLevel seen = guide.level[std::size_t(std::min(picture.level, kGuideLevels - 1))];
   for (int level = kGuideLevels; level <= picture.level; ++level) seen = halve(seen);
   Image image{{6, padded(picture.height), padded(picture.width)}, {}};

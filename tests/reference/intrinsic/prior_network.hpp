@@ -26,11 +26,13 @@ inline constexpr PriorFields kPriorLimits = {5, 5, 5, 5, 2, 2, 2, 2, 5, 2, 5};
 struct PriorPicture {
   int level = 0;  ///< One of its pixels is 2^level x 2^level pixels of the frame.
   int width = 0, height = 0;
-  PriorPicture(int frame_width, int frame_height);
+  /// Of the least level, or of a higher one if that would be larger than kMaxPriorSide.
+  PriorPicture(int frame_width, int frame_height, int least_level = 0);
 };
 
-/// The input, 6 channels.
+/// The input, 6 channels: the picture of the guide's frame.
 Image prior_input(const Guide& guide);
+Image prior_input(const Guide& guide, const PriorPicture& picture);
 
 /// Fields of every pixel of the picture, row by row, from the output. NaN counts as 0.
 std::vector<PriorFields> prior_fields(const Image& output, const PriorPicture& picture);
