@@ -9,6 +9,8 @@ import sys
 import cv2
 import numpy as np
 
+import mix
+
 sys.path.append(str(pathlib.Path(__file__).resolve().parent / "scene"))
 import prints
 
@@ -69,8 +71,8 @@ def files(assets):
 
 
 def linear(image):
-    x = np.asarray(image, np.float32) / 255
-    return np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4).astype(np.float32)
+    """Of 8 bits."""
+    return mix.linear(np.asarray(image, np.float32) / 255)
 
 
 def noise(rng, shape, scale, octaves=3):
