@@ -28,67 +28,97 @@ float clamped(float log_weight, float g) {
 // --- the linear system
 // -----------------------------------------------------------------------------
 
+/// A plane of w x h pixels with w zeros before and after them.
+class Padded {
+ public:
+  Padded() = default;
+  Padded(int w, int h) : before_(std::size_t(w)), values_(std::size_t(w) * std::size_t(h + 2), 0) {}
+  float* data() { return values_.data() + before_; }
+  const float* data() const { return values_.data() + before_; }
+
+ private:
+  std::size_t before_ = 0;
+  Plane values_;
+};
+
+/// A grid and the weights between its pixels: right of pixels i and i + 1, 0 at the end of a row;
+/// down of pixels i and i + w, 0 in the last row. With them and the padding, loops need no borders.
 struct Level {
   int w, h;
-  Plane right, down, own, diagonal, s, f, r;
+  Padded right, down, s, next;
+  Plane own, diagonal, f;
 
-  float off_diagonal(const Plane& v, int x, int y) const {
-    const std::size_t i = std::size_t(y) * w + x, stride = std::size_t(w);
-    float a = 0;
-    if (x > 0) a += right[i - 1] * v[i - 1];
-    if (x + 1 < w) a += right[i] * v[i + 1];
-    if (y > 0) a += down[i - stride] * v[i - stride];
-    if (y + 1 < h) a += down[i] * v[i + stride];
-    return a;
+  Level(int width, int height)
+      : w(width),
+        h(height),
+        right(w, h),
+        down(w, h),
+        s(w, h),
+        next(w, h),
+        own(count(), 0),
+        f(own) {}
+  std::size_t count() const { return std::size_t(w) * std::size_t(h); }
+
+  /// out[i] = combine(i, the sum over neighbors of weight * v)
+  template <class F>
+  void for_sums(const Padded& plane, float* out, F combine) const {
+    const std::ptrdiff_t n = std::ptrdiff_t(count());
+    const float *v = plane.data(), *r = right.data(), *d = down.data();
+    for (std::ptrdiff_t i = 0; i < n; ++i)
+      out[i] =
+          combine(i, r[i - 1] * v[i - 1] + r[i] * v[i + 1] + d[i - w] * v[i - w] + d[i] * v[i + w]);
   }
-  void relax(int color) {
-    for (int y = 0; y < h; ++y)
-      for (int x = (y + color) & 1; x < w; x += 2) {
-        const std::size_t i = std::size_t(y) * w + x;
-        s[i] = (f[i] + off_diagonal(s, x, y)) / diagonal[i];
-      }
+  void sum_diagonal() {
+    Padded ones(w, h);
+    std::fill_n(ones.data(), count(), 1.0F);
+    diagonal.resize(count());
+    for_sums(ones, diagonal.data(), [&](auto i, float sum) { return own[std::size_t(i)] + sum; });
   }
+  /// Damped Jacobi steps, the first from zero.
+  void smooth_from_zero() {
+    for (std::size_t i = 0; i < count(); ++i) s.data()[i] = kDamping * f[i] / diagonal[i];
+  }
+  void smooth() {
+    const float *b = f.data(), *a = diagonal.data(), *v = s.data();
+    for_sums(s, next.data(),
+             [=](auto i, float sum) { return v[i] + kDamping * ((b[i] + sum) / a[i] - v[i]); });
+    std::swap(s, next);
+  }
+  /// Residual, left in `next`.
+  const float* residual() {
+    const float *b = f.data(), *a = diagonal.data(), *v = s.data();
+    for_sums(s, next.data(), [=](auto i, float sum) { return b[i] + sum - a[i] * v[i]; });
+    return next.data();
+  }
+
+  static constexpr float kDamping = 0.8F;
 };
 
 /// Edges at full resolution, `screen` on the cells, minus the projection onto the chroma bins.
 class System {
  public:
-  System(const Example& e, Plane right, Plane down, Plane screen, Plane g)
+  System(const Example& e, const Plane& right, const Plane& down, Plane screen, Plane g)
       : e_(e), screen_(std::move(screen)), g_(std::move(g)) {
-    levels_.push_back({e.width,
-                       e.height,
-                       std::move(right),
-                       std::move(down),
-                       Plane(e.m.size(), 1e-6F),
-                       {},
-                       {},
-                       {},
-                       {}});
+    Level& first = levels_.emplace_back(e.width, e.height);
+    std::copy(right.begin(), right.end(), first.right.data());
+    std::copy(down.begin(), down.end(), first.down.data());
+    std::fill(first.own.begin(), first.own.end(), 1e-6F);
     while (levels_.size() < 3 || std::max(levels_.back().w, levels_.back().h) > 2) {
       const Level& f = levels_.back();
-      Level c{(f.w + 1) / 2, (f.h + 1) / 2, {}, {}, {}, {}, {}, {}, {}};
-      const std::size_t n = std::size_t(c.w) * c.h;
-      c.right.assign(n, 0), c.down.assign(n, 0), c.own.assign(n, 0);
+      Level c((f.w + 1) / 2, (f.h + 1) / 2);
       for (int y = 0; y < f.h; ++y)
         for (int x = 0; x < f.w; ++x) {
           const std::size_t i = std::size_t(y) * f.w + x,
                             j = std::size_t(y / 2) * c.w + std::size_t(x / 2);
           c.own[j] += f.own[i];
-          if (x % 2 == 1 && x + 1 < f.w) c.right[j] += 0.5F * f.right[i];
-          if (y % 2 == 1 && y + 1 < f.h) c.down[j] += 0.5F * f.down[i];
+          if (x % 2 == 1) c.right.data()[j] += 0.5F * f.right.data()[i];
+          if (y % 2 == 1) c.down.data()[j] += 0.5F * f.down.data()[i];
         }
       if (levels_.size() == 2)
-        for (std::size_t j = 0; j < n; ++j) c.own[j] += screen_[j];
+        for (std::size_t j = 0; j < c.count(); ++j) c.own[j] += screen_[j];
       levels_.push_back(std::move(c));
     }
-    for (Level& l : levels_) {
-      l.diagonal = l.own;
-      l.s.assign(l.own.size(), 0), l.f = l.r = l.s;
-      const Plane ones(l.own.size(), 1);
-      for (int y = 0; y < l.h; ++y)
-        for (int x = 0; x < l.w; ++x)
-          l.diagonal[std::size_t(y) * l.w + x] += l.off_diagonal(ones, x, y);
-    }
+    for (Level& l : levels_) l.sum_diagonal();
     weight_ = splat([](std::size_t) { return 1.0F; });
   }
 
@@ -118,24 +148,25 @@ class System {
     for (std::size_t j = 0; j < out.size(); ++j) out[j] = slice(grid, j);
     return out;
   }
-  Plane cell_mean(const Plane& v) const {
+  Plane cell_mean(const float* v) const {
     Plane out(screen_.size(), 0);
-    for (int i = 0; i < int(v.size()); ++i) out[std::size_t(e_.cell_of(i))] += v[std::size_t(i)];
+    for_cells([&](std::size_t i, std::size_t j) { out[j] += v[i]; });
     for (std::size_t j = 0; j < out.size(); ++j) out[j] /= e_.cell_count[j];
     return out;
   }
   /// Adds the transpose of cell_mean.
-  void add_cells(const Plane& cells, Plane& v) const {
-    for (int i = 0; i < int(v.size()); ++i) {
-      const std::size_t j = std::size_t(e_.cell_of(i));
-      v[std::size_t(i)] += cells[j] / e_.cell_count[j];
-    }
+  void add_cells(Plane cells, Plane& v) const {
+    for (std::size_t j = 0; j < cells.size(); ++j) cells[j] /= e_.cell_count[j];
+    for_cells([&](std::size_t i, std::size_t j) { v[i] += cells[j]; });
   }
 
   /// Conjugate gradients, preconditioned by one symmetric V-cycle, from the start in x.
   void solve(const Plane& b, Plane& x, int limit, float tolerance) {
     const std::size_t n = b.size();
-    Plane r = apply(x), p(n, 0);
+    Padded direction(e_.width, e_.height);
+    float* p = direction.data();
+    std::copy(x.begin(), x.end(), p);
+    Plane r = apply(direction), q;
     double target = 0, rz = 0;
     for (std::size_t i = 0; i < n; ++i) r[i] = b[i] - r[i], target += double(b[i]) * b[i];
     target *= double(tolerance) * tolerance;
@@ -143,12 +174,12 @@ class System {
       double rr = 0, rz_new = 0, pq = 0;
       for (float v : r) rr += double(v) * v;
       if (rr <= target) return;
-      const Plane& z = precondition(r);
+      const float* z = precondition(r);
       for (std::size_t i = 0; i < n; ++i) rz_new += double(r[i]) * z[i];
       const float beta = k ? float(rz_new / rz) : 0;
       rz = rz_new;
       for (std::size_t i = 0; i < n; ++i) p[i] = z[i] + beta * p[i];
-      const Plane q = apply(p);
+      q = apply(direction);
       for (std::size_t i = 0; i < n; ++i) pq += double(p[i]) * q[i];
       if (pq <= 0) return;
       const float alpha = float(rz / pq);
@@ -157,47 +188,53 @@ class System {
   }
 
  private:
-  Plane apply(const Plane& x) const {
+  /// Calls f(pixel, its cell) for all pixels.
+  template <class F>
+  void for_cells(F f) const {
+    std::size_t i = 0;
+    for (int y = 0; y < e_.height; ++y) {
+      const std::size_t row = std::size_t(y / 4) * std::size_t(e_.cells_x);
+      for (int x = 0; x < e_.width; ++x, ++i) f(i, row + std::size_t(x / 4));
+    }
+  }
+  Plane apply(const Padded& x) const {
     const Level& l = levels_[0];
-    Plane out(x.size()), cells = cell_mean(x);
+    Plane out(l.count()), cells = cell_mean(x.data());
     const Plane mean = bin_mean(cells);
     for (std::size_t j = 0; j < cells.size(); ++j)
       cells[j] = screen_[j] * cells[j] - g_[j] * mean[j];
-    for (int y = 0; y < l.h; ++y)
-      for (int k = 0; k < l.w; ++k) {
-        const std::size_t i = std::size_t(y) * l.w + k;
-        out[i] = l.diagonal[i] * x[i] - l.off_diagonal(x, k, y);
-      }
-    add_cells(cells, out);
+    const float *a = l.diagonal.data(), *v = x.data();
+    l.for_sums(x, out.data(), [=](auto i, float sum) { return a[i] * v[i] - sum; });
+    add_cells(std::move(cells), out);
     return out;
   }
-  const Plane& precondition(const Plane& r) {
+  const float* precondition(const Plane& r) {
     levels_[0].f = r;
-    std::fill(levels_[0].s.begin(), levels_[0].s.end(), 0.0F);
     cycle(0);
-    return levels_[0].s;
+    return levels_[0].s.data();
   }
   void cycle(std::size_t k) {
     Level& l = levels_[k];
+    l.smooth_from_zero();
     if (k + 1 == levels_.size()) {
-      for (int n = 0; n < 8; ++n) l.relax(0), l.relax(1);
-      for (int n = 0; n < 8; ++n) l.relax(1), l.relax(0);
+      for (int n = 0; n < 16; ++n) l.smooth();
       return;
     }
-    l.relax(0), l.relax(1);
+    l.smooth();
     Level& c = levels_[k + 1];
-    std::fill(c.f.begin(), c.f.end(), 0.0F), std::fill(c.s.begin(), c.s.end(), 0.0F);
-    for (int y = 0; y < l.h; ++y)
-      for (int x = 0; x < l.w; ++x) {
-        const std::size_t i = std::size_t(y) * l.w + x;
-        c.f[std::size_t(y / 2) * c.w + std::size_t(x / 2)] +=
-            l.f[i] - l.diagonal[i] * l.s[i] + l.off_diagonal(l.s, x, y);
-      }
+    std::fill(c.f.begin(), c.f.end(), 0.0F);
+    const float* left = l.residual();
+    for (int y = 0; y < l.h; ++y, left += l.w) {
+      float* to = &c.f[std::size_t(y / 2) * std::size_t(c.w)];
+      for (int x = 0; x < l.w; ++x) to[x / 2] += left[x];
+    }
     cycle(k + 1);
-    for (int y = 0; y < l.h; ++y)
-      for (int x = 0; x < l.w; ++x)
-        l.s[std::size_t(y) * l.w + x] += c.s[std::size_t(y / 2) * c.w + std::size_t(x / 2)];
-    l.relax(1), l.relax(0);
+    float* s = l.s.data();
+    for (int y = 0; y < l.h; ++y, s += l.w) {
+      const float* from = c.s.data() + std::ptrdiff_t(y / 2) * c.w;
+      for (int x = 0; x < l.w; ++x) s[x] += from[x / 2];
+    }
+    l.smooth(), l.smooth();
   }
 
   const Example& e_;
@@ -205,31 +242,34 @@ class System {
   std::vector<Level> levels_;
 };
 
-/// Adds the windowed error of one plane pair to `error`, and its derivative by the estimate to `d`.
-void windowed(const Example& e, const Plane& estimate, const bench::Image& truth, int channel,
-              int k, int step, Plane& d, double weight, double& error) {
-  const int w = e.width, h = e.height;
-  for (int y0 = 0; y0 == 0 || y0 + k <= h; y0 += step)
-    for (int x0 = 0; x0 == 0 || x0 + k <= w; x0 += step) {
-      const int y1 = std::min(h, y0 + k), x1 = std::min(w, x0 + k);
-      double ee = 0, et = 0, tt = 0;
-      for (int y = y0; y < y1; ++y)
-        for (int x = x0; x < x1; ++x) {
-          if (e.mask.at(x, y) < 0.5F) continue;
-          const double a = estimate[std::size_t(y) * w + x], t = truth.at(x, y, channel);
-          ee += a * a, et += a * t, tt += t * t;
+/// The windowed scale-invariant error of planes, and the truth's energy in the same windows. `add`
+/// adds the derivative by the estimate to `d`. Pixels outside of the mask are 0 in both planes.
+struct Windowed {
+  double error = 0, energy = 0;
+
+  void add(const Plane& estimate, const Plane& truth, int w, int h, int k, int step, Plane& d) {
+    for (int y0 = 0; y0 == 0 || y0 + k <= h; y0 += step)
+      for (int x0 = 0; x0 == 0 || x0 + k <= w; x0 += step) {
+        const int y1 = std::min(h, y0 + k), x1 = std::min(w, x0 + k);
+        double ee = 0, et = 0, tt = 0;
+        for (int y = y0; y < y1; ++y) {
+          std::array<float, 3> row{};
+          for (std::size_t i = std::size_t(y) * w + x0; i < std::size_t(y) * w + x1; ++i) {
+            const float a = estimate[i], t = truth[i];
+            row[0] += a * a, row[1] += a * t, row[2] += t * t;
+          }
+          ee += row[0], et += row[1], tt += row[2];
         }
-      if (ee < 1e-9) continue;
-      const double alpha = et / ee;
-      error += weight * (tt - alpha * et);
-      for (int y = y0; y < y1; ++y)
-        for (int x = x0; x < x1; ++x) {
-          if (e.mask.at(x, y) < 0.5F) continue;
-          const std::size_t i = std::size_t(y) * w + x;
-          d[i] -= float(weight * 2 * alpha * (truth.at(x, y, channel) - alpha * estimate[i]));
-        }
-    }
-}
+        energy += tt;
+        if (ee < 1e-9) continue;
+        const float alpha = float(et / ee);
+        error += tt - et * et / ee;
+        for (int y = y0; y < y1; ++y)
+          for (std::size_t i = std::size_t(y) * w + x0; i < std::size_t(y) * w + x1; ++i)
+            d[i] -= 2 * alpha * (truth[i] - alpha * estimate[i]);
+      }
+  }
+};
 
 /// Mean error of log shading less its mean, as a pseudo-Huber distance, and adds its derivative:
 /// what is dark counts here, too.
@@ -281,17 +321,6 @@ double pair_error(const Example& e, const Plane& s, const PairWeights& weights, 
     if (off * asked < 0) add(pair, off, different);
   }
   return error;
-}
-
-double window_energy(const Example& e, const bench::Image& truth, int k, int step) {
-  double sum = 0;
-  for (int y0 = 0; y0 == 0 || y0 + k <= e.height; y0 += step)
-    for (int x0 = 0; x0 == 0 || x0 + k <= e.width; x0 += step)
-      for (int y = y0; y < std::min(e.height, y0 + k); ++y)
-        for (int x = x0; x < std::min(e.width, x0 + k); ++x)
-          for (int c = 0; c < truth.channels && e.mask.at(x, y) >= 0.5F; ++c)
-            sum += double(truth.at(x, y, c)) * truth.at(x, y, c);
-  return std::max(sum, 1e-6);
 }
 
 }  // namespace
@@ -382,28 +411,31 @@ double loss(const Example& e, const Plane& s, Plane& gradient, const PairWeights
   };
   constexpr std::array<Scale, 3> kScales{{{20, 10, 1.0}, {60, 30, 0.5}, {1 << 20, 1 << 20, 0.5}}};
   const std::size_t n = s.size();
-  Plane shading(n);
-  std::array<Plane, 3> reflectance{Plane(n), Plane(n), Plane(n)};
+  std::array<Plane, 4> found, truth, d;  // shading, then reflectance
+  for (std::size_t q = 0; q < 4; ++q) found[q].resize(n), truth[q].resize(n), d[q].resize(n);
   for (std::size_t i = 0; i < n; ++i) {
-    shading[i] = std::exp(std::clamp(s[i], -12.0F, 4.0F));
-    for (std::size_t c = 0; c < 3; ++c) reflectance[c][i] = e.input.data[3 * i + c] / shading[i];
+    if (e.mask.data[i] < 0.5F) continue;
+    found[0][i] = std::exp(std::clamp(s[i], -12.0F, 4.0F)), truth[0][i] = e.shading.data[i];
+    for (std::size_t c = 0; c < 3; ++c) {
+      found[1 + c][i] = e.input.data[3 * i + c] / found[0][i];
+      truth[1 + c][i] = e.reflectance.data[3 * i + c];
+    }
   }
-  Plane d_shading(n, 0);
-  std::array<Plane, 3> d_reflectance{d_shading, d_shading, d_shading};
   double error = 0;
-  for (const Scale& q : kScales) {
-    windowed(e, shading, e.shading, 0, q.k, q.step, d_shading,
-             0.5 * q.weight / window_energy(e, e.shading, q.k, q.step), error);
-    const double energy = window_energy(e, e.reflectance, q.k, q.step);
-    for (int c = 0; c < 3; ++c)
-      windowed(e, reflectance[std::size_t(c)], e.reflectance, c, q.k, q.step,
-               d_reflectance[std::size_t(c)], 0.5 * q.weight / energy, error);
-  }
-  gradient.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    gradient[i] = d_shading[i] * shading[i];
-    for (std::size_t c = 0; c < 3; ++c) gradient[i] -= d_reflectance[c][i] * reflectance[c][i];
-  }
+  gradient.assign(n, 0);
+  for (const Scale& scale : kScales)
+    for (const auto& [first, last] : {std::pair{0U, 1U}, std::pair{1U, 4U}}) {
+      Windowed all;
+      for (std::size_t q = first; q < last; ++q) {
+        std::fill(d[q].begin(), d[q].end(), 0.0F);
+        all.add(found[q], truth[q], e.width, e.height, scale.k, scale.step, d[q]);
+      }
+      const double weight = 0.5 * scale.weight / std::max(all.energy, 1e-6);
+      error += weight * all.error;
+      for (std::size_t q = first; q < last; ++q)
+        for (std::size_t i = 0; i < n; ++i)
+          gradient[i] += float(q == 0 ? weight : -weight) * d[q][i] * found[q][i];
+    }
   return error + log_error(e, s, gradient) + pair_error(e, s, pair_weights, gradient);
 }
 
@@ -458,7 +490,7 @@ double evaluate(const Example& e, const Prior& prior, Solution& solution, Prior*
     if (has_right(i)) edge(prior.right, i + 1, gradient->right);
     if (has_down(i)) edge(prior.down, i + w, gradient->down);
   }
-  const Plane s_cell = system.cell_mean(s), l_cell = system.cell_mean(lambda);
+  const Plane s_cell = system.cell_mean(s.data()), l_cell = system.cell_mean(lambda.data());
   Plane q(cells);
   for (std::size_t j = 0; j < cells; ++j) q[j] = s_cell[j] - e.cell_m[j];
   const Plane q_mean = system.bin_mean(q), l_mean = system.bin_mean(l_cell);
