@@ -48,13 +48,20 @@ def loss_of(found, true, mask):
 
 
 def planes(example):
-    """Image (sRGB), reflectance and mask of an example, as batches of one, padded."""
-    _, picture, reflectance, _, mask = example.planes()
-    h, w = mask.shape
-    pad = ((0, -h % 16), (0, -w % 16))
-    image = np.pad(mix.srgb(picture), (*pad, (0, 0)), mode="edge")
-    return [torch.from_numpy(np.ascontiguousarray(np.moveaxis(x, -1, 0), np.float32)) for x in (
-        image, np.pad(reflectance, (*pad, (0, 0)), mode="edge"), np.pad(mask, pad)[..., None])]
+    """Image (sRGB), reflectance and mask of an example at the size of the network's picture, as batches of one, padded. Kept."""
+    if not hasattr(example, "tensors"):
+        _, picture, reflectance, _, mask = example.planes()
+        step, (h, w) = 1 << example.level, example.size
+
+        def reduced(plane):
+            plane = np.pad(plane, ((0, h * step - plane.shape[0]), (0, w * step - plane.shape[1]), (0, 0)), mode="edge")
+            return plane.reshape(h, step, w, step, -1).mean((1, 3))
+
+        pad = ((0, -h % 16), (0, -w % 16), (0, 0))
+        image, reflectance = (np.pad(reduced(p), pad, mode="edge") for p in (picture, reflectance))
+        mask = np.pad((reduced(mask[..., None]) > 0.99).astype(np.float32), pad)
+        example.tensors = [torch.from_numpy(np.ascontiguousarray(np.moveaxis(p, -1, 0), np.float32)) for p in (mix.srgb(image), reflectance, mask)]
+    return example.tensors
 
 
 def evaluate(network, examples):
@@ -65,7 +72,8 @@ def evaluate(network, examples):
         with torch.no_grad():
             found = network(image[None])[0].numpy()
         _, picture, *rest = example.planes()
-        found = np.moveaxis(found, 0, -1)[: example.height, : example.width].mean(-1)
+        step, (h, w) = 1 << example.level, example.size
+        found = found[:, :h, :w].mean(0).repeat(step, 0).repeat(step, 1)[: example.height, : example.width]
         s = np.log(np.maximum(picture.mean(-1), 1e-4)) - np.log(np.maximum(found, 1e-4))
         wrong = train.whdr(example, planes=(s, picture, *rest))
         if wrong is not None:
@@ -86,7 +94,7 @@ def main():
     torch.manual_seed(args.seed)
     torch.set_num_threads(1)
     problem.LIBRARY = problem.load()
-    pool = pictures.Pool(args.samples, args.assets, (0.4, 0.35), args.pool, args.seed)
+    pool = pictures.Pool(args.samples, args.assets, (0.3, 0.3), args.pool, args.seed)
     pool.fill()
     tests = pictures.held_out(args.samples, args.assets, 40)
     network = Direct().to(memory_format=torch.channels_last)
@@ -102,11 +110,10 @@ def main():
         loss.backward()
         optimizer.step()
         sums.append(float(loss))
-        if step % 4 == 0:
-            pool.add_later()
         if step % 200 == 0:
             print(json.dumps({"step": step, "loss": round(float(np.mean(sums)), 4), "minutes": round(spent * args.minutes, 1)}), flush=True)
             sums = []
+    pool.stop()
     print(json.dumps({"steps": step, "held_out": evaluate(network.eval(), tests)}))
     error = onnx_file.write(network, (1, 3, 128, 160), args.out / "direct.onnx", names=("image", "reflectance"), free_size=True)
     print(f"{args.out / 'direct.onnx'}: {networks.parameters(network)} parameters, OpenCV's dnn within {error:.1e}")

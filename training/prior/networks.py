@@ -6,8 +6,8 @@ from torch import nn
 INPUTS, OUTPUTS = 6, 44
 WIDTHS = {  # channels at 1/2, 1/4, 1/8, 1/16 of the picture, and of the last layer at 1/2
     "small": (8, 12, 16, 24, 12),
-    "medium": (16, 32, 48, 64, 24),
-    "large": (24, 48, 80, 112, 32),
+    "medium": (16, 32, 48, 64, 16),
+    "large": (24, 40, 64, 104, 16),
 }
 
 

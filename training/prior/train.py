@@ -120,7 +120,7 @@ class Run:
             answers = self.network(inputs)
             fields = [problem.fields_of(a, p.size) for a, p in zip(answers, batch)]
             loss = problem.Loss.apply(batch, pairs, None if args.local_only else args.local, *fields)
-            apart = fields_apart(self.network, inputs, shifts) if args.steady else torch.zeros(())
+            apart = fields_apart(self.network, inputs[: (len(inputs) + 1) // 2], shifts) if args.steady else torch.zeros(())
             self.optimizer.zero_grad()
             (loss + args.steady * apart).backward()
             torch.nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)
@@ -130,8 +130,6 @@ class Run:
                 for a, p in zip(self.average.parameters(), self.network.parameters()):
                     a.mul_(keep).add_(p.to(a.device), alpha=1 - keep)
             sums.append((float(loss), float(apart)))
-            if self.step % args.fresh == 0:
-                pool.add_later()
             if self.step % 100 == 0:
                 loss, apart = np.mean(sums, 0)
                 self.log(step=self.step, loss=round(float(loss), 4), apart=round(float(apart), 6), seconds=round(time.time() - start, 1), made=pool.made)
@@ -156,9 +154,9 @@ def main():
     parser.add_argument("--local", type=float, default=0.3, help="weight of shares of paint at edges, and of V")
     parser.add_argument("--local-only", action="store_true", help="no solves: a fast start")
     parser.add_argument("--steady", type=float, default=1.0, help="weight of the fields' change between crops and noise")
-    parser.add_argument("--shares", type=float, nargs=2, default=(0.4, 0.35), help="of photographs and of drawn pictures among examples")
+    parser.add_argument("--shares", type=float, nargs=2, default=(0.3, 0.3), help="of samples and of drawings, among samples, drawings and procedural scenes; each of the first two makes three pictures")
     parser.add_argument("--pool", type=int, default=1500, help="examples in memory")
-    parser.add_argument("--fresh", type=int, default=4, help="steps between new examples")
+    parser.add_argument("--fresh", type=float, default=1.2, help="new examples for each step")
     parser.add_argument("--every", type=int, default=500, help="steps between tests on held-out examples")
     parser.add_argument("--tests", type=int, default=40, help="held-out procedural and drawn examples, each")
     parser.add_argument("--seed", type=int, default=1)
@@ -168,12 +166,13 @@ def main():
     torch.set_num_threads(args.threads)
     problem.LIBRARY = problem.load()
     run = Run(args)
-    pool = pictures.Pool(args.samples, args.assets, args.shares, args.pool, args.seed, (args.equal, args.different))
+    pool = pictures.Pool(args.samples, args.assets, args.shares, args.pool, args.seed, (args.equal, args.different), args.fresh)
     start = time.time()
     pool.fill()
     tests = pictures.held_out(args.samples, args.assets, args.tests)
-    run.log(files=len(pool.files), pool=len(pool.items), tests=len(tests), parameters=networks.parameters(run.network), seconds=round(time.time() - start, 1))
+    run.log(files=len(pictures.samples(args.samples, False)), pool=len(pool.items), tests=len(tests), parameters=networks.parameters(run.network), seconds=round(time.time() - start, 1))
     run.train(pool, tests)
+    pool.stop()
 
 
 if __name__ == "__main__":
