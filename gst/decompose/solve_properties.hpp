@@ -66,7 +66,8 @@ PropertyTable<P> solve_properties() {
           "the frames, 0 = gray light"),
       text<P>("prior", &P::prior_source,
               "What tells paint from light: fitted = a function of a few pixels, learned = also a "
-              "network that comes with gst-inverse, else the path of such a network (.net)"),
+              "network that comes with gst-inverse, else the path of one (.net), which may also "
+              "estimate reflectance"),
       number<P>(
           "reflectance-weight", [](P& p) -> float& { return p.prior.reflectance_weight; }, 1e-3f,
           1e3f, "Weight of smooth reflectance; raise it to move texture into shading"),

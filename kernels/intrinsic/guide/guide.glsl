@@ -31,8 +31,13 @@ vec4 guide_of(vec3 rgb, float m) {
               log(max(max(light.r, light.g), light.b)) - m);
 }
 
+// ln of the channels less their mean, of a color (c0, c1).
+vec3 log_channels(vec2 color) {
+  return vec3(color.y / 3.0 + 0.57735027 * color.x, color.y / 3.0 - 0.57735027 * color.x, color.y / -1.5);
+}
+
 // ln of the mean channel less the mean of the channels' logs, of a color (c0, c1).
 float mean_channel(vec2 color) {
-  float red = color.y / 3.0 + 0.57735027 * color.x, green = color.y / 3.0 - 0.57735027 * color.x, blue = color.y / -1.5;
-  return log((exp(red) + exp(green) + exp(blue)) / 3.0);
+  vec3 channels = exp(log_channels(color));
+  return log((channels.r + channels.g + channels.b) / 3.0);
 }

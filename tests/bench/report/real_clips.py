@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Steadiness of reflectance on real clips, which have no ground truth: what one surface point changes by over time.
 
-    ./dev shell -c 'tests/bench/report/real_clips.py [--frames 130] [--size 480x270] --clips CLIP … --elements "intrinsicdecomp" …'
+    ./dev shell -c 'tests/bench/report/real_clips.py [--frames 130] [--size 480x270] --clips CLIP … --elements "intrinsicdecomp" NETWORK.onnx …'
+
+A network is one that estimates reflectance (docs/reference/networks.md), run by OpenCV on each frame by itself.
 
 Prints a table: rms change of ln R from frame to frame along dense optical flow (DIS), and over 60 frames along tracked points (Lucas and
 Kanade), the median over points (all of the picture brightens or darkens) and the rms about it; mean over the clip. The input's own changes
@@ -26,8 +28,24 @@ def linear(codes):
     return np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
 
 
+def estimated(network, frame):
+    """The reflectance that a network makes of a frame of at most 256 pixels a side, enlarged again."""
+    height, width = frame.shape[:2]
+    scale = 1 << max(0, int(np.ceil(np.log2(max(height, width) / 256))))
+    small = (-(-width // scale), -(-height // scale))
+    image = cv2.resize(frame, small, interpolation=cv2.INTER_AREA).astype(np.float32) / 255
+    image = np.pad(image, ((0, -small[1] % 16), (0, -small[0] % 16), (0, 0)), mode="edge")
+    network.setInput(np.ascontiguousarray(np.moveaxis(image, -1, 0)[None]))
+    found = np.moveaxis(network.forward()[0], 0, -1)[: small[1], : small[0]]
+    return cv2.resize(found, (width, height), interpolation=cv2.INTER_LINEAR)
+
+
 def run(clip, size, count, element):
-    """The clip's frames, 8 bits, and the element's reflectance, linear."""
+    """The clip's frames, 8 bits, and the reflectance of an element or a network, linear."""
+    if element.endswith(".onnx"):
+        frames, _ = run(clip, size, count, "intrinsicdecomp quality=low")
+        network = cv2.dnn.readNetFromONNX(element)
+        return frames, np.array([estimated(network, frame) for frame in frames])
     width, height = size
     with tempfile.TemporaryDirectory() as folder:
         line = (

@@ -23,6 +23,16 @@ inline network::Graph prior_graph(unsigned seed, float gain = 1) {
     graph.weights[i] *= gain;
   return graph;
 }
+/// A small network that estimates reflectance, with random weights.
+inline PriorModelPtr reflectance_model(unsigned seed) {
+  using network::Activation;
+  NetworkBuilder b(seed);
+  const uint32_t image = b.input(PriorModel::kColors),
+                 fine = b.convolution(image, 8, 3, 2, Activation::leaky_relu, .1F),
+                 both = b.concat(b.simple(network::Op::upsample, fine), image);
+  b.output(b.convolution(both, PriorModel::kColors, 3, 1, Activation::sigmoid));
+  return std::make_shared<const PriorModel>("reflectance " + std::to_string(seed), b.graph());
+}
 inline PriorModelPtr prior_model(unsigned seed, float gain = 1) {
   return std::make_shared<const PriorModel>("network " + std::to_string(seed),
                                             prior_graph(seed, gain));

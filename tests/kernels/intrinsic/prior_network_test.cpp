@@ -87,20 +87,26 @@ TEST_F(PriorNetworkTest, PictureIsTheLargestOfAtMost256Pixels) {
 }
 
 TEST_F(PriorNetworkTest, InputAgreesWithReference) {
-  const PriorModelPtr model = prior_model(1);
+  const PriorModelPtr models[] = {prior_model(1), reflectance_model(1)};
   const reference::LightColor lights[] = {{}, {0.8, -0.5}, {-1.3, -1}};
   for (size_t i = 0; const Extent extent : kSizes)
     for (const Pixels& pixels :
          {scene(extent, 2), spoilt(extent, 3), Pixels(4 * extent.pixels())}) {
       const reference::LightColor& color = lights[i++ % std::size(lights)];
+      const PriorModelPtr& model = models[i % 5 < 2];
       const Run made = run_network(extent, pixels, model, color);
-      const reference::Image want = reference::prior_input(guide_of(extent, pixels, color));
+      const reference::PriorPicture picture(int(extent.width), int(extent.height));
+      const reference::Guide guide = guide_of(extent, pixels, color);
+      const reference::Image want = model->gives_reflectance()
+                                        ? reference::image_input(guide, picture)
+                                        : reference::prior_input(guide, picture);
       const auto [channels, height, width] = want.shape;
+      const size_t blocks = model->gives_reflectance() ? 1 : 2;
       ASSERT_EQ(made.network->picture().padded, (Extent{width, height}));
       const Pixels got = download(made.network->network().input(0));
-      ASSERT_EQ(got.size(), 4 * (1 + size_t{2} * width * height));
+      ASSERT_EQ(got.size(), 4 * (1 + blocks * width * height));
       for (size_t c = 0; c < 4; ++c) ASSERT_EQ(got[c], 0) << "what is outside of the picture";
-      for (uint32_t c = 0; c < 8; ++c)
+      for (uint32_t c = 0; c < 4 * blocks; ++c)
         for (uint32_t y = 0; y < height; ++y)
           for (uint32_t x = 0; x < width; ++x) {
             const size_t at = 4 * (1 + (size_t{c / 4} * height + y) * width + x) + c % 4;
@@ -141,6 +147,53 @@ TEST_F(PriorNetworkTest, FieldsAgreeWithReference) {
     for (size_t i = 0; i < want.size(); ++i)
       for (size_t q = 0; q < kFields; ++q)
         ASSERT_NEAR(got[i][q], want[i][q], 1e-5)
+            << name_of(extent) << " field " << q << " of pixel " << i;
+  }
+}
+
+TEST_F(PriorNetworkTest, FieldsOfReflectanceAgreeWithReference) {
+  const gpu::Program<shaders::intrinsic_prior_network_reflectance> program(device);
+  const float odd[] = {0, kNan, -kNan, kInf, -kInf, 3e38F, -1, 1e-40F};
+  for (const Extent extent : kSizes) {
+    const Pixels pixels = scene(extent, 9);
+    const Run made = run_network(extent, pixels, prior_model(1));
+    const PriorPicture picture(extent);
+    const Extent padded = picture.padded;
+    reference::Image image{{PriorModel::kColors, padded.height, padded.width}, {}};
+    image.data.resize(image.shape.size());
+    std::mt19937 random(extent.width);
+    std::uniform_real_distribution<float> value(0, 1.2F);
+    Pixels reflectance(4 * network::elements_of(image.shape));
+    for (uint32_t c = 0; c < image.shape.channels; ++c)
+      for (uint32_t y = 0; y < padded.height; ++y)
+        for (uint32_t x = 0; x < padded.width; ++x) {
+          const float v = random() % 16 == 0 ? odd[random() % std::size(odd)] : value(random);
+          image.at(c, y, x) = double{v};
+          reflectance[4 * (1 + size_t{y} * padded.width + x) + c] = v;
+        }
+    const auto fields =
+        buffer(picture.extent.pixels() * shaders::intrinsic_prior_network_output::FIELDS_STRIDE);
+    run([&](gpu::Commands& commands) {
+      commands.dispatch(program,
+                        {.level0 = made.guide->level0(),
+                         .level1 = made.guide->level1(),
+                         .cells = made.guide->cells(),
+                         .reflectance = upload(reflectance),
+                         .fields = fields},
+                        {.size = extent,
+                         .network = picture.extent,
+                         .padded_width = static_cast<int32_t>(padded.width),
+                         .level = static_cast<int32_t>(picture.level)},
+                        line_of(picture.extent.pixels()));
+    });
+    const auto got = fields_of(download(fields));
+    const auto want = reference::reflectance_fields(
+        image, guide_of(extent, pixels),
+        reference::PriorPicture(int(extent.width), int(extent.height)));
+    ASSERT_EQ(got.size(), want.size());
+    for (size_t i = 0; i < want.size(); ++i)
+      for (size_t q = 0; q < kFields; ++q)
+        ASSERT_NEAR(got[i][q], want[i][q], 2e-3)
             << name_of(extent) << " field " << q << " of pixel " << i;
   }
 }
@@ -230,9 +283,10 @@ TEST_F(PriorNetworkTest, WorkByTilesStaysNearTheWholeSolve) {
 TEST_F(PriorNetworkTest, WholeSolveAgreesWithReference) {
   std::vector<Extent> sizes = kOddSizes;
   sizes.push_back({600, 130});
-  const PriorModelPtr model = prior_model(11);
-  for (const Extent extent : sizes) {
+  const PriorModelPtr models[] = {reflectance_model(11), prior_model(11)};
+  for (size_t i = 0; const Extent extent : sizes) {
     const Pixels pixels = scene(extent, 1);
+    const PriorModelPtr& model = models[i++ % 2];
     IntrinsicDecomposition::Params params;
     params.prior.network = model;
     const Pixels got = decompose(extent, pixels, params);
@@ -250,7 +304,8 @@ TEST_F(PriorNetworkTest, SaturatedNetworksGiveLightOfBadFrames) {
     for (const unsigned seed : {1U, 2U})
       for (const float gain : {1e3F, 1e35F}) {
         IntrinsicDecomposition::Params params;
-        params.prior.network = prior_model(seed, gain);
+        params.prior.network =
+            seed == 1 || gain > 1e3F ? prior_model(seed, gain) : reflectance_model(seed);
         for (const float weight : {1.0F, 1e-3F, 1e3F}) {
           params.prior.reflectance_weight = weight;
           params.prior.value_weight = 1 / weight;
@@ -337,7 +392,9 @@ TEST_F(PriorNetworkTest, RefusesOtherNetworks) {
     return b.graph();
   };
   EXPECT_NO_THROW(PriorModel("a.net", convolved(6, 44, 2)));
-  refused(convolved(3, 44, 2), "3 channels in place of 6");
+  EXPECT_NO_THROW(PriorModel("a.net", convolved(3, 3, 1)));
+  refused(convolved(4, 44, 2), "4 channels in place of 6 of the guide or 3 of an image");
+  refused(convolved(3, 44, 2), "in place of 3 x 16");
   refused(convolved(6, 11, 2), "in place of 44 x 8");
   refused(convolved(6, 44, 1), "in place of 44 x 8");
   NetworkBuilder deep(1);  // down to a 32th, and a sum with the half that is an odd one at times

@@ -2,6 +2,7 @@
 #include "prior_network.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 
@@ -15,6 +16,31 @@ uint32_t padded(int side) {
 double saturated(double v, double limit) {
   if (std::isnan(v)) return 0;
   return std::isinf(v) ? std::copysign(limit, v) : v / (1 + std::abs(v) / limit);
+}
+
+/// The guide at the picture's resolution.
+GuideLevel seen_level(const Guide& guide, const PriorPicture& picture) {
+  GuideLevel seen = guide.level[std::size_t(std::min(picture.level, kGuideLevels - 1))];
+  for (int level = kGuideLevels; level <= picture.level; ++level) seen = halve(seen);
+  return seen;
+}
+
+/// An image of the picture, padded by its last column and row. channels(i): values of pixel i.
+template <std::size_t kChannels, class F>
+Image padded_image(const GuideLevel& seen, const PriorPicture& picture, F channels) {
+  Image image{{uint32_t(kChannels), padded(picture.height), padded(picture.width)}, {}};
+  image.data.resize(image.shape.size());
+  for (uint32_t y = 0; y < image.shape.height; ++y)
+    for (uint32_t x = 0; x < image.shape.width; ++x) {
+      const std::array<double, kChannels> values = channels(seen.index(int(x), int(y)));
+      for (uint32_t c = 0; c < kChannels; ++c) image.at(c, y, x) = values[c];
+    }
+  return image;
+}
+
+double srgb(double linear) {
+  const double v = std::clamp(linear, 0.0, 1.0);
+  return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
 }
 
 }  // namespace
@@ -31,23 +57,28 @@ Image prior_input(const Guide& guide) {
 }
 
 Image prior_input(const Guide& guide, const PriorPicture& picture) {
-  GuideLevel seen = guide.level[std::size_t(std::min(picture.level, kGuideLevels - 1))];
-  for (int level = kGuideLevels; level <= picture.level; ++level) seen = halve(seen);
-  Image image{{6, padded(picture.height), padded(picture.width)}, {}};
-  image.data.resize(image.shape.size());
-  for (uint32_t y = 0; y < image.shape.height; ++y)
-    for (uint32_t x = 0; x < image.shape.width; ++x) {
-      const std::size_t i = seen.index(int(x), int(y));
-      const double channels[] = {0.7 * (seen.m[i] - guide.mean),
-                                 2 * seen.c0[i],
-                                 2 * seen.c1[i],
-                                 2 * seen.u[i] - 0.7,
-                                 std::clamp((seen.m[i] + 4) / 2, -1.0, 2.0),
-                                 guide.statistics[4]};
-      for (uint32_t c = 0; c < image.shape.channels; ++c)
-        image.at(c, y, x) = std::clamp(channels[c], -kPriorInput, kPriorInput);
-    }
-  return image;
+  const GuideLevel seen = seen_level(guide, picture);
+  return padded_image<6>(seen, picture, [&](std::size_t i) {
+    std::array<double, 6> channels = {0.7 * (seen.m[i] - guide.mean),
+                                      2 * seen.c0[i],
+                                      2 * seen.c1[i],
+                                      2 * seen.u[i] - 0.7,
+                                      std::clamp((seen.m[i] + 4) / 2, -1.0, 2.0),
+                                      guide.statistics[4]};
+    for (double& v : channels) v = std::clamp(v, -kPriorInput, kPriorInput);
+    return channels;
+  });
+}
+
+Image image_input(const Guide& guide, const PriorPicture& picture) {
+  const GuideLevel seen = seen_level(guide, picture);
+  return padded_image<3>(seen, picture, [&](std::size_t i) {
+    const double blue = -2 * seen.c1[i] / 3, middle = seen.c1[i] / 3,
+                 apart = seen.c0[i] / std::sqrt(3.0);
+    std::array<double, 3> rgb = {middle + apart, middle - apart, blue};
+    for (double& v : rgb) v = srgb(std::exp(seen.m[i] + v) - kIntensityFloor);
+    return rgb;
+  });
 }
 
 std::vector<PriorFields> prior_fields(const Image& output, const PriorPicture& picture) {
@@ -62,10 +93,57 @@ std::vector<PriorFields> prior_fields(const Image& output, const PriorPicture& p
   return fields;
 }
 
+std::vector<PriorFields> reflectance_fields(const Image& reflectance, const Guide& guide,
+                                            const PriorPicture& picture) {
+  const GuideLevel seen = seen_level(guide, picture);
+  const auto paint_at = [&](int x, int y) {
+    double sum = 0;
+    for (uint32_t c = 0; c < 3; ++c) {
+      const double r = reflectance.at(c, uint32_t(y), uint32_t(x));
+      sum += std::isnan(r) ? r : std::log(std::clamp(r, kDarkestPaint, kBrightestPaint)) / 3;
+    }
+    return sum;
+  };
+  struct Step {
+    double paint = 0, light = 0;
+    double size() const { return paint + light; }
+  };
+  const auto step = [&](int x0, int y0, int x1, int y1) {
+    const double paint = paint_at(x1, y1) - paint_at(x0, y0);
+    if (std::isnan(paint)) return Step{};
+    return Step{std::abs(paint),
+                std::abs(seen.m[seen.index(x1, y1)] - seen.m[seen.index(x0, y0)] - paint)};
+  };
+  // 1 for paint, -1 for light: of the larger one of the steps to both neighbors.
+  const auto along = [&](int x, int y, int dx, int dy) {
+    const int x0 = std::max(x - dx, 0), y0 = std::max(y - dy, 0),
+              x1 = std::min(x + dx, picture.width - 1), y1 = std::min(y + dy, picture.height - 1);
+    const Step before = step(x0, y0, x, y), after = step(x, y, x1, y1),
+               larger = before.size() > after.size() ? before : after;
+    return (larger.paint - larger.light) / (larger.size() + kPaintEven);
+  };
+  std::vector<PriorFields> fields;
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      PriorFields& at = fields.emplace_back();
+      const double paint = paint_at(x, y);
+      if (std::isnan(paint)) continue;
+      const double right = kPaintEdge * along(x, y, 1, 0), down = kPaintEdge * along(x, y, 0, 1),
+                   target = -paint - seen.u[seen.index(x, y)];
+      at = {-right, right, -down, down};
+      at[8] = kPaintTrust;
+      at[9] = std::clamp(target, -kPaintReach, kPaintReach);
+      at[10] = -kPaintTrust;
+    }
+  return fields;
+}
+
 PriorNetwork::PriorNetwork(const Guide& guide, const network::Graph& graph)
     : picture_(guide.level[0].width, guide.level[0].height) {
-  const Image input = prior_input(guide);
-  fields_ = prior_fields(run_network(graph, std::span(&input, 1))[0], picture_);
+  const bool image = graph.inputs[0].channels == 3;
+  const Image input = image ? image_input(guide, picture_) : prior_input(guide, picture_),
+              output = run_network(graph, std::span(&input, 1))[0];
+  fields_ = image ? reflectance_fields(output, guide, picture_) : prior_fields(output, picture_);
 }
 
 PriorFields PriorNetwork::at_cell(int x, int y) const {

@@ -37,9 +37,25 @@ Image prior_input(const Guide& guide, const PriorPicture& picture);
 /// Fields of every pixel of the picture, row by row, from the output. NaN counts as 0.
 std::vector<PriorFields> prior_fields(const Image& output, const PriorPicture& picture);
 
+/// For a network that estimates reflectance. Its input, 3 channels: the picture in white light,
+/// sRGB in [0, 1].
+Image image_input(const Guide& guide, const PriorPicture& picture);
+
+inline constexpr double kPaintEdge = 2;     ///< Change of ln a and ln b at an edge of paint.
+inline constexpr double kPaintTrust = 1.5;  ///< Change of ln v and ln g.
+inline constexpr double kPaintEven = 0.05;  ///< Steps of ln R and ln S that say little.
+inline constexpr double kPaintReach = 6;    ///< Of V.
+inline constexpr double kDarkestPaint = 1e-3, kBrightestPaint = 1e3;  ///< R is clamped to these.
+
+/// The fields from its output, linear reflectance. A pixel with a NaN has fields of 0, and no step
+/// to its neighbors.
+std::vector<PriorFields> reflectance_fields(const Image& reflectance, const Guide& guide,
+                                            const PriorPicture& picture);
+
 /// What a network says of a frame.
 class PriorNetwork {
  public:
+  /// The graph takes the channels of prior_input or those of image_input.
   PriorNetwork(const Guide& guide, const network::Graph& graph);
   PriorNetwork(PriorPicture picture, std::vector<PriorFields> fields)
       : picture_(picture), fields_(std::move(fields)) {}

@@ -29,7 +29,10 @@ void check(const PriorModel& model, const network::Shape& given) {
     }
   }();
   const network::Shape& got = shapes[model.graph.outputs[0].value];
-  const network::Shape expected{PriorModel::kOutputs, given.height / 2, given.width / 2};
+  const network::Shape expected =
+      model.gives_reflectance()
+          ? given
+          : network::Shape{PriorModel::kOutputs, given.height / 2, given.width / 2};
   if (got != expected)
     refuse(model.name, "of " + text_of(given) + " it makes " + text_of(got) + " in place of " +
                            text_of(expected));
@@ -53,12 +56,14 @@ PriorModel::PriorModel(std::string file, network::Graph network)
     : name(std::move(file)), graph(std::move(network)) {
   if (graph.inputs.size() != 1 || graph.outputs.size() != 1)
     refuse(name, "it has not one input and one output");
-  if (graph.inputs[0].channels != kInputs)
-    refuse(name, "it takes " + std::to_string(graph.inputs[0].channels) + " channels in place of " +
-                     std::to_string(kInputs));
+  const uint32_t channels = graph.inputs[0].channels;
+  if (channels != kInputs && channels != kColors)
+    refuse(name, "it takes " + std::to_string(channels) + " channels in place of " +
+                     std::to_string(kInputs) + " of the guide or " + std::to_string(kColors) +
+                     " of an image");
   // Width and height may differ.
   for (uint32_t side = kStep; side <= kMaxSide; side += kStep)
-    check(*this, {kInputs, side, kMaxSide + kStep - side});
+    check(*this, {channels, side, kMaxSide + kStep - side});
 }
 
 std::shared_ptr<const PriorModel> PriorModel::load(const std::string& path) {

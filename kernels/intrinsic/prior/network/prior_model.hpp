@@ -13,10 +13,11 @@ enum class PriorWidth : uint8_t { small, medium, large };
 /// "small", …
 const char* name_of(PriorWidth width);
 
-/// A network that changes the fitted prior of intrinsicdecomp: from 6 channels of the guide to 44
-/// of half the size (docs/reference/networks.md, The prior's network).
+/// A network that changes the fitted prior of intrinsicdecomp (docs/reference/networks.md). By the
+/// channels of its input it is one of two kinds: of six channels of the guide it makes 44 of half
+/// the size, changes of the prior; of an image of three channels, reflectance of the same size.
 struct PriorModel {
-  static constexpr uint32_t kInputs = 6, kOutputs = 44;
+  static constexpr uint32_t kInputs = 6, kOutputs = 44, kColors = 3;
   /// Width and height of the input are multiples of this.
   static constexpr uint32_t kStep = 16;
   /// Of the picture that the input shows.
@@ -24,6 +25,8 @@ struct PriorModel {
 
   std::string name;  ///< of its file
   network::Graph graph;
+
+  bool gives_reflectance() const { return graph.inputs[0].channels == kColors; }
 
   /// Throws Error(file) if the graph does not take and give that at every size, naming the fault.
   PriorModel(std::string name, network::Graph graph);

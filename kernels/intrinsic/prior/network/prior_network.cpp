@@ -16,7 +16,7 @@ uint32_t padded(uint32_t side) {
 network::Network network_of(const std::shared_ptr<gpu::Device>& device, const PriorModel& model,
                             const PriorPicture& picture) {
   const std::array<network::Shape, 1> input{
-      {{PriorModel::kInputs, picture.padded.height, picture.padded.width}}};
+      {{model.graph.inputs[0].channels, picture.padded.height, picture.padded.width}}};
   return {device, model.graph, input};
 }
 
@@ -33,11 +33,15 @@ PriorNetwork::PriorNetwork(const std::shared_ptr<gpu::Device>& device, Extent fr
     : picture_(frame),
       model_(std::move(model)),
       network_(network_of(device, *model_, picture_)),
-      input_(device),
-      output_(device),
+      input_(device, {.image = model_->gives_reflectance()}),
       fields_(gpu::Buffer::create(
           device, gpu::Element::vec4,
-          picture_.extent.pixels() * shaders::intrinsic_prior_network_output::FIELDS_STRIDE)) {}
+          picture_.extent.pixels() * shaders::intrinsic_prior_network_output::FIELDS_STRIDE)) {
+  if (model_->gives_reflectance())
+    reflectance_.emplace(device);
+  else
+    output_.emplace(device);
+}
 
 void PriorNetwork::record(gpu::Commands& commands, const Guide& guide) const {
   commands.dispatch(input_,
@@ -52,9 +56,22 @@ void PriorNetwork::record(gpu::Commands& commands, const Guide& guide) const {
                      .level = static_cast<int32_t>(picture_.level)},
                     line_of(picture_.padded.pixels()));
   network_.record(commands);
-  commands.dispatch(output_, {.prior = network_.output(0), .fields = fields_},
-                    {.size = picture_.extent, .half_padded = half_of(picture_.padded)},
-                    line_of(half_of(picture_.extent).pixels()));
+  if (output_)
+    commands.dispatch(*output_, {.prior = network_.output(0), .fields = fields_},
+                      {.size = picture_.extent, .half_padded = half_of(picture_.padded)},
+                      line_of(half_of(picture_.extent).pixels()));
+  else
+    commands.dispatch(*reflectance_,
+                      {.level0 = guide.level0(),
+                       .level1 = guide.level1(),
+                       .cells = guide.cells(),
+                       .reflectance = network_.output(0),
+                       .fields = fields_},
+                      {.size = guide.extent(),
+                       .network = picture_.extent,
+                       .padded_width = static_cast<int32_t>(picture_.padded.width),
+                       .level = static_cast<int32_t>(picture_.level)},
+                      line_of(picture_.extent.pixels()));
 }
 
 }  // namespace inverse

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include <memory>
+#include <optional>
 
 #include "kernels/intrinsic/guide/guide.hpp"
 #include "kernels/intrinsic_prior_network_input.spv.hpp"
 #include "kernels/intrinsic_prior_network_output.spv.hpp"
+#include "kernels/intrinsic_prior_network_reflectance.spv.hpp"
 #include "kernels/network/network.hpp"
 #include "prior_model.hpp"
 
@@ -37,7 +39,8 @@ class PriorNetwork {
   PriorModelPtr model_;
   network::Network network_;
   gpu::Program<shaders::intrinsic_prior_network_input> input_;
-  gpu::Program<shaders::intrinsic_prior_network_output> output_;
+  std::optional<gpu::Program<shaders::intrinsic_prior_network_output>> output_;
+  std::optional<gpu::Program<shaders::intrinsic_prior_network_reflectance>> reflectance_;
   gpu::BufferPtr fields_;
 };
 
