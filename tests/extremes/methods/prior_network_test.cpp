@@ -28,7 +28,8 @@ TEST(PriorNetwork, MoreCyclesComeCloserWhereItIsSaturated) {
   const std::pair<const char*, PriorModelPtr> networks[] = {
       {"low", constant(-1e30F)},
       {"high", constant(1e30F)},
-      {"any", testing::prior_model(2, 1e30F)}};
+      {"any", testing::prior_model(2, 1e30F)},
+      {"reflectance", testing::reflectance_model(3)}};
   Case one;
   one.width = extent.width;
   one.height = extent.height;
