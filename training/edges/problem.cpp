@@ -271,37 +271,59 @@ struct Windowed {
   }
 };
 
-/// Mean error of log shading less its mean, as a pseudo-Huber distance, and adds its derivative:
-/// what is dark counts here, too.
-double log_error(const Example& e, const Plane& s, Plane& gradient) {
-  constexpr double kWeight = 0.4, kNear = 0.1, kDark = 0.02;
-  const std::size_t n = s.size();
-  Plane weight(n, 0), off(n, 0), pull(n, 0);
+/// Weighted mean of a pseudo-Huber distance of off[i] less its mean, and adds its derivative.
+double distance_from_mean(const Plane& weight, const Plane& off, double near, double factor,
+                          Plane& gradient) {
+  const std::size_t n = off.size();
+  Plane pull(n, 0);
   double all = 1e-9, mean = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const float truth = e.shading.data[i];
-    if (e.mask.data[i] < 0.5F || truth < 1e-4F) continue;
-    const double light = std::exp(double(e.m[i]));
-    weight[i] = float(light / (light + kDark));
-    off[i] = s[i] - std::log(truth);
-    all += weight[i], mean += weight[i] * off[i];
-  }
+  for (std::size_t i = 0; i < n; ++i) all += weight[i], mean += weight[i] * off[i];
   double error = 0, sum = 0;
   for (std::size_t i = 0; i < n; ++i) {
     if (weight[i] == 0) continue;
-    const double d = off[i] - mean / all, root = std::sqrt(d * d + kNear * kNear);
-    error += kWeight * weight[i] * (root - kNear) / all;
-    pull[i] = float(kWeight * weight[i] * d / (root * all));
+    const double d = off[i] - mean / all, root = std::sqrt(d * d + near * near);
+    error += factor * weight[i] * (root - near) / all;
+    pull[i] = float(factor * weight[i] * d / (root * all));
     sum += pull[i];
   }
   for (std::size_t i = 0; i < n; ++i) gradient[i] += float(pull[i] - sum * weight[i] / all);
   return error;
 }
 
+/// Error of log shading: what is dark counts here, too.
+double log_error(const Example& e, const Plane& s, Plane& gradient) {
+  constexpr double kWeight = 0.4, kNear = 0.1, kDark = 0.02;
+  const std::size_t n = s.size();
+  Plane weight(n, 0), off(n, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const float truth = e.shading.data[i];
+    if (e.mask.data[i] < 0.5F || truth < 1e-4F) continue;
+    const double light = std::exp(double(e.m[i]));
+    weight[i] = float(light / (light + kDark));
+    off[i] = s[i] - std::log(truth);
+  }
+  return distance_from_mean(weight, off, kNear, kWeight, gradient);
+}
+
+/// Distance of ln R from that of the same scene in another light.
+double alike_error(const Example& e, const Plane& s, const LossWeights& weights, Plane& gradient) {
+  constexpr double kNear = 0.02, kDark = 0.02;
+  if (!weights.other || weights.other->size() != s.size()) return 0;
+  const std::size_t n = s.size();
+  Plane weight(n, 0), off(n, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (e.mask.data[i] < 0.5F) continue;
+    const double light = std::exp(double(e.m[i]));
+    weight[i] = float(light / (light + kDark));
+    off[i] = s[i] - e.m[i] + (*weights.other)[i];
+  }
+  return distance_from_mean(weight, off, kNear, weights.alike, gradient);
+}
+
 /// Errors of ln R over pairs of pixels, and their derivative: the mean distance of pairs of one
 /// paint, and how much pairs of different paint lack of their difference, up to kAsked. Both are
 /// pseudo-Huber distances.
-double pair_error(const Example& e, const Plane& s, const PairWeights& weights, Plane& gradient) {
+double pair_error(const Example& e, const Plane& s, const LossWeights& weights, Plane& gradient) {
   constexpr double kNear = 0.05, kAsked = 0.4;
   double error = 0;
   const auto add = [&](const auto& pair, double off, double share) {
@@ -404,7 +426,7 @@ void draw_pairs(Example& e) {
   }
 }
 
-double loss(const Example& e, const Plane& s, Plane& gradient, const PairWeights& pair_weights) {
+double loss(const Example& e, const Plane& s, Plane& gradient, const LossWeights& weights) {
   struct Scale {
     int k, step;
     double weight;
@@ -436,11 +458,12 @@ double loss(const Example& e, const Plane& s, Plane& gradient, const PairWeights
         for (std::size_t i = 0; i < n; ++i)
           gradient[i] += float(q == 0 ? weight : -weight) * d[q][i] * found[q][i];
     }
-  return error + log_error(e, s, gradient) + pair_error(e, s, pair_weights, gradient);
+  return error + log_error(e, s, gradient) + pair_error(e, s, weights, gradient) +
+         alike_error(e, s, weights, gradient);
 }
 
 double evaluate(const Example& e, const Prior& prior, Solution& solution, Prior* gradient,
-                const PairWeights& pair_weights) {
+                const LossWeights& weights) {
   const std::size_t n = e.m.size(), cells = e.cell_m.size(), w = std::size_t(e.width);
   const auto has_right = [&](std::size_t i) { return i % w + 1 < w; };
   const auto has_down = [&](std::size_t i) { return i + w < n; };
@@ -473,7 +496,7 @@ double evaluate(const Example& e, const Prior& prior, Solution& solution, Prior*
   }
   system.solve(f, solution.s, gradient ? 25 : 60, gradient ? 1e-3F : 2e-4F);
   Plane d_s;
-  const double value = loss(e, solution.s, d_s, pair_weights);
+  const double value = loss(e, solution.s, d_s, weights);
   if (!gradient) return value;
 
   // Adjoint: A lambda = dL/ds; every dL/dweight is -lambda' (dA s - df).
@@ -520,14 +543,13 @@ Prior fitted_prior(const Model& model, const std::vector<float>& parameters, con
 }
 
 double evaluate(const Model& model, const std::vector<float>& parameters, const Example& e,
-                Solution& solution, std::vector<double>* gradient,
-                const PairWeights& pair_weights) {
+                Solution& solution, std::vector<double>* gradient, const LossWeights& weights) {
   std::vector<Plane> hidden_right, hidden_down, hidden_cell;
   Prior prior, change;
   model.edge.forward(parameters, e.right, hidden_right, prior.right);
   model.edge.forward(parameters, e.down, hidden_down, prior.down);
   model.cell.forward(parameters, e.cell, hidden_cell, prior.cell);
-  const double value = evaluate(e, prior, solution, gradient ? &change : nullptr, pair_weights);
+  const double value = evaluate(e, prior, solution, gradient ? &change : nullptr, weights);
   if (!gradient) return value;
   model.edge.backward(parameters, e.right, hidden_right, change.right, *gradient);
   model.edge.backward(parameters, e.down, hidden_down, change.down, *gradient);

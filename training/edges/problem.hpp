@@ -18,9 +18,11 @@ struct Pair {
   float step;
 };
 
-/// Weights of the errors over pairs in the loss.
-struct PairWeights {
-  double equal = 0, different = 0;
+/// Weights of what the loss adds to errors of shading and reflectance.
+struct LossWeights {
+  double equal = 0, different = 0;  ///< Over pairs.
+  double alike = 0;                 ///< How far ln R is from `other`, less the mean distance.
+  const Plane* other = nullptr;  ///< Mean ln R found for the same scene in another light, or null.
 };
 
 /// A frame with truth, and everything that does not depend on the parameters.
@@ -70,15 +72,15 @@ struct Prior {
 
 /// Windowed scale-invariant error of reflectance and shading (k = 20, k = 60, whole frame), which
 /// is LMSE at three scales, plus the error of log shading, plus weighted errors over pairs: the
-/// mean |step of ln R| of equal ones, and what different ones lack, as WHDR judges; `gradient`
-/// receives its derivative by s.
+/// mean |step of ln R| of equal ones, and what different ones lack, as WHDR judges, plus that of
+/// LossWeights::alike; `gradient` receives its derivative by s.
 double loss(const Example& example, const Plane& s, Plane& gradient,
-            const PairWeights& pair_weights = {});
+            const LossWeights& weights = {});
 
 /// Solves one example with this prior and returns the loss; `gradient`, if given, receives its
 /// derivative by the prior's planes (implicit differentiation).
 double evaluate(const Example& example, const Prior& prior, Solution& solution, Prior* gradient,
-                const PairWeights& pair_weights = {});
+                const LossWeights& weights = {});
 
 /// The fitted prior of an example.
 Prior fitted_prior(const Model& model, const std::vector<float>& parameters,
@@ -87,7 +89,6 @@ Prior fitted_prior(const Model& model, const std::vector<float>& parameters,
 /// The same as `evaluate` with the fitted prior; adds the gradient by its parameters when
 /// `gradient` is given.
 double evaluate(const Model& model, const std::vector<float>& parameters, const Example& example,
-                Solution& solution, std::vector<double>* gradient,
-                const PairWeights& pair_weights = {});
+                Solution& solution, std::vector<double>* gradient, const LossWeights& weights = {});
 
 }  // namespace inverse::training

@@ -111,7 +111,7 @@ def check_camera():
     s = synthetic(4)
     worst, contrasts, seen = [], [], []
     for seed in range(60):
-        plain, m = mix.mix(s, seed), mix.mix(s, seed, camera=True)
+        plain, m = mix.mix(s, seed), mix.mix(s, seed, camera=seed)
         if np.log(m["R"]).std() < 0.8 * np.log(plain["R"]).std() or m["image"][m["mask"] > 0].max(-1).max() == 255:
             expect(False, f"camera {seed} keeps paint, and its mask excludes what is clipped")
         clear = (m["weight"] > 0) & (m["I"].min(-1) > 0.1) & (m["I"].max(-1) < 0.9)
@@ -122,10 +122,10 @@ def check_camera():
     expect(np.median(worst) < 0.09 and max(worst) < 0.2, f"60 cameras: I is R E within {np.median(worst):.3f}, at worst {max(worst):.3f}")
     expect(0.6 < near < 0.95 and max(contrasts) < 1.31, f"{near:.0%} of the cameras have a contrast of .9 to 1.1")
     expect(np.mean(seen) > 0.8, f"{np.mean(seen):.0%} of the pixels are not clipped")
-    curve = mix.Camera(np.random.default_rng(0))
+    curve = mix.Camera(np.random.default_rng(0), None)
     curve.bend, curve.black, x = 0.15, 0.025, np.linspace(0, 1, 99)
     expect(np.diff(curve.curve(x)).min() > 0 and abs(curve.curve(1.0) - 1) < 1e-6, "the strongest curve rises from black to white")
-    again = mix.mix(s, 7, camera=True), mix.mix(s, 7, camera=True)
+    again = mix.mix(s, 7, camera=7), mix.mix(s, 7, camera=7)
     expect(np.array_equal(again[0]["image"], again[1]["image"]), "a seed gives one camera")
 
 

@@ -175,11 +175,11 @@ def sensed(picture, rng):
 
 
 class Camera:
-    """What cameras and video do to a picture and a program cannot undo, drawn by rng: a tone curve and compression. The curve is a power
+    """What cameras and video do to a picture and a program cannot undo: a tone curve and compression, drawn by rng, and noise. The curve is a power
     `contrast` of linear values, which R and E have as well, so that I = R E, and a slight S in sRGB, with which I = R E holds nearly."""
 
-    def __init__(self, rng):
-        self.rng = rng
+    def __init__(self, rng, noise):
+        self.rng, self.noise = rng, noise
         kind = rng.random()
         self.contrast = 1.0 if kind < 0.35 else rng.uniform(1.12, 1.3) if kind > 0.85 else float(np.clip(rng.normal(1.03, 0.06), 0.88, 1.15))
         self.bend = rng.uniform(-0.05, 0.15) if rng.random() < 0.5 else 0.0
@@ -191,7 +191,7 @@ class Camera:
 
     def photograph(self, picture):
         """8-bit sRGB of linear values."""
-        encoded = srgb(np.maximum(sensed(picture, self.rng), 0) ** self.contrast)
+        encoded = srgb(np.maximum(sensed(picture, self.noise), 0) ** self.contrast)
         return self.compressed(np.round(255 * self.curve(encoded)).astype(np.uint8))
 
     def compressed(self, image):
@@ -214,10 +214,11 @@ class Camera:
         return np.asarray(Image.open(file).convert("RGB"))
 
 
-def mix(sample, seed, size=1, k=None, bend=0.4, camera=False):
+def mix(sample, seed, size=1, k=None, bend=0.4, camera=None, change=None):
     """One photograph of a sample, at 1/size of its resolution. k: bends the light to this slope; without it a share `bend` of the
-    photographs is bent to a slope drawn as real ones are distributed, wider than lights and bounces alone make them. camera: with a tone
-    curve and compression; then mask is 0 where the image is clipped. Returns a dict of
+    photographs is bent to a slope drawn as real ones are distributed, wider than lights and bounces alone make them. camera: the seed of
+    a tone curve and compression; then mask is 0 where the image is clipped. change: a generator; the picture is that without it, but for
+    the strengths of the lights and the noise. Returns a dict of
     image   height × width × 3, 8-bit sRGB
     I       the same, linear 0…1, as a program gets it
     R, E    reflectance and light, linear: I = R E before haze, blur, noise, the S of the curve, clipping, rounding and compression, also
@@ -230,6 +231,8 @@ def mix(sample, seed, size=1, k=None, bend=0.4, camera=False):
     kinds = [g["kind"] for g in sample["meta"]["groups"]]
     color, kelvin = colors(kinds, rng)
     flux = strengths(kinds, rng)
+    if change:
+        flux = flux * np.exp(change.normal(0, 0.4, len(flux)))
     light = np.einsum("l,lc,lhwc->hwc", flux, color, sample["S"]).astype(np.float32)
     # white balance: between the colors of the lights that are on, nearer to the strong
     share = rng.dirichlet(0.3 + 2 * flux / flux.sum()) * (flux > 0)
@@ -250,14 +253,14 @@ def mix(sample, seed, size=1, k=None, bend=0.4, camera=False):
     weight = ((mask > 0) & (picture.max(-1) < 1) & (picture.max(-1) > 0.004)).astype(np.float32)
     if weight.sum() < 0.3 * weight.size:
         weight = mask.astype(np.float32)
-    if camera:
-        lens = Camera(np.random.default_rng([seed, sample["meta"]["seed"], 1]))
+    if camera is not None:
+        lens = Camera(np.random.default_rng([camera, sample["meta"]["seed"], 1]), change or rng)
         image = lens.photograph(picture)
         reflectance, light = reflectance**lens.contrast, light**lens.contrast
         seen = (image.max(-1) < 255) & (image.max(-1) > 0)
         mask, weight = (mask * seen).astype(np.uint8), weight * seen
     else:
-        image = photograph(picture, rng)
+        image = photograph(picture, change or rng)
     return {
         "image": image,
         "I": linear(image / 255).astype(np.float32),

@@ -23,12 +23,20 @@ def expect(ok, text):
 
 def converged(example, fields):
     for _ in range(12):  # each solve goes on from the last
-        loss, slope = example.loss(fields, (1, 0.5))
+        loss, slope = example.loss(fields, (1, 0.5, 1))
     return loss, slope
 
 
+def twin_of_drawing():
+    """One of two pictures of a drawing; the other one is solved."""
+    first, second, _ = (problem.of_picture(*picture) for picture in pictures.drawn(4, None, True))
+    first.twin = second
+    converged(second, np.zeros((problem.FIELDS, *second.size), np.float32))
+    return first
+
+
 def check_derivative():
-    for example in (problem.of_seed(1001, 176, 132, 1), pictures.drawn(4, None)):
+    for example in (problem.of_seed(1001, 176, 132, 1), twin_of_drawing()):
         zero = np.zeros((problem.FIELDS, *example.size), np.float32)
         _, slope = converged(example, zero)
         for group in (slice(0, 4), slice(4, 8), slice(8, 11)):
@@ -42,7 +50,7 @@ def check_derivative():
 
 def check_local_derivative():
     rng = np.random.default_rng(0)
-    for example in (problem.of_seed(1001, 128, 96, 1), pictures.drawn(4, None)):
+    for example in (problem.of_seed(1001, 128, 96, 1), twin_of_drawing()):
         fields = rng.normal(size=(problem.FIELDS, *example.size)).astype(np.float32)
         _, slope = example.local_loss(fields)
         for group in (slice(0, 4), slice(4, 8), slice(9, 10)):
@@ -63,7 +71,7 @@ def check_networks():
 
 
 def check_run():
-    options = {"width": "small", "rate": 2e-3, "seed": 1, "start": None, "batch": 2, "equal": 1.0, "different": 0.5, "every": 2, "device": "cpu", "steady": 1.0, "local": 0.3, "local_only": False}
+    options = {"width": "small", "rate": 2e-3, "seed": 1, "start": None, "batch": 2, "equal": 1.0, "different": 0.5, "alike": 1.0, "every": 2, "device": "cpu", "steady": 1.0, "local": 0.3, "local_only": False}
     with tempfile.TemporaryDirectory() as folder:
         tests = [pictures.procedural(pictures.HELD_OUT_SEEDS)]
         for steps in (2, 4):

@@ -20,7 +20,7 @@ SIZES = ((176, 132), (176, 132), (224, 168), (128, 96))
 EASY = 0.1  # loss of the fitted prior below which an example counts no more than in proportion
 HELD_OUT_SEEDS = 1_000_000  # procedural seeds from here on are in no fit
 LEAST_SURFACE = 0.3  # share of a part's pixels
-COPIES = 3  # pictures of one drawing or sample, each in its own light
+COPIES = 3  # pictures that `several` makes
 
 
 def level(rng, width):
@@ -53,30 +53,39 @@ def sized(scene, rng):
     return part if part and part["mask"].mean() > LEAST_SURFACE else mix.shrink(scene, 2)
 
 
-def mixed(scene, seed, rng):
-    """Arguments of problem.of_picture."""
-    m = mix.mix(scene, seed, camera=rng.random() < 0.5)
-    planes = [m[name] for name in ("I", "R", "E", "mask")]
-    if rng.random() < 0.5:
-        planes = [p[:, ::-1] for p in planes]
-    return *planes, int(rng.integers(2**31)), scene["meta"]["kind"], level(rng, max(planes[3].shape))
+def mixed(scene, seed, rng, twin=False):
+    """A list of arguments of problem.of_picture: one picture or, with twin, also one in other light, in every second twin of the same lights with
+    other strengths."""
+    camera, flipped = rng.random() < 0.5, rng.random() < 0.5
+    pictures = [mix.mix(scene, seed, camera=seed if camera else None)]
+    if twin:
+        change = np.random.default_rng(int(rng.integers(2**31))) if seed % 8 < 4 else None
+        pictures.append(mix.mix(scene, seed if change else seed + HELD_OUT_SEEDS, camera=seed if camera else None, change=change))
+    size = level(rng, max(scene["mask"].shape))
+    result = []
+    for m in pictures:
+        planes = [m[name][:, ::-1] if flipped else m[name] for name in ("I", "R", "E", "mask")]
+        result.append((*planes, int(rng.integers(2**31)), scene["meta"]["kind"], size))
+    return result
 
 
-def photographs(path, seed, assets, count=1):
-    """`count` photographs, each in its own light, of a path-traced sample; half of the samples have other paint on their surfaces, and every second
-    photograph has other colors and contrast. Arguments of problem.of_picture."""
+def several(scene, seed, rng, twins):
+    """A picture of a scene, or three: one more in other light, and one more of other colors and contrast."""
+    first = mixed(mix.repaint(scene, rng) if seed % 2 else scene, seed, rng, twins)
+    return first + mixed(mix.repaint(scene, rng), seed + 1, rng) if twins else first
+
+
+def photographs(path, seed, assets, twins=False):
+    """One or three pictures of a path-traced sample; half of the samples have other paint on their surfaces. Arguments of problem.of_picture."""
     rng = np.random.default_rng([seed, int(path.stem)])
     scene = sized(sample.read(path), rng)
-    if seed % 4 > 1:
-        scene = retexture.retexture(scene, rng, assets)
-    return [mixed(mix.repaint(scene, rng) if (seed + k) % 2 else scene, seed + k, rng) for k in range(count)]
+    return several(retexture.retexture(scene, rng, assets) if seed % 4 > 1 else scene, seed, rng, twins)
 
 
-def drawn(seed, assets, count=1):
-    """`count` pictures of a drawing of flat.py, likewise."""
+def drawn(seed, assets, twins=False):
+    """The same of a drawing of flat.py."""
     rng = np.random.default_rng([seed, 5])
-    scene = sized(flat.sample(seed, assets), rng)
-    return [mixed(mix.repaint(scene, rng) if k else scene, seed + k, rng) for k in range(count)]
+    return several(sized(flat.sample(seed, assets), rng), seed, rng, twins)
 
 
 def samples(folders, held_out):
@@ -88,9 +97,9 @@ def samples(folders, held_out):
 class Pool:
     """Examples that fits draw batches from. A thread and processes replace the oldest: `fresh` of them for each batch, until `stop`."""
 
-    def __init__(self, folders, assets, shares, count, seed, pairs=(1.0, 0.5), fresh=1.2):
-        """shares: of photographs and of drawn pictures, among what is made; the others are procedural. pairs: as for Problem.loss."""
-        self.pairs, self.fresh, self.wanted = pairs, fresh, threading.Semaphore(0)
+    def __init__(self, folders, assets, shares, count, seed, weights=(1.0, 0.5, 0.0), fresh=1.2):
+        """shares: of photographs and of drawn pictures, among what is made; the others are procedural. weights: as for Problem.loss."""
+        self.weights, self.fresh, self.wanted = weights, fresh, threading.Semaphore(0)
         self.owed = 0.0
         self.folders, self.assets, self.shares, self.count = folders, assets, shares, count
         self.rng, self.lock = np.random.default_rng(seed), threading.Lock()
@@ -105,16 +114,18 @@ class Pool:
         if which >= sum(self.shares):
             return [procedural(seed)]
         if which < self.shares[0] and (files := samples(self.folders, False)):
-            job = self.painter.submit(photographs, files[int(rng.integers(len(files)))], seed, self.assets, COPIES)
+            job = self.painter.submit(photographs, files[int(rng.integers(len(files)))], seed, self.assets, True)
         else:
-            job = self.painter.submit(drawn, seed, self.assets, COPIES)
-        return [problem.of_picture(*picture) for picture in job.result()]
+            job = self.painter.submit(drawn, seed, self.assets, True)
+        first, twin, other = (problem.of_picture(*picture) for picture in job.result())
+        first.twin, twin.twin = twin, first
+        return [first, twin, other]
 
     def add(self, rng):
         """Returns how many it added."""
         pictures = self.make(rng)
         for new in pictures:
-            fitted = new.loss(np.zeros((problem.FIELDS, *new.size), np.float32), self.pairs, False)[0]
+            fitted = new.loss(np.zeros((problem.FIELDS, *new.size), np.float32), self.weights, False)[0]
             new.weight = 1 / (fitted + EASY)  # or dark rooms decide alone
             with self.lock:
                 self.made += 1
@@ -161,8 +172,11 @@ class Pool:
         with self.lock:
             first = self.items[int(self.choices.integers(len(self.items)))]
             alike = [p for p in self.items if p.input.shape == first.input.shape and p is not first]
-            others = self.choices.permutation(len(alike))[: count - 1]
-            return [first] + [alike[int(i)] for i in others]
+            order = [first] + [alike[int(i)] for i in self.choices.permutation(len(alike))[:count]]
+        batch = []
+        for example in order:  # with their twins, so that neither has changed since the other was seen
+            batch += [e for e in (example, example.twin) if e and e not in batch]
+        return batch[:count]
 
 
 def held_out(folders, assets, count, mixes=4):

@@ -25,7 +25,7 @@ def load(path=None):
     library.problem_free.argtypes = [ctypes.c_void_p]
     library.problem_size.argtypes = [ctypes.c_void_p, ctypes.POINTER(ctypes.c_int)]
     library.problem_input.argtypes = [ctypes.c_void_p, FLOATS]
-    library.problem_loss.argtypes = [ctypes.c_void_p, FLOATS, ctypes.c_double, ctypes.c_double, FLOATS]
+    library.problem_loss.argtypes = [ctypes.c_void_p, FLOATS] + [ctypes.c_double] * 3 + [ctypes.c_void_p, FLOATS]
     library.problem_loss.restype = ctypes.c_double
     library.problem_local_loss.argtypes = [ctypes.c_void_p, FLOATS, FLOATS]
     library.problem_local_loss.restype = ctypes.c_double
@@ -56,15 +56,18 @@ class Problem:
         self.input = np.empty((6, padded_h, padded_w), np.float32)
         LIBRARY.problem_input(handle, pointer(self.input))
         self.weight = 1.0  # of its derivative in a batch
+        self.twin = None  # the same scene in another light, of the same size
 
     def __del__(self):
         LIBRARY.problem_free(self.handle)
 
-    def loss(self, fields, pairs, gradient=True):
-        """Loss of fields (11 × size, saturated, float32), and its derivative by them or None. pairs: weights of equal and different ones."""
+    def loss(self, fields, weights, gradient=True):
+        """Loss of fields (11 × size, saturated, float32), and its derivative by them or None. weights: of equal and different pairs, and of the
+        distance of ln R from that of the twin."""
         fields = np.ascontiguousarray(fields, np.float32)
         slope = np.empty_like(fields) if gradient else None
-        return LIBRARY.problem_loss(self.handle, pointer(fields), *pairs, pointer(slope) if gradient else None), slope
+        twin = self.twin and self.twin.handle
+        return LIBRARY.problem_loss(self.handle, pointer(fields), *weights, twin, pointer(slope) if gradient else None), slope
 
     def local_loss(self, fields):
         """The same of a loss that takes no solve: shares of paint at edges, and V."""
@@ -104,14 +107,14 @@ class Loss(torch.autograd.Function):
     pool = concurrent.futures.ThreadPoolExecutor(os.cpu_count())
 
     @staticmethod
-    def forward(context, problems, pairs, local, *fields):
+    def forward(context, problems, weights, local, *fields):
         """local: weight of the loss that takes no solve; None: that loss alone."""
 
         def one(item):
             example, planes = item[0], item[1].detach().cpu().numpy()
             if local is None:
                 return example.local_loss(planes)
-            loss, slope = example.loss(planes, pairs)
+            loss, slope = example.loss(planes, weights)
             if local:
                 more, steeper = example.local_loss(planes)
                 loss, slope = loss + local * more, slope + local * steeper

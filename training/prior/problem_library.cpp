@@ -31,6 +31,8 @@ struct Problem {
   Example e;
   Prior fitted;
   Solution solution;
+  std::mutex settling;
+  Plane settled;                          // mean ln R of the last solution
   reference::PriorPicture picture{0, 0};  // that the network sees
   reference::Image input;
 
@@ -254,15 +256,24 @@ void problem_input(const void* problem, float* out) {
   std::copy(p.input.data.begin(), p.input.data.end(), out);
 }
 
-/// `fields`: 11 x height x width of the network's picture. Returns the loss; `gradient`, if not
-/// null, receives its derivative by them. Not for one problem in two threads.
+/// `fields`: 11 x height x width of the network's picture; `twin`: the same scene in another light,
+/// or null. Returns the loss; `gradient`, if not null, receives its derivative by the fields; what
+/// was last found for the twin is constant in it. Not for one problem in two threads.
 double problem_loss(void* problem, const float* fields, double equal, double different,
-                    float* gradient) {
+                    double alike, void* twin, float* gradient) {
   auto& p = *static_cast<Problem*>(problem);
   const Prior prior = with_fields(p, fields);
   Prior change;
-  const double value =
-      evaluate(p.e, prior, p.solution, gradient ? &change : nullptr, {equal, different});
+  Plane other;
+  if (auto* t = static_cast<Problem*>(twin)) {
+    const std::lock_guard lock(t->settling);
+    other = t->settled;
+  }
+  const double value = evaluate(p.e, prior, p.solution, gradient ? &change : nullptr,
+                                {equal, different, alike, &other});
+  const std::lock_guard lock(p.settling);
+  p.settled = p.e.m;
+  for (std::size_t i = 0; i < p.settled.size(); ++i) p.settled[i] -= p.solution.s[i];
   if (gradient) to_fields(p, change, gradient);
   return value;
 }

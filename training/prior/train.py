@@ -66,7 +66,7 @@ def evaluate(network, examples):
         else:
             with torch.no_grad():
                 fields = problem.fields_of(network(torch.from_numpy(example.input)[None])[0], example.size).numpy()
-        return example.kind, example.loss(fields, (0, 0), False)[0], whdr(example)
+        return example.kind, example.loss(fields, (0, 0, 0), False)[0], whdr(example)
 
     for kind, loss, wrong in problem.Loss.pool.map(one, examples):
         for name in {kind, kind if kind in ("procedural", "flat") else "traced"}:
@@ -106,7 +106,7 @@ class Run:
             f.write(json.dumps(values) + "\n")
 
     def train(self, pool, tests):
-        args, pairs = self.args, (self.args.equal, self.args.different)
+        args, weights = self.args, (self.args.equal, self.args.different, self.args.alike)
         if self.step == 0:
             self.log(step=0, fitted=evaluate(None, tests))
         start, sums, shifts = time.time(), [], np.random.default_rng(args.seed)
@@ -119,7 +119,7 @@ class Run:
             inputs = torch.from_numpy(np.stack([p.input for p in batch])).to(args.device, memory_format=torch.channels_last)
             answers = self.network(inputs)
             fields = [problem.fields_of(a, p.size) for a, p in zip(answers, batch)]
-            loss = problem.Loss.apply(batch, pairs, None if args.local_only else args.local, *fields)
+            loss = problem.Loss.apply(batch, weights, None if args.local_only else args.local, *fields)
             apart = fields_apart(self.network, inputs[: (len(inputs) + 1) // 2], shifts) if args.steady else torch.zeros(())
             self.optimizer.zero_grad()
             (loss + args.steady * apart).backward()
@@ -150,6 +150,7 @@ def main():
     parser.add_argument("--rate", type=float, default=2e-3)
     parser.add_argument("--equal", type=float, default=1.0, help="weight of pairs of one paint")
     parser.add_argument("--different", type=float, default=0.5, help="weight of pairs of two paints")
+    parser.add_argument("--alike", type=float, default=1.0, help="weight of the distance of ln R between lights of one scene")
     parser.add_argument("--assets", type=pathlib.Path, help="of ../intrinsic/README.md, for drawn pictures")
     parser.add_argument("--local", type=float, default=0.3, help="weight of shares of paint at edges, and of V")
     parser.add_argument("--local-only", action="store_true", help="no solves: a fast start")
@@ -166,7 +167,7 @@ def main():
     torch.set_num_threads(args.threads)
     problem.LIBRARY = problem.load()
     run = Run(args)
-    pool = pictures.Pool(args.samples, args.assets, args.shares, args.pool, args.seed, (args.equal, args.different), args.fresh)
+    pool = pictures.Pool(args.samples, args.assets, args.shares, args.pool, args.seed, (args.equal, args.different, args.alike), args.fresh)
     start = time.time()
     pool.fill()
     tests = pictures.held_out(args.samples, args.assets, args.tests)

@@ -135,6 +135,8 @@ def main():
             frames, reflectance = run(clip, size, args.frames, element)
             planes.append([brightness(r) for r in reflectance])
         planes.append([brightness(linear(f)) for f in frames])
+        count = min(len(of) for of in planes)  # a run may end a frame early
+        planes, frames = [of[:count] for of in planes], frames[:count]
         gray = [cv2.cvtColor(f, cv2.COLOR_RGB2GRAY) for f in frames]
         lit = [linear(f).mean(2) > DARK for f in frames]
         # Points move alike for all elements: they are found once.
