@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicdecomp in the benchmark.
+#include <cstdlib>
+#include <filesystem>
 #include <utility>
 
 #include "adaptive_settings.hpp"
@@ -100,6 +102,28 @@ class Settings {
     }
   }
 
+  /// The networks of the prior in the folder that INVERSE_MODELS names, by width.
+  void add_networks() {
+    const char* models = std::getenv("INVERSE_MODELS");
+    if (!models) return;
+    double order = 0;
+    for (const PriorWidth width : {PriorWidth::small, PriorWidth::medium, PriorWidth::large}) {
+      const std::string file = std::string(models) + "/intrinsic/prior-" + name_of(width) + ".net";
+      if (!std::filesystem::exists(file)) continue;
+      Params params;
+      params.prior.network = PriorModel::load(file);
+      all.push_back({.curve = "prior",
+                     .name = name_of(width),
+                     .order = order++,
+                     .parameters = {{"prior", name_of(width)}},
+                     .make = make(params),
+                     .stills = true,
+                     .video = true,
+                     .photographs = true,
+                     .effort = Effort::full});
+    }
+  }
+
   /// One term removed. A weight that must be positive becomes a thousandth.
   void add_ablations() {
     constexpr float kNearlyNone = 1e-3F;
@@ -196,6 +220,7 @@ Method intrinsicdecomp(DeviceSession& session) {
   settings.add_cycles();
   settings.add_resolutions();
   settings.add_coarse_cycles();
+  settings.add_networks();
   settings.add_ablations();
   settings.add_weights();
   settings.add_adaptive();

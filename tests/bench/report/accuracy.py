@@ -24,6 +24,9 @@ BASELINES = [("constant shading", "constant shading", ""), ("R = I / max_c I", "
              ("thesis, chapter 3", "thesis PCG", None)]
 
 
+WIDTHS = ["small", "medium", "large"]  # of networks of the prior, those that were there
+
+
 def grouped(rows):
     """Rows with the project's own scenes as one regime."""
     return [{**r, "regime": "own stills"} if r["set"] == "own" else r for r in rows]
@@ -46,6 +49,9 @@ def settings(rows):
     for title, method, setting in BASELINES:
         yield title, by_scene(rows, method, setting)
     yield "intrinsicdecomp", by_scene(rows, "intrinsicdecomp")
+    for width in WIDTHS:
+        if found := by_scene(rows, "intrinsicdecomp", width, "prior"):
+            yield f"with a network, {width}", found
 
 
 def stills(found):
@@ -100,7 +106,8 @@ def chapters(rows):
 
 
 VIDEOS = [("thesis", "thesis PCG", "video", "4x8"), ("without anchor", "intrinsicdecomp", "without", "temporal anchor"),
-          ("intrinsicdecomp", "intrinsicdecomp", "video quality", "2, 0.05")]
+          ("intrinsicdecomp", "intrinsicdecomp", "video quality", "2, 0.05"),
+          *((f"with a network, {width}", "intrinsicdecomp", "prior", width) for width in WIDTHS)]
 
 
 def sequences(rows):
@@ -115,8 +122,9 @@ def sequences(rows):
     def cell(row):
         return ", ".join(figure(row[k]) for k in ("lmse20", "flicker", "jitter") if row.get(k) is not None)
 
-    return tables.table(["sequence", "thesis: LMSE, flicker, jitter"] + [v[0] for v in VIDEOS[1:]],
-                        [[name(s)] + [cell(rows[(*s, *key)]) for _, *key in VIDEOS] for s in scenes])
+    measured = [v for v in VIDEOS if any(k[2:] == tuple(v[1:]) for k in rows)]
+    return tables.table(["sequence", "thesis: LMSE, flicker, jitter"] + [v[0] for v in measured[1:]],
+                        [[name(s)] + [cell(rows[(*s, *key)]) for _, *key in measured] for s in scenes])
 
 
 def main(path, *more):
