@@ -79,7 +79,8 @@ def shrink(sample, times):
 
 def repaint(sample, rng):
     """The sample with other paint under the same light: other hues, saturation and contrast of value, down to nearly equal values;
-    dark paint browner or bluer than light paint; fine gray grain."""
+    little or no color, everywhere or for what is like one of its pixels, as print, walls, furniture and clothes are; dark paint browner or
+    bluer than light paint; fine gray grain."""
     mask = sample["mask"] > 0
     paint = np.log(np.maximum(sample["R"], 1e-3))
     if rng.random() < 0.5:
@@ -89,6 +90,13 @@ def repaint(sample, rng):
     hue = paint - value
     if rng.random() < 0.4:
         hue = hue * rng.uniform(0, 1.8)
+    which = rng.random()
+    if which < 0.25:
+        hue = hue * rng.uniform(0, 0.15)
+    elif which < 0.5:
+        chosen = hue[mask][int(rng.integers(np.count_nonzero(mask)))]
+        like = np.exp(-(np.abs(hue - chosen).max(-1, keepdims=True) / rng.uniform(0.1, 0.4)) ** 2)
+        hue = hue * (1 - like * rng.uniform(0.85, 1))
     if rng.random() < 0.4:
         value = middle + (value - middle) * rng.uniform(0.1, 1.6)
     if rng.random() < 0.4:

@@ -109,6 +109,7 @@ class Run:
         args, weights = self.args, (self.args.equal, self.args.different, self.args.alike)
         if self.step == 0:
             self.log(step=0, fitted=evaluate(None, tests))
+        limits = problem.LIMITS.to(args.device)[:, None, None]
         start, sums, shifts = time.time(), [], np.random.default_rng(args.seed)
         while self.step < args.steps:
             self.step += 1
@@ -121,18 +122,19 @@ class Run:
             fields = [problem.fields_of(a, p.size) for a, p in zip(answers, batch)]
             loss = problem.Loss.apply(batch, weights, None if args.local_only else args.local, *fields)
             apart = fields_apart(self.network, inputs[: (len(inputs) + 1) // 2], shifts) if args.steady else torch.zeros(())
+            size = sum(((f / limits) ** 2).mean() for f in fields) / len(fields)
             self.optimizer.zero_grad()
-            (loss + args.steady * apart).backward()
+            (loss + args.steady * apart + args.small * size).backward()
             torch.nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)
             self.optimizer.step()
             keep = min(KEEP, self.step / (self.step + 10))
             with torch.no_grad():
                 for a, p in zip(self.average.parameters(), self.network.parameters()):
                     a.mul_(keep).add_(p.to(a.device), alpha=1 - keep)
-            sums.append((float(loss), float(apart)))
+            sums.append((float(loss), float(apart), float(size)))
             if self.step % 100 == 0:
-                loss, apart = np.mean(sums, 0)
-                self.log(step=self.step, loss=round(float(loss), 4), apart=round(float(apart), 6), seconds=round(time.time() - start, 1), made=pool.made)
+                loss, apart, size = np.mean(sums, 0)
+                self.log(step=self.step, loss=round(float(loss), 4), apart=round(float(apart), 6), size=round(float(size), 5), seconds=round(time.time() - start, 1), made=pool.made)
                 sums = []
             if self.step % args.every == 0 or self.step == args.steps:
                 self.save()
@@ -155,6 +157,7 @@ def main():
     parser.add_argument("--local", type=float, default=0.3, help="weight of shares of paint at edges, and of V")
     parser.add_argument("--local-only", action="store_true", help="no solves: a fast start")
     parser.add_argument("--steady", type=float, default=1.0, help="weight of the fields' change between crops and noise")
+    parser.add_argument("--small", type=float, default=0.3, help="weight of the fields' mean square, relative to their limits")
     parser.add_argument("--shares", type=float, nargs=2, default=(0.3, 0.3), help="of samples and of drawings, among samples, drawings and procedural scenes; each of the first two makes three pictures")
     parser.add_argument("--pool", type=int, default=1500, help="examples in memory")
     parser.add_argument("--fresh", type=float, default=1.2, help="new examples for each step")
