@@ -31,7 +31,6 @@ float clamped(float log_weight, float g) {
 /// A plane of w x h pixels with w zeros before and after them.
 class Padded {
  public:
-  Padded() = default;
   Padded(int w, int h) : before_(std::size_t(w)), values_(std::size_t(w) * std::size_t(h + 2), 0) {}
   float* data() { return values_.data() + before_; }
   const float* data() const { return values_.data() + before_; }
@@ -271,35 +270,15 @@ struct Windowed {
   }
 };
 
-/// Weighted mean of a pseudo-Huber distance of off[i] less its mean, and adds its derivative.
-double distance_from_mean(const Plane& weight, const Plane& off, double near, double factor,
-                          Plane& gradient) {
-  const std::size_t n = off.size();
-  Plane pull(n, 0);
-  double all = 1e-9, mean = 0;
-  for (std::size_t i = 0; i < n; ++i) all += weight[i], mean += weight[i] * off[i];
-  double error = 0, sum = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (weight[i] == 0) continue;
-    const double d = off[i] - mean / all, root = std::sqrt(d * d + near * near);
-    error += factor * weight[i] * (root - near) / all;
-    pull[i] = float(factor * weight[i] * d / (root * all));
-    sum += pull[i];
-  }
-  for (std::size_t i = 0; i < n; ++i) gradient[i] += float(pull[i] - sum * weight[i] / all);
-  return error;
-}
-
 /// Error of log shading: what is dark counts here, too.
 double log_error(const Example& e, const Plane& s, Plane& gradient) {
-  constexpr double kWeight = 0.4, kNear = 0.1, kDark = 0.02;
+  constexpr double kWeight = 0.4, kNear = 0.1;
   const std::size_t n = s.size();
   Plane weight(n, 0), off(n, 0);
   for (std::size_t i = 0; i < n; ++i) {
     const float truth = e.shading.data[i];
     if (e.mask.data[i] < 0.5F || truth < 1e-4F) continue;
-    const double light = std::exp(double(e.m[i]));
-    weight[i] = float(light / (light + kDark));
+    weight[i] = float(brightness_weight(e.m[i]));
     off[i] = s[i] - std::log(truth);
   }
   return distance_from_mean(weight, off, kNear, kWeight, gradient);
@@ -307,14 +286,13 @@ double log_error(const Example& e, const Plane& s, Plane& gradient) {
 
 /// Distance of ln R from that of the same scene in another light.
 double alike_error(const Example& e, const Plane& s, const LossWeights& weights, Plane& gradient) {
-  constexpr double kNear = 0.02, kDark = 0.02;
+  constexpr double kNear = 0.02;
   if (!weights.other || weights.other->size() != s.size()) return 0;
   const std::size_t n = s.size();
   Plane weight(n, 0), off(n, 0);
   for (std::size_t i = 0; i < n; ++i) {
     if (e.mask.data[i] < 0.5F) continue;
-    const double light = std::exp(double(e.m[i]));
-    weight[i] = float(light / (light + kDark));
+    weight[i] = float(brightness_weight(e.m[i]));
     off[i] = s[i] - e.m[i] + (*weights.other)[i];
   }
   return distance_from_mean(weight, off, kNear, weights.alike, gradient);
@@ -346,6 +324,30 @@ double pair_error(const Example& e, const Plane& s, const LossWeights& weights, 
 }
 
 }  // namespace
+
+double brightness_weight(float m) {
+  constexpr double kDark = 0.02;
+  const double light = std::exp(double(m));
+  return light / (light + kDark);
+}
+
+double distance_from_mean(const Plane& weight, const Plane& off, double near, double factor,
+                          Plane& gradient) {
+  const std::size_t n = off.size();
+  Plane pull(n, 0);
+  double all = 1e-9, mean = 0;
+  for (std::size_t i = 0; i < n; ++i) all += weight[i], mean += weight[i] * off[i];
+  double error = 0, sum = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (weight[i] == 0) continue;
+    const double d = off[i] - mean / all, root = std::sqrt(d * d + near * near);
+    error += factor * weight[i] * (root - near) / all;
+    pull[i] = float(factor * weight[i] * d / (root * all));
+    sum += pull[i];
+  }
+  for (std::size_t i = 0; i < n; ++i) gradient[i] += float(pull[i] - sum * weight[i] / all);
+  return error;
+}
 
 Model::Model(int edge_hidden, int cell_hidden)
     : edge{reference::kEdgeFeatures, edge_hidden, 2, 0},

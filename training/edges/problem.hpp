@@ -70,6 +70,14 @@ struct Prior {
   std::array<Plane, 3> cell;
 };
 
+/// Of a pixel or cell of mean log intensity m in errors of logarithms: 1 where it is bright.
+double brightness_weight(float m);
+
+/// Weighted mean of a pseudo-Huber distance of `off` less its mean, times `factor`; linear beyond
+/// `near`. Its derivative by `off` is added to `gradient`.
+double distance_from_mean(const Plane& weight, const Plane& off, double near, double factor,
+                          Plane& gradient);
+
 /// Windowed scale-invariant error of reflectance and shading (k = 20, k = 60, whole frame), which
 /// is LMSE at three scales, plus the error of log shading, plus weighted errors over pairs: the
 /// mean |step of ln R| of equal ones, and what different ones lack, as WHDR judges, plus that of

@@ -78,6 +78,7 @@ def check_run():
             pool = pictures.Pool([], None, (0, 0.5), 4, 1)
             pool.fill()
             train.Run(types.SimpleNamespace(out=pathlib.Path(folder), steps=steps, **options)).train(pool, tests)
+            pool.stop()
         seen = [json.loads(line)["step"] for line in (pathlib.Path(folder) / "log.jsonl").read_text().splitlines()]
         expect(seen == [0, 2, 4], f"a run continues where it stopped: {seen}")
 

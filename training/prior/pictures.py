@@ -56,11 +56,11 @@ def sized(scene, rng):
 def mixed(scene, seed, rng, twin=False):
     """A list of arguments of problem.of_picture: one picture or, with twin, also one in other light, in every second twin of the same lights with
     other strengths."""
-    camera, flipped = rng.random() < 0.5, rng.random() < 0.5
-    pictures = [mix.mix(scene, seed, camera=seed if camera else None)]
+    camera, flipped = seed if rng.random() < 0.5 else None, rng.random() < 0.5
+    pictures = [mix.mix(scene, seed, camera=camera)]
     if twin:
         change = np.random.default_rng(int(rng.integers(2**31))) if seed % 8 < 4 else None
-        pictures.append(mix.mix(scene, seed if change else seed + HELD_OUT_SEEDS, camera=seed if camera else None, change=change))
+        pictures.append(mix.mix(scene, seed if change else seed + HELD_OUT_SEEDS, camera=camera, change=change))
     size = level(rng, max(scene["mask"].shape))
     result = []
     for m in pictures:
@@ -105,6 +105,7 @@ class Pool:
         self.rng, self.lock = np.random.default_rng(seed), threading.Lock()
         self.items, self.next, self.made = [], 0, 0
         self.choices = np.random.default_rng(seed + 1)
+        self.maker, self.renewing = concurrent.futures.ThreadPoolExecutor(2), None
         self.painter = concurrent.futures.ProcessPoolExecutor(2, multiprocessing.get_context("spawn"), cv2.setNumThreads, (0,))
         self.stopped = False
 
@@ -136,18 +137,13 @@ class Pool:
                     self.next = (self.next + 1) % self.count
         return len(pictures)
 
-    def fill(self, threads=2):
+    def fill(self):
         def work(rng):
             while len(self.items) < self.count:
                 self.add(rng)
 
-        workers = [threading.Thread(target=work, args=(np.random.default_rng(int(self.rng.integers(2**31))),)) for _ in range(threads)]
-        for worker in workers:
-            worker.start()
-        for worker in workers:
-            worker.join()
-        self.renewer = threading.Thread(target=self.renew, daemon=True)
-        self.renewer.start()
+        list(self.maker.map(work, [np.random.default_rng(int(self.rng.integers(2**31))) for _ in range(2)]))  # raises what they raise
+        self.renewing = self.maker.submit(self.renew)
 
     def renew(self):
         while True:
@@ -160,11 +156,13 @@ class Pool:
     def stop(self):
         self.stopped = True
         self.wanted.release(COPIES)
-        self.renewer.join()
+        self.renewing.result()
         self.painter.shutdown()
 
     def batch(self, count):
-        """Examples of one size."""
+        """Examples of one size. Raises what went wrong in making new ones."""
+        if self.renewing.done():
+            self.renewing.result()
         self.owed += self.fresh
         for _ in range(int(self.owed)):
             self.wanted.release()

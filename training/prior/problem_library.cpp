@@ -146,7 +146,7 @@ void to_fields(const Problem& p, const Prior& change, float* gradient) {
 
 /// See problem_local_loss.
 double local_loss(const Example& e, const Prior& prior, Prior& change) {
-  constexpr double kStep = 0.05, kNear = 0.2, kValueWeight = 0.3, kDark = 0.02;
+  constexpr double kStep = 0.05, kNear = 0.2, kValueWeight = 0.3;
   const std::size_t n = e.m.size(), w = std::size_t(e.width), cells = e.cell_m.size();
   change.right.fill(Plane(n, 0)), change.down = change.right;
   change.cell.fill(Plane(cells, 0));
@@ -185,24 +185,13 @@ double local_loss(const Example& e, const Prior& prior, Prior& change) {
       truth[std::size_t(e.cell_of(int(i)))] += std::log(e.shading.data[i]);
       count[std::size_t(e.cell_of(int(i)))] += 1;
     }
-  double sum = 0, total = 1e-9;
   Plane off(cells, 0), weight(cells, 0);
   for (std::size_t c = 0; c < cells; ++c) {
     if (count[c] == 0) continue;
-    const double light = std::exp(double(e.cell_m[c]));
-    weight[c] = float(light / (light + kDark));
+    weight[c] = float(brightness_weight(e.cell_m[c]));
     off[c] = e.cell_value[c] + prior.cell[1][c] - truth[c] / count[c];
-    sum += weight[c] * off[c], total += weight[c];
   }
-  double pulls = 0;
-  for (std::size_t c = 0; c < cells; ++c) {
-    const double d = off[c] - sum / total, root = std::sqrt(d * d + kNear * kNear);
-    error += kValueWeight * weight[c] / total * (root - kNear);
-    change.cell[1][c] = float(kValueWeight * weight[c] / total * d / root);
-    pulls += change.cell[1][c];
-  }
-  for (std::size_t c = 0; c < cells; ++c) change.cell[1][c] -= float(pulls * weight[c] / total);
-  return error;
+  return error + distance_from_mean(weight, off, kNear, kValueWeight, change.cell[1]);
 }
 
 }  // namespace

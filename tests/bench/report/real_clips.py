@@ -42,20 +42,22 @@ def estimated(network, frame):
 
 def run(clip, size, count, element):
     """The clip's frames, 8 bits, and the reflectance of an element or a network, linear."""
-    if element.endswith(".onnx"):
-        frames, _ = run(clip, size, count, "intrinsicdecomp quality=low")
-        network = cv2.dnn.readNetFromONNX(element)
-        return frames, np.array([estimated(network, frame) for frame in frames])
+    network = cv2.dnn.readNetFromONNX(element) if element.endswith(".onnx") else None
     width, height = size
     with tempfile.TemporaryDirectory() as folder:
         line = (
             f"filesrc location={clip} ! decodebin ! videoconvert ! videoscale add-borders=false ! video/x-raw,format=RGBA,width={width},"
-            f"height={height},pixel-aspect-ratio=1/1 ! identity eos-after={count + 1} ! tee name=t ! queue ! filesink location={folder}/input "
-            f"t. ! queue ! {element} ! intrinsicsplit name=s encoding=linear reflectance-scale=0.5 s.reflectance ! queue ! "
-            f"video/x-raw,format=RGBA64_LE ! filesink location={folder}/reflectance"
+            f"height={height},pixel-aspect-ratio=1/1 ! identity eos-after={count + 1} ! tee name=t ! queue ! filesink location={folder}/input"
         )
+        if not network:
+            line += (
+                f" t. ! queue ! {element} ! intrinsicsplit name=s encoding=linear reflectance-scale=0.5 s.reflectance ! queue ! "
+                f"video/x-raw,format=RGBA64_LE ! filesink location={folder}/reflectance"
+            )
         subprocess.run(f"gst-launch-1.0 -q {line}", shell=True, check=True, timeout=600, stdout=subprocess.DEVNULL)
         frames = np.fromfile(f"{folder}/input", np.uint8).reshape(-1, height, width, 4)[..., :3]
+        if network:
+            return frames, np.array([estimated(network, frame) for frame in frames])
         reflectance = np.fromfile(f"{folder}/reflectance", "<u2").reshape(-1, height, width, 4)[..., :3] / (65535 * 0.5)
     n = min(len(frames), len(reflectance))
     return frames[:n], reflectance[:n]

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <span>
 
+#include "tests/srgb.hpp"
+
 namespace inverse::reference {
 namespace {
 
@@ -36,11 +38,6 @@ Image padded_image(const GuideLevel& seen, const PriorPicture& picture, F channe
       for (uint32_t c = 0; c < kChannels; ++c) image.at(c, y, x) = values[c];
     }
   return image;
-}
-
-double srgb(double linear) {
-  const double v = std::clamp(linear, 0.0, 1.0);
-  return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
 }
 
 }  // namespace
@@ -76,7 +73,8 @@ Image image_input(const Guide& guide, const PriorPicture& picture) {
     const double blue = -2 * seen.c1[i] / 3, middle = seen.c1[i] / 3,
                  apart = seen.c0[i] / std::sqrt(3.0);
     std::array<double, 3> rgb = {middle + apart, middle - apart, blue};
-    for (double& v : rgb) v = srgb(std::exp(seen.m[i] + v) - kIntensityFloor);
+    for (double& v : rgb)
+      v = srgb_code(std::clamp(std::exp(seen.m[i] + v) - kIntensityFloor, 0.0, 1.0));
     return rgb;
   });
 }

@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "image/pack4.glsl"
+#include "image/srgb.glsl"
 #include "intrinsic/guide/guide.glsl"
 
 // The input of PriorNetwork, as network::Network has it: six channels of the guide or, with kImage, the picture in white light, sRGB
@@ -24,18 +25,13 @@ const float kLargestInput = 8.0;
 
 #include "picture.glsl"
 
-vec3 srgb(vec3 linear) {
-  vec3 x = clamp(linear, 0.0, 1.0);
-  return mix(1.055 * pow(max(x, 1e-8), vec3(1.0 / 2.4)) - 0.055, 12.92 * x, lessThanEqual(x, vec3(0.0031308)));
-}
-
 void main() {
   ivec2 position = ivec2(grid_position(uint(push.padded.x)));
   if (position.y >= push.padded.y) return;
   vec4 guide = mean_guide(min(position, push.network - 1));
   int area = push.padded.x * push.padded.y, to = 1 + position.y * push.padded.x + position.x;
   if (kImage) {
-    STORE(result, to, vec4(srgb(exp(guide.x + log_channels(guide.yz)) - kIntensityFloor), 0.0));
+    STORE(result, to, vec4(to_srgb(exp(guide.x + log_channels(guide.yz)) - kIntensityFloor), 0.0));
     return;
   }
   vec4 frame = FETCH(statistics, STATISTICS_MEAN);

@@ -28,26 +28,27 @@ const float kDarkest = 1e-3, kBrightest = 1e3;     // reflectance
 const float kReach = 6.0;                          // of V
 const float kUnknown = 1e30;
 
-// Mean ln R at a pixel; kUnknown where a channel is NaN.
-float paint_at(ivec2 at) {
+// Mean ln R at a pixel, kUnknown where a channel is NaN, and m of the guide.
+vec2 seen_at(ivec2 at) {
+  at = clamp(at, ivec2(0), push.network - 1);
+  float m = mean_guide(at).x;
   vec3 r = FETCH(reflectance, 1 + at.y * push.padded_width + at.x).rgb;
-  if (any(greaterThan(floatBitsToInt(r) & ivec3(0x7fffffff), ivec3(0x7f800000)))) return kUnknown;
+  if (any(greaterThan(floatBitsToInt(r) & ivec3(0x7fffffff), ivec3(0x7f800000)))) return vec2(kUnknown, m);
   r = log(clamp(r, kDarkest, kBrightest));
-  return (r.r + r.g + r.b) / 3.0;
+  return vec2((r.r + r.g + r.b) / 3.0, m);
 }
 
 // |step| of ln R and of ln S between two pixels.
-vec2 step_between(ivec2 from, ivec2 to) {
-  float first = paint_at(from), second = paint_at(to);
-  if (first == kUnknown || second == kUnknown) return vec2(0.0);
-  float paint = second - first;
-  return abs(vec2(paint, mean_guide(to).x - mean_guide(from).x - paint));
+vec2 step_between(vec2 from, vec2 to) {
+  if (from.x == kUnknown || to.x == kUnknown) return vec2(0.0);
+  float paint = to.x - from.x;
+  return abs(vec2(paint, to.y - from.y - paint));
 }
 
 // How much the steps before and after a pixel, along d, are paint (1) or light (-1): of the larger one, for an edge within a network
 // pixel shows in either.
-float paint_along(ivec2 at, ivec2 d) {
-  vec2 before = step_between(max(at - d, ivec2(0)), at), after = step_between(at, min(at + d, push.network - 1));
+float paint_along(ivec2 at, vec2 here, ivec2 d) {
+  vec2 before = step_between(seen_at(at - d), here), after = step_between(here, seen_at(at + d));
   vec2 larger = before.x + before.y > after.x + after.y ? before : after;
   return (larger.x - larger.y) / (larger.x + larger.y + kEven);
 }
@@ -55,12 +56,13 @@ float paint_along(ivec2 at, ivec2 d) {
 void main() {
   ivec2 position = ivec2(grid_position(uint(push.network.x)));
   if (position.y >= push.network.y) return;
-  float paint = paint_at(position);
-  bool known = paint != kUnknown;
-  float right = known ? kEdge * paint_along(position, ivec2(1, 0)) : 0.0, down = known ? kEdge * paint_along(position, ivec2(0, 1)) : 0.0;
+  vec2 here = seen_at(position);
+  bool known = here.x != kUnknown;
+  float right = known ? kEdge * paint_along(position, here, ivec2(1, 0)) : 0.0;
+  float down = known ? kEdge * paint_along(position, here, ivec2(0, 1)) : 0.0;
   uint to = uint(FIELDS_STRIDE * (position.y * push.network.x + position.x));
   STORE(fields, to + FIELDS_EDGES, vec4(-right, right, -down, down));
   STORE(fields, to + FIELDS_CUES, vec4(0.0));
-  float value = clamp(-paint - mean_guide(position).w, -kReach, kReach);
+  float value = clamp(-here.x - mean_guide(position).w, -kReach, kReach);
   STORE(fields, to + FIELDS_CELL, known ? vec4(kTrust, value, -kTrust, 0.0) : vec4(0.0));
 }
