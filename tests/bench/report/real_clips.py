@@ -8,7 +8,9 @@ A network is one that estimates reflectance (docs/reference/networks.md), run by
 
 Prints a table: rms change of ln R from frame to frame along dense optical flow (DIS), and over 60 frames along tracked points (Lucas and
 Kanade), the median over points (all of the picture brightens or darkens) and the rms about it; mean over the clip. The input's own changes
-are beside them; a dash where a clip is too short or too few points last. R is the mean channel; points below .5 % of full scale do not count.
+are beside them; a dash where a clip is too short or too few points last. Contrast is the standard deviation of ln R inside of a frame, mean
+over the clip: changes grow with it, and reflectance without any contrast never changes. R is the mean channel; points below .5 % of full scale
+do not count.
 Needs python3-opencv."""
 import argparse
 import pathlib
@@ -87,6 +89,10 @@ def flow_changes(gray, planes, lit):
     return np.sqrt(squares / max(count, 1))
 
 
+def contrast(planes, lit):
+    return np.mean([of[good].std() for of, good in zip(planes, lit)])
+
+
 def tracked(gray, first):
     """Points of a frame where they are SPAN frames later: (before, after), those that are found again both ways."""
     start = cv2.goodFeaturesToTrack(gray[first], 400, 0.005, 8)
@@ -130,7 +136,7 @@ def main():
     parser.add_argument("--elements", nargs="+", default=["intrinsicdecomp"])
     args = parser.parse_args()
     size = tuple(int(n) for n in args.size.split("x"))
-    print("| clip | element | frame to frame: ln R (input) | 60 frames, all: ln R (input) | about that: ln R (input) |\n|---|---|---|---|---|")
+    print("| clip | element | frame to frame: ln R (input) | 60 frames, all: ln R (input) | about that: ln R (input) | contrast: ln R (input) |\n|---|---|---|---|---|---|")
     for clip in args.clips:
         planes = []
         for element in args.elements:
@@ -142,7 +148,10 @@ def main():
         gray = [cv2.cvtColor(f, cv2.COLOR_RGB2GRAY) for f in frames]
         lit = [linear(f).mean(2) > DARK for f in frames]
         # Points move alike for all elements: they are found once.
-        *changes, own = [(step, *span) for step, span in zip(flow_changes(gray, planes, lit), span_changes(gray, planes, lit))]
+        *changes, own = [
+            (step, *span, contrast(of, lit))
+            for step, span, of in zip(flow_changes(gray, planes, lit), span_changes(gray, planes, lit), planes)
+        ]
         for element, change in zip(args.elements, changes):
             cells = " | ".join("–" if np.isnan(a) else f"{a:.4f} ({b:.4f})" for a, b in zip(change, own))
             print(f"| {clip.stem} | {element} | {cells} |", flush=True)
