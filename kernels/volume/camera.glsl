@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// A pinhole camera: x right, y down, z forward; pixel centers at whole numbers. A pose is two vec4: the unit quaternion (xyz, w) that
+// turns directions of the camera into the world's, and the camera's place in the world, in meters.
+vec3 turned(vec4 q, vec3 v) {
+  vec3 t = 2.0 * cross(q.xyz, v);
+  return v + q.w * t + cross(q.xyz, t);
+}
+vec3 to_world(vec4 rotation, vec4 place, vec3 p) { return turned(rotation, p) + place.xyz; }
+vec3 to_camera(vec4 rotation, vec4 place, vec3 p) { return turned(vec4(-rotation.xyz, rotation.w), p - place.xyz); }
+// lens: focal lengths and center, in pixels.
+vec2 projected(vec4 lens, vec3 p) { return lens.xy * p.xy / p.z + lens.zw; }
+vec3 ray_of(vec4 lens, vec2 pixel) { return vec3((pixel - lens.zw) / lens.xy, 1.0); }

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "blocks.glsl"
+#include "camera.glsl"
+#include "state.glsl"
+
+// Lists the blocks that a camera may see, in any order. One block of the pool an invocation.
+WORD_IN(0, keys);
+PLANE_IN(1, pose);
+WORD_INOUT(2, fresh);
+WORD_INOUT(3, state);
+WORD_OUT(4, list);  // places of blocks; the highest bit is set if it has no voxels yet
+layout(push_constant) uniform Push {
+  vec4 lens;
+  uvec2 size;
+  uint blocks;
+  float voxel;
+  float max_depth;
+} push;
+
+void main() {
+  uint block = line_index();
+  if (block >= push.blocks) return;
+  uint key = FETCH1(keys, int(block));
+  if (key == kNoBlock) return;
+  float side = float(kBlockSide) * push.voxel, radius = 0.5 * sqrt(3.0) * side;
+  vec3 center = to_camera(FETCH(pose, 0), FETCH(pose, 1), (vec3(block_of_key(key)) + 0.5) * side);
+  // The distance of the center to each plane of the frustum.
+  vec2 low = (vec2(-0.5) - push.lens.zw) / push.lens.xy, high = (vec2(push.size) - 0.5 - push.lens.zw) / push.lens.xy;
+  vec2 beyond = max((low * center.z - center.xy) / sqrt(1.0 + low * low), (center.xy - high * center.z) / sqrt(1.0 + high * high));
+  bool seen = center.z > -radius && center.z < push.max_depth + radius && max(beyond.x, beyond.y) < radius;
+  bool first = LOAD(fresh, block) != 0u;
+  if (!seen && !first) return;
+  STORE(fresh, block, 0u);
+  STORE(list, atomicAdd(LOAD(state, kListed), 1u), first ? block | 0x80000000u : block);
+}

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tracker.hpp"
+
+#include "kernels/gpu/reduce.hpp"
+#include "kernels/image/pyramid.hpp"
+
+namespace inverse {
+namespace {
+
+using shaders::volume_tracking_align;
+using shaders::volume_tracking_move;
+
+uint32_t items_of(Extent extent) {
+  constexpr uint32_t kRows = volume_tracking_align::kRows;
+  return extent.width * ((extent.height + kRows - 1) / kRows);
+}
+
+}  // namespace
+
+Tracker::Tracker(const std::shared_ptr<gpu::Device>& device, Extent extent)
+    : halve_(device),
+      normals_(device),
+      brightness_(device),
+      align_(device),
+      move_(device, {}, gpu::kOneGroup),
+      pose_(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
+      target_pose_(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
+      start_(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
+      found_(gpu::Buffer::create(device, gpu::Element::vec4, volume_tracking_move::kFoundStride)) {
+  for (Levels* levels : {&frame_, &target_}) {
+    Extent size = extent;
+    for (Level& level : *levels) {
+      level.extent = size;
+      level.depth = gpu::Buffer::create(device, gpu::Element::scalar, size.pixels());
+      level.surface = gpu::Buffer::create(device, gpu::Element::vec4, size.pixels());
+      level.brightness = gpu::Buffer::create(device, gpu::Element::scalar, size.pixels());
+      size = half_of(size);
+    }
+  }
+  const gpu::Items groups = align_.kernel()->groups(items_of(extent));
+  sums_ = gpu::Buffer::create(device, gpu::Element::vec4,
+                              uint64_t{groups.x} * groups.y * volume_tracking_align::kSums);
+}
+
+void Tracker::record_levels(gpu::Commands& commands, Levels& levels) const {
+  for (size_t l = 0; l < levels.size(); ++l) {
+    const Level& level = levels[l];
+    const auto pixels = static_cast<uint32_t>(level.extent.pixels());
+    if (l > 0)
+      commands.dispatch(halve_,
+                        {.fine_depth = levels[l - 1].depth,
+                         .fine_brightness = levels[l - 1].brightness,
+                         .depth = level.depth,
+                         .brightness = level.brightness},
+                        {.size = levels[l - 1].extent}, pixels);
+    commands.dispatch(normals_, {.depth = level.depth, .surface = level.surface},
+                      {.lens = level.lens.values(), .size = level.extent}, pixels);
+  }
+}
+
+void Tracker::record_frame(gpu::Commands& commands, const Lens& lens, const gpu::BufferPtr& depth,
+                           const gpu::BufferPtr& picture) {
+  float scale = 1;
+  for (size_t l = 0; l < frame_.size(); ++l, scale /= 2)
+    frame_[l].lens =
+        target_[l].lens = {lens.fx * scale, lens.fy * scale, (lens.cx + 0.5F) * scale - 0.5F,
+                           (lens.cy + 0.5F) * scale - 0.5F};
+  frame_[0].depth = depth;
+  const auto pixels = static_cast<uint32_t>(frame_[0].extent.pixels());
+  commands.dispatch(brightness_, {.picture = picture, .brightness = frame_[0].brightness},
+                    {.pixels = pixels}, pixels);
+  record_levels(commands, frame_);
+}
+
+void Tracker::record_target(gpu::Commands& commands, const gpu::BufferPtr& pose,
+                            const gpu::BufferPtr& depth, const gpu::BufferPtr& brightness) {
+  commands.copy(pose, target_pose_, target_pose_->bytes());
+  commands.copy(brightness, target_[0].brightness, brightness->bytes());
+  target_[0].depth = depth;
+  record_levels(commands, target_);
+}
+
+void Tracker::record_align(gpu::Commands& commands, const Params& params) {
+  commands.copy(pose_, start_, pose_->bytes());
+  for (size_t l = frame_.size(); l-- > 0;)
+    for (uint32_t step = 0; step < params.steps[l]; ++step) {
+      const Level& level = frame_[l];
+      const gpu::Items groups = align_.kernel()->groups(items_of(level.extent));
+      commands.dispatch(align_,
+                        {.surface = level.surface,
+                         .pose = pose_,
+                         .model = target_[l].surface,
+                         .view_pose = target_pose_,
+                         .brightness = level.brightness,
+                         .appearance = target_[l].brightness,
+                         .sums = sums_},
+                        {.lens = level.lens.values(),
+                         .size = level.extent,
+                         .max_distance = params.max_distance[l],
+                         .min_cosine = params.min_cosine,
+                         .photometric = params.photometric},
+                        items_of(level.extent));
+      commands.dispatch(move_, {.sums = sums_, .start = start_, .pose = pose_, .found = found_},
+                        {.groups = groups.x * groups.y,
+                         .damping = params.damping,
+                         .last = uint32_t{l == 0 && step + 1 == params.steps[0]},
+                         .min_share = params.min_share,
+                         .max_rms = params.max_rms},
+                        gpu::kOneGroup);
+    }
+}
+
+}  // namespace inverse

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <array>
+#include <memory>
+
+#include "kernels/volume/volume.hpp"
+#include "kernels/volume_tracking_align.spv.hpp"
+#include "kernels/volume_tracking_brightness.spv.hpp"
+#include "kernels/volume_tracking_halve.spv.hpp"
+#include "kernels/volume_tracking_move.spv.hpp"
+
+namespace inverse {
+
+/// Follows a camera: brings each frame onto a view of the volume by iterated closest points with
+/// projective association (Newcombe et al. 2011), coarse to fine, with differences of brightness
+/// where geometry alone would slide. docs/reference/methods/volume.md.
+class Tracker {
+ public:
+  struct Params {
+    std::array<uint32_t, 3> steps{4, 5, 8};                 ///< at full, half and quarter size
+    std::array<float, 3> max_distance{0.05F, 0.1F, 0.15F};  ///< of points that match, meters
+    float min_cosine = 0.8F;                                ///< of the angle between their normals
+    float photometric = 0.03F;  ///< meters that a difference of 1 in ln brightness counts as
+    float damping = 1e-5F;      ///< of a step, per m² and rad²
+    float min_share = 0.35F;    ///< of pixels with a depth that must match
+    float max_rms = 0.03F;      ///< of the distances of matched points, meters
+  };
+
+  /// For frames of one size. Throws Error(limit) and Error(out_of_memory).
+  Tracker(const std::shared_ptr<gpu::Device>& device, Extent extent);
+
+  /// Records the levels of a frame: `depth`, a scalar a pixel, meters, 0 where unknown; `picture`,
+  /// linear RGB.
+  void record_frame(gpu::Commands& commands, const Lens& lens, const gpu::BufferPtr& depth,
+                    const gpu::BufferPtr& picture);
+  /// Normal and depth of that frame, as Volume::Frame::surface.
+  const gpu::BufferPtr& surface() const { return frame_[0].surface; }
+  /// Its ln brightness, a scalar a pixel.
+  const gpu::BufferPtr& brightness() const { return frame_[0].brightness; }
+
+  /// Records what the next frames are brought onto, of the size and with the lens of the last one:
+  /// depth of a view from `pose`, meters, 0 where nothing is, and ln brightness there, both a
+  /// scalar a pixel.
+  void record_target(gpu::Commands& commands, const gpu::BufferPtr& pose,
+                     const gpu::BufferPtr& depth, const gpu::BufferPtr& brightness);
+  /// Records moving pose() from where it is to where the frame matches the target.
+  void record_align(gpu::Commands& commands, const Params& params);
+
+  /// Two vec4 (Pose). The caller may write it between frames.
+  const gpu::BufferPtr& pose() const { return pose_; }
+  /// tracking.glsl.
+  const gpu::BufferPtr& found() const { return found_; }
+
+ private:
+  struct Level {
+    Extent extent;
+    Lens lens;
+    gpu::BufferPtr depth, surface, brightness;
+  };
+
+  gpu::Program<shaders::volume_tracking_halve> halve_;
+  gpu::Program<shaders::volume_normals> normals_;
+  gpu::Program<shaders::volume_tracking_brightness> brightness_;
+  gpu::Program<shaders::volume_tracking_align> align_;
+  gpu::Program<shaders::volume_tracking_move> move_;
+  using Levels = std::array<Level, 3>;
+  void record_levels(gpu::Commands& commands, Levels& levels) const;
+  Levels frame_, target_;
+  gpu::BufferPtr pose_, target_pose_, start_, found_, sums_;
+};
+
+}  // namespace inverse

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <memory>
+
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/plane.hpp"
+#include "kernels/volume_allocate.spv.hpp"
+#include "kernels/volume_integrate.spv.hpp"
+#include "kernels/volume_list.spv.hpp"
+#include "kernels/volume_march.spv.hpp"
+#include "kernels/volume_normals.spv.hpp"
+#include "kernels/volume_ranges.spv.hpp"
+
+namespace inverse {
+
+/// A pinhole camera without distortion: focal lengths and center in pixels, pixel centers at whole
+/// numbers, x right, y down, z forward.
+struct Lens {
+  float fx = 0, fy = 0, cx = 0, cy = 0;
+  std::array<float, 4> values() const { return {fx, fy, cx, cy}; }
+};
+
+/// Where a camera is: the unit quaternion (x, y, z, w) that turns its directions into the world's,
+/// and its place in meters. On the device it is two vec4.
+struct Pose {
+  std::array<float, 4> rotation{0, 0, 0, 1};
+  std::array<float, 4> place{0, 0, 0, 0};  ///< w is 0
+};
+
+/// Surfaces of a static scene in a sparse grid of voxels (Nießner et al. 2013): truncated signed
+/// distance, ln reflectance, and a stroke. docs/reference/methods/volume.md.
+class Volume {
+ public:
+  struct Params {
+    float voxel = 0.01F;                    ///< side of a voxel, meters
+    float truncation = 4;                   ///< of distances, voxels
+    uint32_t blocks = 32'768;               ///< of 8 x 8 x 8 voxels, kBlockBytes each
+    float min_depth = 0.1F, max_depth = 5;  ///< of the camera, meters
+    float memory = 32;  ///< frames of full confidence that the mean of reflectance remembers
+  };
+  /// Of one block in all buffers, beside two to four entries of the hash table.
+  static constexpr uint32_t kBlockBytes = 512 * 12;
+
+  /// Throws Error(limit) and Error(out_of_memory).
+  Volume(const std::shared_ptr<gpu::Device>& device, const Params& params);
+
+  /// Forgets all.
+  void record_clear(gpu::Commands& commands);
+
+  /// What a camera sees. `pose`: two vec4; `surface`: a vec4 a pixel, unit normal and depth in
+  /// meters, 0 where unknown, both in the camera's axes.
+  struct Frame {
+    Lens lens;
+    Extent extent;
+    gpu::BufferPtr pose, surface;
+  };
+  /// What of a frame is added.
+  struct Added {
+    bool geometry = true, reflectance = true;
+  };
+  /// Adds a frame, with the reflectance that `layers` have (R.rgb, S).
+  void record_integrate(gpu::Commands& commands, const Frame& frame, const gpu::BufferPtr& layers,
+                        Added added);
+
+  /// What the volume looks like from a camera.
+  struct View {
+    Extent extent;
+    gpu::BufferPtr depth;        ///< a scalar a pixel: meters, 0 where nothing is
+    gpu::BufferPtr surface;      ///< as Frame::surface
+    gpu::BufferPtr reflectance;  ///< rgb: ln reflectance, w: confidence, 0…1
+    gpu::BufferPtr strokes;      ///< a word a pixel, 0: none
+    /// Throws Error(out_of_memory).
+    View(const std::shared_ptr<gpu::Device>& device, Extent extent);
+    /// 8 x 8 pixels, where rays start and end.
+    Extent tiles() const { return {(extent.width + 7) / 8, (extent.height + 7) / 8}; }
+    gpu::BufferPtr nearest, farthest;
+  };
+  /// Renders the view of a camera at `pose`.
+  void record_march(gpu::Commands& commands, const Lens& lens, const gpu::BufferPtr& pose,
+                    const View& view);
+
+  const Params& params() const { return params_; }
+  /// Words of state.glsl.
+  const gpu::BufferPtr& state() const { return state_; }
+  /// For tests: two words an entry; a word a block; one and two words a voxel.
+  const gpu::BufferPtr& table() const { return table_; }
+  const gpu::BufferPtr& keys() const { return keys_; }
+  const gpu::BufferPtr& voxels() const { return voxels_; }
+  const gpu::BufferPtr& colors() const { return colors_; }
+
+ private:
+  void record_list(gpu::Commands& commands, const Lens& lens, Extent extent,
+                   const gpu::BufferPtr& pose);
+
+  Params params_;
+  uint32_t entries_;
+  gpu::Program<shaders::volume_allocate> allocate_;
+  gpu::Program<shaders::volume_list> list_blocks_;
+  gpu::Program<shaders::volume_integrate> integrate_;
+  gpu::Program<shaders::volume_ranges> ranges_;
+  gpu::Program<shaders::volume_march> march_;
+  gpu::Program<shaders::volume_normals> normals_;
+  gpu::BufferPtr table_, keys_, fresh_, free_, state_, start_, list_, voxels_, colors_;
+};
+
+}  // namespace inverse

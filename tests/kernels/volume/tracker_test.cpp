@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Tracking along known paths.
+#include "kernels/volume/tracking/tracker.hpp"
+
+#include <random>
+
+#include "tests/kernels/volume/volume_fixture.hpp"
+#include "tests/reference/volume/tracking.hpp"
+
+namespace inverse::testing {
+namespace {
+
+using Path = Camera (*)(double t);
+
+class TrackerTest : public VolumeFixture {
+ protected:
+  /// The largest errors of the pose along a path, and whether it was found in every frame.
+  struct Errors {
+    double place = 0;  ///< meters
+    double turn = 0;   ///< radians
+    bool found = true;
+  };
+
+  Errors follow(Path path, Scene scene, const Tracker::Params& params) {
+    Volume volume(device, {.voxel = 0.02F, .blocks = 8192});
+    const Extent extent = extent_of(path(0));
+    Tracker tracker(device, extent);
+    const Volume::View view(device, extent);
+    Errors errors;
+    for (int i = 0; i < 30; ++i) {
+      const Camera camera = path(0.05 * i);
+      const Lens lens = lens_of(camera);
+      const Seen seen = look(camera, scene);
+      const Pixels depth(seen.depth.begin(), seen.depth.end());
+      const auto picture = upload(to_pixels(seen.layers)),
+                 depths = upload(gpu::Element::scalar, depth.data(), depth.size()),
+                 truth = pose_of(camera);
+      run([&](gpu::Commands& commands) {
+        tracker.record_frame(commands, lens, depths, picture);
+        if (i == 0)
+          commands.copy(truth, tracker.pose(), truth->bytes());
+        else
+          tracker.record_align(commands, params);
+        volume.record_integrate(commands, {lens, extent, tracker.pose(), tracker.surface()},
+                                picture, {});
+        volume.record_march(commands, lens, tracker.pose(), view);
+        tracker.record_target(commands, tracker.pose(), view.depth, tracker.brightness());
+      });
+      const Pixels pose = download(tracker.pose());
+      double off = 0, same = 0;
+      for (size_t c = 0; c < 3; ++c) off += std::pow(double{pose[4 + c]} - camera.place[c], 2);
+      for (size_t c = 0; c < 4; ++c) same += double{pose[c]} * camera.rotation[c];
+      errors.place = std::max(errors.place, std::sqrt(off));
+      errors.turn = std::max(errors.turn, 2 * std::acos(std::min(1.0, std::abs(same))));
+      errors.found = errors.found && (i == 0 || download(tracker.found())[0] == 1);
+    }
+    return errors;
+  }
+};
+
+Camera around(double t) {
+  return camera_at(160, 120,
+                   {0.5 * std::sin(t) - 0.2, 0.2 + 0.1 * std::cos(2 * t), 0.15 * std::cos(t)},
+                   {0.1 * std::cos(t) - 0.2, 0.6, 2});
+}
+
+Camera along_a_wall(double t) {
+  return camera_at(160, 120, {0.3 * t, 0.1 * std::sin(3 * t), 0.5},
+                   {0.3 * t, 0.1 * std::sin(3 * t), 2});
+}
+
+// One step at each level, from a frame with holes and noise to a view of another pose.
+TEST_F(TrackerTest, StepsAgreeWithReference) {
+  const Camera view_camera = around(0.1), frame_camera = around(0.13);
+  const Extent extent = extent_of(view_camera);
+  const Lens lens = lens_of(view_camera);
+  std::mt19937 engine(3);
+  std::normal_distribution<double> normal;
+  const auto seen_by = [&](const Camera& camera) {
+    Seen seen = look(camera);
+    for (double& z : seen.depth) z = engine() % 16 == 0 ? 0 : z * (1 + 0.001 * normal(engine));
+    return seen;
+  };
+  const Seen seen = seen_by(frame_camera), target = seen_by(view_camera);
+  for (size_t level = 0; level < 3; ++level) {
+    Tracker::Params params;
+    params.steps = {};
+    params.steps[level] = 1;
+    Tracker tracker(device, extent);
+    const auto scalars = [&](const std::vector<double>& values) {
+      const Pixels floats(values.begin(), values.end());
+      return upload(gpu::Element::scalar, floats.data(), floats.size());
+    };
+    const auto log_brightness = [](const Seen& of) {
+      std::vector<double> result;
+      for (const auto& p : of.layers.data) result.push_back(std::log((p[0] + p[1] + p[2]) / 3));
+      return result;
+    };
+    std::vector<double> depth = seen.depth, brightness = log_brightness(seen),
+                        view_depth = target.depth, view_brightness = log_brightness(target);
+    const auto depths = scalars(depth), view_depths = scalars(view_depth),
+               view_brightnesses = scalars(view_brightness), view_pose = pose_of(view_camera),
+               picture = upload(to_pixels(seen.layers));
+    run([&](gpu::Commands& commands) {
+      tracker.record_frame(commands, lens, depths, picture);
+      commands.copy(view_pose, tracker.pose(), view_pose->bytes());
+      tracker.record_target(commands, view_pose, view_depths, view_brightnesses);
+      tracker.record_align(commands, params);
+    });
+    // The frame's pose is thought to be that of the view.
+    Camera camera = view_camera;
+    for (size_t l = 0; l < level; ++l) {
+      for (auto [d, b] :
+           {std::pair(&depth, &brightness), std::pair(&view_depth, &view_brightness)}) {
+        std::vector<double> half_depth, half_brightness;
+        reference::halve(camera.width, camera.height, *d, *b, half_depth, half_brightness);
+        *d = half_depth, *b = half_brightness;
+      }
+      camera = {camera.fx / 2,
+                camera.fy / 2,
+                (camera.cx + 0.5) / 2 - 0.5,
+                (camera.cy + 0.5) / 2 - 0.5,
+                (camera.width + 1) / 2,
+                (camera.height + 1) / 2,
+                camera.rotation,
+                camera.place};
+    }
+    const reference::Alignment expected =
+        reference::align({camera, reference::normals(camera, depth), brightness},
+                         {camera, reference::normals(camera, view_depth), view_brightness},
+                         {double{params.max_distance[level]}, double{params.min_cosine},
+                          double{params.photometric}, double{params.damping}});
+    const Pixels pose = download(tracker.pose());
+    double moved = 0;
+    for (size_t c = 0; c < 3; ++c) {
+      EXPECT_NEAR(double{pose[4 + c]}, expected.camera.place[c], 2e-4) << level;
+      moved = std::max(moved, std::abs(expected.camera.place[c] - camera.place[c]));
+    }
+    for (size_t c = 0; c < 4; ++c)
+      EXPECT_NEAR(double{pose[c]}, expected.camera.rotation[c], 2e-4) << level;
+    EXPECT_GT(moved, 3e-3) << level;
+    if (level > 0) continue;  // only the last step at full size reports
+    const Pixels found = download(tracker.found());
+    EXPECT_EQ(found[0], 1);
+    EXPECT_NEAR(double{found[4]}, expected.rms, 1e-4);
+    EXPECT_NEAR(double{found[5]}, expected.share, 2e-3);
+  }
+}
+
+TEST_F(TrackerTest, FollowsACamera) {
+  const Errors errors = follow(around, Scene::room, {});
+  EXPECT_TRUE(errors.found);
+  EXPECT_LT(errors.place, 0.01);
+  EXPECT_LT(errors.turn, 0.01);
+}
+
+TEST_F(TrackerTest, FollowsPaintWhereGeometrySlides) {
+  Tracker::Params params;
+  const Errors both = follow(along_a_wall, Scene::wall, params);
+  params.photometric = 0;
+  const Errors geometry = follow(along_a_wall, Scene::wall, params);
+  EXPECT_GT(geometry.place, 0.2);
+  EXPECT_LT(both.place, 0.01);
+  EXPECT_TRUE(both.found);
+}
+
+}  // namespace
+}  // namespace inverse::testing

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The volume against its specification, and against the scene that it was made from.
+#include "kernels/volume/volume.hpp"
+
+#include "tests/kernels/volume/volume_fixture.hpp"
+
+namespace inverse::testing {
+namespace {
+
+constexpr Volume::Params kParams{.voxel = 0.02F, .blocks = 8192};
+
+reference::Volume specified(const Volume::Params& params) {
+  return {.voxel = double{params.voxel},
+          .truncation = double{params.truncation} * double{params.voxel},
+          .max_depth = double{params.max_depth},
+          .memory = double{params.memory},
+          .blocks = {}};
+}
+
+std::vector<Camera> walk(int count) {
+  std::vector<Camera> cameras;
+  for (int i = 0; i < count; ++i) {
+    const double t = 0.4 * i;
+    cameras.push_back(camera_at(
+        160, 120, {0.5 * std::sin(t) - 0.2, 0.2 + 0.1 * std::cos(2 * t), 0.15 * std::cos(t)},
+        {0.1 * std::cos(t) - 0.2, 0.6, 2}));
+  }
+  return cameras;
+}
+
+using VolumeTest = VolumeFixture;
+
+TEST_F(VolumeTest, AgreesWithSpecification) {
+  Volume volume(device, kParams);
+  reference::Volume expected = specified(kParams);
+  for (const Camera& camera : walk(4)) {
+    const Seen seen = look(camera);
+    const reference::Plane surface = reference::normals(camera, seen.depth);
+    integrate(volume, camera, surface, seen.layers);
+    expected.allocate(camera, surface);
+    expected.integrate(camera, surface, seen.layers);
+  }
+  const auto keys = words(volume.keys()), voxels = words(volume.voxels()),
+             colors = words(volume.colors());
+  size_t blocks = 0, missing = 0, count = 0, off = 0, weights = 0, colored = 0, off_color = 0;
+  for (size_t b = 0; b < keys.size(); ++b) {
+    if (keys[b] == 0xffffffff) continue;
+    ++blocks;
+    const auto found = expected.blocks.find(
+        {int(keys[b] & 2047) - 1024, int(keys[b] >> 22) - 512, int(keys[b] >> 11 & 2047) - 1024});
+    if (found == expected.blocks.end()) {
+      ++missing;  // rounding moved a place into it
+      continue;
+    }
+    for (size_t n = 0; n < 512; ++n) {
+      const reference::Voxel& v = found->second[n];
+      const uint32_t word = voxels[512 * b + n];
+      const double distance = std::max(double(int16_t(word & 0xffff)) / 32767, -1.0);
+      ++count;
+      // A pixel beside the one that is meant has another depth.
+      off += std::abs(distance - v.distance) > 2e-3;
+      weights += (word >> 16 & 255) != v.weight;
+      if (v.sure == 0) continue;
+      ++colored;
+      const uint32_t* c = &colors[2 * (512 * b + n)];
+      const double red = -7 + 8.5 * (c[0] & 0xffff) / 65535.0,
+                   blue = -7 + 8.5 * (c[1] & 0xffff) / 65535.0;
+      off_color += std::abs(red - v.color[0]) > 2e-3 || std::abs(blue - v.color[2]) > 2e-3 ||
+                   std::abs((c[1] >> 16) / 65535.0 - v.sure) > 1e-3;
+    }
+  }
+  EXPECT_GT(blocks, 500U);
+  EXPECT_NEAR(double(blocks), double(expected.blocks.size()), 0.01 * double(blocks));
+  EXPECT_LE(missing, blocks / 100);
+  EXPECT_LE(off, count / 200);
+  EXPECT_LE(weights, count / 200);
+  EXPECT_GT(colored, 20 * blocks);
+  EXPECT_LE(off_color, colored / 100);
+
+  const Camera camera = camera_at(80, 60, {0.1, 0.25, 0.05}, {-0.1, 0.6, 2});
+  const Volume::View view(device, extent_of(camera));
+  const auto pose = pose_of(camera);
+  run([&](gpu::Commands& commands) { volume.record_march(commands, lens_of(camera), pose, view); });
+  const Pixels depth = download(view.depth);
+  size_t both = 0, one = 0, same = 0;
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) {
+      const double found = double{depth[size_t(y) * size_t(camera.width) + size_t(x)]},
+                   meant = expected.march(camera, x, y, 0.5, 4);
+      one += (found > 0) != (meant > 0);
+      both += found > 0 && meant > 0;
+      same += found > 0 && meant > 0 && std::abs(found - meant) < 0.1 * double{kParams.voxel};
+    }
+  EXPECT_GT(both, depth.size() * 9 / 10);
+  EXPECT_LT(one, depth.size() / 30);
+  EXPECT_GT(same, both * 97 / 100);
+}
+
+TEST_F(VolumeTest, ShowsWhatItHasSeen) {
+  Volume volume(device, kParams);
+  const std::vector<Camera> cameras = walk(6);
+  for (const Camera& camera : cameras) {
+    const Seen seen = look(camera);
+    integrate(volume, camera, reference::normals(camera, seen.depth), seen.layers);
+  }
+  const Camera camera = camera_at(120, 90, {0.1, 0.25, 0.05}, {-0.1, 0.6, 2});
+  const Seen truth = look(camera);
+  const reference::Plane normals = reference::normals(camera, truth.depth);
+  const Volume::View view(device, extent_of(camera));
+  const auto pose = pose_of(camera);
+  run([&](gpu::Commands& commands) { volume.record_march(commands, lens_of(camera), pose, view); });
+  const Pixels depth = download(view.depth), surface = download(view.surface),
+               reflectance = download(view.reflectance);
+  size_t seen = 0, near = 0, facing = 0, colored = 0;
+  for (size_t n = 0; n < depth.size(); ++n) {
+    if (depth[n] <= 0) continue;
+    ++seen;
+    near += std::abs(double{depth[n]} - truth.depth[n]) < 0.5 * double{kParams.voxel};
+    double cosine = 0, color = 0;
+    for (size_t c = 0; c < 3; ++c) {
+      cosine += double{surface[4 * n + c]} * normals.data[n][c];
+      color = std::max(
+          color, std::abs(double{reflectance[4 * n + c]} - std::log(truth.layers.data[n][c])));
+    }
+    facing += cosine > std::cos(0.2);
+    colored += color < 0.1;
+  }
+  const double all = double(depth.size());
+  EXPECT_GT(double(seen), 0.97 * all);
+  EXPECT_GT(double(near), 0.94 * all);
+  EXPECT_GT(double(facing), 0.92 * all);
+  EXPECT_GT(double(colored), 0.85 * all);
+}
+
+}  // namespace
+}  // namespace inverse::testing

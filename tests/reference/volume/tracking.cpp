@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tracking.hpp"
+
+#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace inverse::reference {
+namespace {
+
+using Vector = Eigen::Vector3d;
+
+constexpr double kJump = 0.03, kTurned = 0.05;
+
+Vector vector(const Vec3& v) { return {v[0], v[1], v[2]}; }
+Eigen::Quaterniond quaternion(const Camera& c) {
+  return {c.rotation[3], c.rotation[0], c.rotation[1], c.rotation[2]};
+}
+double noise(double depth) { return 0.0012 + 0.0019 * (depth - 0.4) * (depth - 0.4); }
+
+}  // namespace
+
+Alignment align(const Sight& frame, const Sight& view, const AlignParams& params) {
+  const Eigen::Quaterniond q = quaternion(frame.camera), v = quaternion(view.camera);
+  const Vector place = vector(frame.camera.place), view_place = vector(view.camera.place);
+  Eigen::Matrix<double, 6, 6> h = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
+  double squares = 0, weights = 0, matched = 0, all = 0;
+  const auto add = [&](const Vector& arm, const Vector& by_point, double r, double weight) {
+    Eigen::Matrix<double, 6, 1> j;
+    j << arm.cross(by_point), by_point;
+    h += weight * j * j.transpose();
+    g += weight * r * j;
+  };
+  const int width = view.camera.width, height = view.camera.height;
+  for (int y = 0; y < frame.camera.height; ++y)
+    for (int x = 0; x < frame.camera.width; ++x) {
+      const Vec4& seen = frame.surface.at(x, y);
+      if (!(seen[3] > 0)) continue;
+      ++all;
+      const Vector arm = q * (seen[3] * vector(frame.camera.ray(x, y)));
+      const Vector p = v.conjugate() * (arm + place - view_place);
+      if (p[2] <= 0) continue;
+      const double u = view.camera.fx * p[0] / p[2] + view.camera.cx,
+                   w = view.camera.fy * p[1] / p[2] + view.camera.cy;
+      const int px = int(std::floor(u + 0.5)), py = int(std::floor(w + 0.5));
+      if (px < 0 || py < 0 || px >= width || py >= height) continue;
+      const Vec4& found = view.surface.at(px, py);
+      if (!(found[3] > 0)) continue;
+      const Vector apart = found[3] * vector(view.camera.ray(px, py)) - p;
+      const Vector in_view(found[0], found[1], found[2]), normal = v * in_view;
+      if (apart.norm() >= params.max_distance ||
+          (q * Vector(seen[0], seen[1], seen[2])).dot(normal) <= params.min_cosine)
+        continue;
+      ++matched;
+      const double r = in_view.dot(apart), weight = std::pow(noise(0.4) / noise(seen[3]), 2);
+      add(arm, normal, r, weight);
+      squares += weight * r * r;
+      weights += weight;
+      if (params.photometric <= 0 || px < 1 || py < 1 || px >= width - 1 || py >= height - 1)
+        continue;
+      const auto brightness = [&](int dx, int dy) {
+        return view.brightness[view.surface.index(px + dx, py + dy)];
+      };
+      const auto goes_on = [&](int dx, int dy) {
+        return std::abs(view.surface.at(px + dx, py + dy)[3] - found[3]) <= kJump * found[3];
+      };
+      if (!goes_on(-1, 0) || !goes_on(1, 0) || !goes_on(0, -1) || !goes_on(0, 1)) continue;
+      const double du = 0.5 * (brightness(1, 0) - brightness(-1, 0)),
+                   dw = 0.5 * (brightness(0, 1) - brightness(0, -1));
+      const double sx = du * view.camera.fx / p[2], sy = dw * view.camera.fy / p[2];
+      const double difference = frame.brightness[frame.surface.index(x, y)] - brightness(0, 0) -
+                                du * (u - px) - dw * (w - py);
+      add(arm, v * Vector(sx, sy, -(sx * p[0] + sy * p[1]) / p[2]), difference,
+          params.photometric * params.photometric * kTurned /
+              std::max(std::abs(difference), kTurned));
+    }
+  h.diagonal().array() += params.damping * weights;
+  const Eigen::Matrix<double, 6, 1> step = h.ldlt().solve(g);
+  const Vector turn = step.head<3>();
+  Eigen::Quaterniond moved = q;
+  if (turn.norm() > 0) moved = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * q;
+  Alignment result{frame.camera, std::sqrt(squares / weights), matched / all};
+  result.camera.rotation = {moved.x(), moved.y(), moved.z(), moved.w()};
+  for (size_t c = 0; c < 3; ++c) result.camera.place[c] += step[3 + Eigen::Index(c)];
+  return result;
+}
+
+void halve(int width, int height, const std::vector<double>& depth,
+           const std::vector<double>& brightness, std::vector<double>& half_depth,
+           std::vector<double>& half_brightness) {
+  half_depth.clear(), half_brightness.clear();
+  for (int y = 0; y < height; y += 2)
+    for (int x = 0; x < width; x += 2) {
+      double nearest = 1e9, sum = 0, count = 0, light = 0;
+      const auto for_four = [&](auto f) {
+        for (int n = 0; n < 4; ++n)
+          f(size_t(std::min(y + n / 2, height - 1)) * size_t(width) +
+            size_t(std::min(x + n % 2, width - 1)));
+      };
+      for_four([&](size_t n) {
+        if (depth[n] > 0) nearest = std::min(nearest, depth[n]);
+        light += brightness[n] / 4;
+      });
+      for_four([&](size_t n) {
+        if (depth[n] <= 0 || depth[n] >= nearest * (1 + kJump)) return;
+        sum += depth[n];
+        ++count;
+      });
+      half_depth.push_back(count > 0 ? sum / count : 0);
+      half_brightness.push_back(light);
+    }
+}
+
+}  // namespace inverse::reference
