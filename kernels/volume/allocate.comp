@@ -7,7 +7,7 @@
 #include "state.glsl"
 
 // Makes the blocks within the truncation of what a depth camera sees. One pixel in push.step² an invocation.
-PLANE_IN(0, surface);  // xyz: normal; w: depth in meters along the optical axis, 0: unknown
+SCALAR_IN(0, depth);   // meters along the optical axis; 0: unknown
 PLANE_IN(1, pose);
 WORD_IN(2, free_blocks);
 WORD_INOUT(3, table);
@@ -58,15 +58,15 @@ void main() {
   uint line = line_index();
   uvec2 pixel = push.step * uvec2(line % across.x, line / across.x);
   if (pixel.y >= push.size.y) return;
-  float depth = FETCH(surface, int(pixel.y * push.size.x + pixel.x)).w;
-  if (!(depth > 0.0 && depth <= push.max_depth)) return;
+  float middle = FETCH1(depth, int(pixel.y * push.size.x + pixel.x));
+  if (!(middle > 0.0 && middle <= push.max_depth)) return;
   vec4 rotation = FETCH(pose, 0), place = FETCH(pose, 1);
   vec3 ray = ray_of(push.lens, vec2(pixel));
   // Along the ray, at most half a block apart: a block that is only cut at a corner may be missed.
   float reach = push.truncation / length(ray), side = float(kBlockSide) * push.voxel;
   int steps = int(ceil(4.0 * push.truncation / side));
   for (int i = 0; i <= steps; ++i) {
-    float z = depth + reach * (2.0 * float(i) / float(steps) - 1.0);
+    float z = middle + reach * (2.0 * float(i) / float(steps) - 1.0);
     if (z > 0.0) insert(ivec3(floor(to_world(rotation, place, z * ray) / side)));
   }
 }

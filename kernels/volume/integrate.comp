@@ -11,10 +11,11 @@
 WORD_IN(0, list);
 WORD_IN(1, keys);
 PLANE_IN(2, pose);
-PLANE_IN(3, surface);
-PLANE_IN(4, layers);  // rgb: reflectance
-WORD_INOUT(5, voxels);
-WORD_INOUT(6, colors);  // two a voxel
+PLANE_IN(3, surface);  // of which the normals are used
+SCALAR_IN(4, depth);
+PLANE_IN(5, layers);   // rgb: reflectance
+WORD_INOUT(6, voxels);
+WORD_INOUT(7, colors);  // two a voxel
 layout(push_constant) uniform Push {
   vec4 lens;
   uvec2 size;
@@ -41,7 +42,7 @@ void main() {
     ivec2 pixel = ivec2(floor(projected(push.lens, at) + 0.5));
     bool inside = at.z > 0.0 && all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, ivec2(push.size)));
     int from = inside ? pixel.y * int(push.size.x) + pixel.x : 0;
-    vec4 seen = FETCH(surface, from);
+    vec4 seen = vec4(FETCH(surface, from).xyz, FETCH1(depth, from));
     float cosine = -dot(seen.xyz, at) * inversesqrt(dot(at, at));
     // To the plane through the seen point; without a normal, along the optical axis.
     float distance = (seen.w - at.z) * (cosine > kMinCosine ? -dot(seen.xyz, at) / at.z : 1.0) / push.truncation;

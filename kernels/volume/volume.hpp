@@ -49,12 +49,13 @@ class Volume {
   /// Forgets all.
   void record_clear(gpu::Commands& commands);
 
-  /// What a camera sees. `pose`: two vec4; `surface`: a vec4 a pixel, unit normal and depth in
-  /// meters, 0 where unknown, both in the camera's axes.
+  /// What a camera sees. `pose`: two vec4; `depth`: a scalar a pixel, meters along the optical
+  /// axis, 0 where unknown; `surface`: a vec4 a pixel, unit normal toward the camera in its axes, 0
+  /// where unknown, and depth without noise.
   struct Frame {
     Lens lens;
     Extent extent;
-    gpu::BufferPtr pose, surface;
+    gpu::BufferPtr pose, depth, surface;
   };
   /// What of a frame is added.
   struct Added {

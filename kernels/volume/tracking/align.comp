@@ -4,6 +4,7 @@
 #include "gpu/common.glsl"
 #include "gpu/workgroup_sum.glsl"
 #include "volume/camera.glsl"
+#include "volume/noise.glsl"
 #include "align.glsl"
 
 // Normal equations of the camera's motion that brings what it sees onto a view of the volume: projective association (Rusinkiewicz and
@@ -25,7 +26,6 @@ layout(push_constant) uniform Push {
 } push;
 
 const uint kRows = 8u;
-const float kDepthNoise = 0.0012, kDepthNoiseSquare = 0.0019;  // meters at .4 m; more with the square of what is beyond (Nguyen et al. 2012)
 const float kJump = 0.03;    // of the depth, between neighbors of one surface
 const float kTurned = 0.05;  // of brightness: differences beyond it lose weight
 
@@ -68,8 +68,7 @@ void main() {
       continue;
     }
     total[7].y += 1.0;
-    float beyond = seen.w - 0.4, noise = kDepthNoise + kDepthNoiseSquare * beyond * beyond;
-    float weight = kDepthNoise / noise;
+    float weight = kNoise / noise_at(seen.w);
     float r = dot(found.xyz, apart);  // that motion is to remove
     weight *= weight;
     add(cross(arm, normal), normal, r, weight);

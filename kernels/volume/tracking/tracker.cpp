@@ -18,7 +18,8 @@ uint32_t items_of(Extent extent) {
 }  // namespace
 
 Tracker::Tracker(const std::shared_ptr<gpu::Device>& device, Extent extent)
-    : halve_(device),
+    : smooth_(device),
+      halve_(device),
       normals_(device),
       brightness_(device),
       align_(device),
@@ -65,8 +66,9 @@ void Tracker::record_frame(gpu::Commands& commands, const Lens& lens, const gpu:
     frame_[l].lens =
         target_[l].lens = {lens.fx * scale, lens.fy * scale, (lens.cx + 0.5F) * scale - 0.5F,
                            (lens.cy + 0.5F) * scale - 0.5F};
-  frame_[0].depth = depth;
   const auto pixels = static_cast<uint32_t>(frame_[0].extent.pixels());
+  commands.dispatch(smooth_, {.depth = depth, .smoothed = frame_[0].depth},
+                    {.size = frame_[0].extent}, pixels);
   commands.dispatch(brightness_, {.picture = picture, .brightness = frame_[0].brightness},
                     {.pixels = pixels}, pixels);
   record_levels(commands, frame_);

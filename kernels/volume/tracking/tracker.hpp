@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "kernels/volume/volume.hpp"
+#include "kernels/volume_smooth.spv.hpp"
 #include "kernels/volume_tracking_align.spv.hpp"
 #include "kernels/volume_tracking_brightness.spv.hpp"
 #include "kernels/volume_tracking_halve.spv.hpp"
@@ -29,8 +30,8 @@ class Tracker {
   /// For frames of one size. Throws Error(limit) and Error(out_of_memory).
   Tracker(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// Records the levels of a frame: `depth`, a scalar a pixel, meters, 0 where unknown; `picture`,
-  /// linear RGB.
+  /// Records the levels of a frame, smoothed: `depth`, a scalar a pixel, meters, 0 where unknown;
+  /// `picture`, linear RGB.
   void record_frame(gpu::Commands& commands, const Lens& lens, const gpu::BufferPtr& depth,
                     const gpu::BufferPtr& picture);
   /// Normal and depth of that frame, as Volume::Frame::surface.
@@ -58,6 +59,7 @@ class Tracker {
     gpu::BufferPtr depth, surface, brightness;
   };
 
+  gpu::Program<shaders::volume_smooth> smooth_;
   gpu::Program<shaders::volume_tracking_halve> halve_;
   gpu::Program<shaders::volume_normals> normals_;
   gpu::Program<shaders::volume_tracking_brightness> brightness_;

@@ -41,7 +41,7 @@ class TrackerTest : public VolumeFixture {
           commands.copy(truth, tracker.pose(), truth->bytes());
         else
           tracker.record_align(commands, params);
-        volume.record_integrate(commands, {lens, extent, tracker.pose(), tracker.surface()},
+        volume.record_integrate(commands, {lens, extent, tracker.pose(), depths, tracker.surface()},
                                 picture, {});
         volume.record_march(commands, lens, tracker.pose(), view);
         tracker.record_target(commands, tracker.pose(), view.depth, tracker.brightness());
@@ -96,9 +96,11 @@ TEST_F(TrackerTest, StepsAgreeWithReference) {
       for (const auto& p : of.layers.data) result.push_back(std::log((p[0] + p[1] + p[2]) / 3));
       return result;
     };
-    std::vector<double> depth = seen.depth, brightness = log_brightness(seen),
-                        view_depth = target.depth, view_brightness = log_brightness(target);
-    const auto depths = scalars(depth), view_depths = scalars(view_depth),
+    std::vector<double> depth =
+                            reference::smooth(view_camera.width, view_camera.height, seen.depth),
+                        brightness = log_brightness(seen), view_depth = target.depth,
+                        view_brightness = log_brightness(target);
+    const auto depths = scalars(seen.depth), view_depths = scalars(view_depth),
                view_brightnesses = scalars(view_brightness), view_pose = pose_of(view_camera),
                picture = upload(to_pixels(seen.layers));
     run([&](gpu::Commands& commands) {

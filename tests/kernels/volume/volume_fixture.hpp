@@ -31,7 +31,10 @@ class VolumeFixture : public GpuTest {
   }
   void integrate(Volume& volume, const Camera& camera, const reference::Plane& surface,
                  const reference::Plane& layers) {
+    Pixels depth;
+    for (const auto& p : surface.data) depth.push_back(float(p[3]));
     const Volume::Frame frame{lens_of(camera), extent_of(camera), pose_of(camera),
+                              upload(gpu::Element::scalar, depth.data(), depth.size()),
                               upload(to_pixels(surface))};
     const auto colors = upload(to_pixels(layers));
     run([&](gpu::Commands& commands) { volume.record_integrate(commands, frame, colors, {}); });

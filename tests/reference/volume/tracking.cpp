@@ -87,6 +87,30 @@ Alignment align(const Sight& frame, const Sight& view, const AlignParams& params
   return result;
 }
 
+std::vector<double> smooth(int width, int height, const std::vector<double>& depth) {
+  Plane shape(width, height);
+  std::vector<double> result(depth.size(), 0);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double z = depth[shape.index(x, y)];
+      if (z <= 0) continue;
+      double sum = 0, total = 0;
+      for (int v = y - 2; v <= y + 2; ++v)
+        for (int u = x - 2; u <= x + 2; ++u) {
+          const double other =
+              depth[shape.index(std::clamp(u, 0, width - 1), std::clamp(v, 0, height - 1))];
+          if (other <= 0) continue;
+          const double far = (u - x) * (u - x) + (v - y) * (v - y),
+                       step = (other - z) / (2.5 * noise(z));
+          const double weight = std::exp(-0.5 * (far / (1.5 * 1.5) + step * step));
+          sum += weight * other;
+          total += weight;
+        }
+      result[shape.index(x, y)] = sum / total;
+    }
+  return result;
+}
+
 void halve(int width, int height, const std::vector<double>& depth,
            const std::vector<double>& brightness, std::vector<double>& half_depth,
            std::vector<double>& half_brightness) {

@@ -29,6 +29,9 @@ struct Alignment {
 /// where the point p falls on the point q with the normal n and the ln brightness a of the view.
 Alignment align(const Sight& frame, const Sight& view, const AlignParams& params);
 
+/// A depth image, smoothed within surfaces.
+std::vector<double> smooth(int width, int height, const std::vector<double>& depth);
+
 /// Half a depth image and half of ln brightness.
 void halve(int width, int height, const std::vector<double>& depth,
            const std::vector<double>& brightness, std::vector<double>& half_depth,
