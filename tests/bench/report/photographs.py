@@ -1,12 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""A sheet of photographs (docs/report/photographs.md) with their reflectance and shading, as intrinsicdecomp outputs them: with the plugins of an
-earlier build, and today in gray and in colored light.
+"""A sheet of photographs (docs/report/photographs.md) with their reflectance and shading, as elements output them.
 
-    ./dev shell -c 'tests/bench/report/photographs.py --before OLD/build/gst PICTURE|FOLDER … SHEET.jpg'
+    ./dev shell -c 'tests/bench/report/photographs.py PICTURE|FOLDER … SHEET.jpg [--elements TITLE=ELEMENT …]'
 """
 import argparse
-import os
 import pathlib
 import subprocess
 import tempfile
@@ -19,6 +17,7 @@ SIZE = 640  # of the longer side of what is decomposed
 CELL, GAP, HEAD, SIDE = (236, 158), 4, 20, 20
 LAYERS = ("reflectance", "shading")
 SUFFIXES = {".png", ".jpg", ".jpeg"}
+ELEMENTS = ("thesis=intrinsicdecompthesis", "fitted=intrinsicdecomp prior=fitted", "learned=intrinsicdecomp prior=learned")
 
 
 def pictures(paths):
@@ -26,19 +25,18 @@ def pictures(paths):
         yield from sorted(p for p in path.iterdir() if p.suffix.lower() in SUFFIXES) if path.is_dir() else [path]
 
 
-def decomposed(path, folder, properties, plugins):
-    """Reflectance and shading of a PNG file, by the elements in the folder `plugins` (empty: GStreamer's own search)."""
-    environment = {"GST_PLUGIN_PATH": plugins, "GST_REGISTRY": f"{folder}/registry"} if plugins else {}
+def decomposed(path, folder, element):
+    """Reflectance and shading of a PNG file."""
     subprocess.run(["gst-launch-1.0", "-q", "filesrc", f"location={path}", "!", "pngdec", "!", "videoconvert", "!", "video/x-raw,format=RGBA",
-                    "!", "intrinsicdecomp", *properties, "!", "intrinsicsplit", "name=s"] +
+                    "!", *element.split(), "!", "intrinsicsplit", "name=s"] +
                    [word for name in LAYERS for word in
                     (f"s.{name}", "!", "queue", "!", "video/x-raw,format=RGB", "!", "pngenc", "!", "filesink", f"location={folder}/{name}.png")],
-                   check=True, env=os.environ | environment)
+                   check=True)
     for name in LAYERS:
         yield PIL.Image.open(folder / f"{name}.png").convert("RGB")
 
 
-def cells(path, methods):
+def cells(path, elements):
     picture = PIL.Image.open(path).convert("RGB")
     scale = min(1, SIZE / max(picture.size))
     picture = picture.resize([round(n * scale) for n in picture.size], PIL.Image.BOX)
@@ -46,20 +44,19 @@ def cells(path, methods):
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         picture.save(folder / "picture.png")
-        for properties, plugins in methods.values():
-            yield from decomposed(folder / "picture.png", folder, properties, plugins)
+        for element in elements:
+            yield from decomposed(folder / "picture.png", folder, element)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--before", metavar="FOLDER", help="plugins of an earlier build")
     parser.add_argument("pictures", nargs="+", type=pathlib.Path, help="files, or folders of them")
     parser.add_argument("sheet", type=pathlib.Path)
+    parser.add_argument("--elements", nargs="+", default=ELEMENTS, metavar="TITLE=ELEMENT", help="columns; by default %(default)s")
     args = parser.parse_args()
-    methods = {"before": ([], args.before)} if args.before else {}
-    methods |= {"gray light": (["light-color-slope=0"], ""), "colored light": ([], "")}
-    columns = ["photograph", *(f"{layer}, {method}" for method in methods for layer in LAYERS)]
-    rows = [list(cells(path, methods)) for path in pictures(args.pictures)]
+    elements = dict(element.split("=", 1) for element in args.elements)
+    columns = ["photograph", *(f"{layer}, {title}" for title in elements for layer in LAYERS)]
+    rows = [list(cells(path, elements.values())) for path in pictures(args.pictures)]
     width, height = (n + GAP for n in CELL)
     sheet = PIL.Image.new("RGB", (SIDE + width * len(columns), HEAD + height * len(rows)), "white")
     draw = PIL.ImageDraw.Draw(sheet)
