@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The room against its specification.
+#include "kernels/virtual_room/virtual_room.hpp"
+
+#include "tests/kernels/volume/volume_fixture.hpp"
+#include "tests/reference/virtual_room/virtual_room.hpp"
+
+namespace inverse::testing {
+namespace {
+
+Vec3 wide(const std::array<float, 3>& v) { return {double{v[0]}, double{v[1]}, double{v[2]}}; }
+
+reference::Room specified(const RoomScene& scene) {
+  reference::Room room{.solids = {}, .lamps = {}, .ambient = double{scene.ambient}};
+  for (const Solid& s : scene.solids)
+    room.solids.push_back({static_cast<reference::RoomSolid::Kind>(s.kind), wide(s.center),
+                           wide(s.half_size), double{s.turn},
+                           static_cast<reference::RoomSolid::Paint>(s.paint), double{s.side},
+                           wide(s.color), wide(s.other)});
+  for (const RoomLamp& lamp : scene.lamps)
+    room.lamps.push_back({wide(lamp.place), double{lamp.power}});
+  return room;
+}
+
+Camera camera_of(const Pose& pose, const Lens& lens, Extent extent) {
+  Camera camera{double{lens.fx}, double{lens.fy},   double{lens.cx},
+                double{lens.cy}, int(extent.width), int(extent.height)};
+  for (size_t c = 0; c < 4; ++c) camera.rotation[c] = double{pose.rotation[c]};
+  for (size_t c = 0; c < 3; ++c) camera.place[c] = double{pose.place[c]};
+  return camera;
+}
+
+class VirtualRoomTest : public VolumeFixture {};
+
+TEST_F(VirtualRoomTest, AgreesWithSpecification) {
+  const RoomScene scene = furnished_room();
+  const VirtualRoom room(device, scene);
+  const reference::Room expected = specified(scene);
+  const Extent extent{80, 60};
+  const Lens lens = room_lens(extent);
+  for (const auto& [path, seconds] :
+       {std::pair(RoomPath::orbit, 1.0), {RoomPath::orbit, 13.0}, {RoomPath::wall, 3.0}}) {
+    const Camera camera = camera_of(room_pose(path, seconds), lens, extent);
+    const auto layers = buffer(extent.pixels()), truth = buffer(extent.pixels()),
+               pose = pose_of(camera);
+    run([&](gpu::Commands& commands) {
+      room.record(commands, lens, extent, pose, 1, layers, truth);
+    });
+    const Pixels seen = download(layers), found = download(truth);
+    size_t depth = 0, paint = 0, light = 0;
+    for (size_t n = 0; n < extent.pixels(); ++n) {
+      const auto x = double(n % extent.width), y = double(n / extent.width);
+      const reference::Room::Seen meant =
+          expected.look(camera.place, camera.turned(camera.ray(x, y)));
+      depth += std::abs(double{seen[4 * n + 3]} - meant.along) < 1e-3;
+      double off = 0, sum = 0;
+      for (size_t c = 0; c < 3; ++c) {
+        off = std::max(off, std::abs(double{found[4 * n + c]} - meant.reflectance[c]));
+        sum = std::max(sum, std::abs(double{seen[4 * n + c]} -
+                                     double{found[4 * n + c]} * double{found[4 * n + 3]}));
+      }
+      paint += off < 1e-4;
+      EXPECT_LT(sum, 1e-5);
+      // Openness is interpolated between places of a face.
+      light += std::abs(double{found[4 * n + 3]} - meant.direct -
+                        expected.ambient * meant.openness) < 0.1 * expected.ambient;
+    }
+    // Edges of solids, paint and shadows fall between pixels differently.
+    EXPECT_GT(depth, extent.pixels() * 99 / 100);
+    EXPECT_GT(paint, extent.pixels() * 98 / 100);
+    EXPECT_GT(light, extent.pixels() * 93 / 100);
+  }
+}
+
+TEST_F(VirtualRoomTest, PathsReturnAndStayInside) {
+  for (const RoomPath path : {RoomPath::orbit, RoomPath::wall, RoomPath::still}) {
+    const Pose first = room_pose(path, 0), last = room_pose(path, kPathPeriod);
+    for (size_t c = 0; c < 4; ++c) {
+      EXPECT_NEAR(double{first.place[c]}, double{last.place[c]}, 1e-5);
+      EXPECT_NEAR(std::abs(double{first.rotation[c]}), std::abs(double{last.rotation[c]}), 1e-5);
+    }
+    for (double t = 0; t < kPathPeriod; t += 0.25) {
+      const Pose pose = room_pose(path, t);
+      EXPECT_LT(std::abs(double{pose.place[0]}), 2.2);
+      EXPECT_LT(std::abs(double{pose.place[2]}), 1.9);
+      double square = 0;
+      for (const float q : pose.rotation) square += double{q} * double{q};
+      EXPECT_NEAR(square, 1, 1e-5);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace inverse::testing
