@@ -27,3 +27,5 @@ uint place_in_block(ivec3 voxel) {
   uvec3 v = uvec3(voxel & 7);
   return v.x | v.y << 3 | v.z << 6;
 }
+// Of the first word of a voxel's color; the second one is kBlockVoxels after it.
+uint color_index(uint block, uint place) { return 2u * kBlockVoxels * block + place; }

@@ -27,8 +27,25 @@ layout(push_constant) uniform Push {
   uint reflectance; // 0: colors stay as they are
 } push;
 
-const float kNear = 0.5;          // truncations from the surface, within which voxels take its color
+const float kNear = 0.35;         // truncations from the surface, within which voxels take its color
 const float kMinCosine = 0.15;    // of the angle between ray and normal, below which nothing is certain
+
+struct Sample {
+  int pixel;
+  float distance;  // truncations, to the plane through the seen point; without a normal, along the optical axis
+  float cosine, confidence;
+  bool known;
+};
+Sample sample_at(vec3 at) {
+  ivec2 pixel = ivec2(floor(projected(push.lens, at) + 0.5));
+  bool inside = at.z > 0.0 && all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, ivec2(push.size)));
+  int from = inside ? pixel.y * int(push.size.x) + pixel.x : 0;
+  vec3 normal = FETCH(surface, from).xyz;
+  float z = FETCH1(depth, from), facing = -dot(normal, at), cosine = facing * inversesqrt(dot(at, at));
+  float distance = (z - at.z) * (cosine > kMinCosine ? facing / at.z : 1.0) / push.truncation;
+  float confidence = clamp(cosine, kMinCosine, 1.0) * clamp(1.0 / (z * z), 0.125, 1.0);
+  return Sample(from, distance, cosine, confidence, inside && z > 0.0 && z <= push.max_depth && distance >= -1.0);
+}
 
 void main() {
   uint entry = FETCH1(list, int(gl_WorkGroupID.x)), block = entry & 0x7fffffffu;
@@ -37,35 +54,29 @@ void main() {
   ivec3 first = kBlockSide * block_of_key(FETCH1(keys, int(block))) + ivec3(gl_LocalInvocationID.x & 7u, gl_LocalInvocationID.x >> 3, 0);
   vec3 at = to_camera(rotation, place, (vec3(first) + 0.5) * push.voxel);
   vec3 along = turned(vec4(-rotation.xyz, rotation.w), vec3(0.0, 0.0, push.voxel));
-  uint index = block * kBlockVoxels + gl_LocalInvocationID.x;
-  for (int k = 0; k < kBlockSide; ++k, index += 64u, at += along) {
-    ivec2 pixel = ivec2(floor(projected(push.lens, at) + 0.5));
-    bool inside = at.z > 0.0 && all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, ivec2(push.size)));
-    int from = inside ? pixel.y * int(push.size.x) + pixel.x : 0;
-    vec4 seen = vec4(FETCH(surface, from).xyz, FETCH1(depth, from));
-    float cosine = -dot(seen.xyz, at) * inversesqrt(dot(at, at));
-    // To the plane through the seen point; without a normal, along the optical axis.
-    float distance = (seen.w - at.z) * (cosine > kMinCosine ? -dot(seen.xyz, at) / at.z : 1.0) / push.truncation;
-    float confidence = clamp(cosine, kMinCosine, 1.0) * clamp(1.0 / (seen.w * seen.w), 0.125, 1.0);
-    bool known = inside && seen.w > 0.0 && seen.w <= push.max_depth && distance >= -1.0;
-    Voxel v = voxel_of(empty ? 0u : LOAD(voxels, index));
-    if (known && push.geometry != 0u) {
-      float weight = max(floor(kWeightSteps * confidence + 0.5), 1.0);
-      v.distance = (v.distance * v.weight + min(distance, 1.0) * weight) / (v.weight + weight);
-      v.weight = min(v.weight + weight, 255.0);
-    }
-    if (empty || (known && push.geometry != 0u)) STORE(voxels, index, word_of(v));
-    bool colored = known && push.reflectance != 0u && cosine > kMinCosine && abs(distance) < kNear;
-    if (!empty && !colored) continue;
-    vec4 mean = empty ? vec4(0.0) : reflectance_of(uvec2(LOAD(colors, 2u * index), LOAD(colors, 2u * index + 1u)));
-    if (colored) {
-      vec3 now = log(max(FETCH(layers, from).rgb, vec3(1e-3)));
-      float before = mean.w * push.memory;
-      mean.rgb = before > 0.0 ? mix(mean.rgb, now, confidence / (before + confidence)) : now;
-      mean.w = min((before + confidence) / push.memory, 1.0);
-    }
+  uint first_index = block * kBlockVoxels + gl_LocalInvocationID.x;
+  uint colored = 0u;  // a bit a voxel
+  for (int k = 0; k < kBlockSide; ++k) {
+    Sample s = sample_at(at + float(k) * along);
+    bool measured = s.known && push.geometry != 0u;
+    Voxel v = voxel_of(empty ? 0u : LOAD(voxels, first_index + 64u * uint(k)));
+    float weight = measured ? max(floor(kWeightSteps * s.confidence + 0.5), 1.0) : 0.0;
+    v.distance = (v.distance * v.weight + min(s.distance, 1.0) * weight) / max(v.weight + weight, 1.0);
+    v.weight = min(v.weight + weight, 255.0);
+    if (empty || measured) STORE(voxels, first_index + 64u * uint(k), word_of(v));
+    bool near = s.known && push.reflectance != 0u && s.cosine > kMinCosine && abs(s.distance) < kNear;
+    colored |= uint(near) << k;
+  }
+  // Few voxels of a column have a color to take.
+  for (uint left = empty ? 255u : colored; left != 0u; left &= left - 1u) {
+    uint k = uint(findLSB(left)), index = color_index(block, gl_LocalInvocationID.x + 64u * k);
+    Sample s = sample_at(at + float(k) * along);
+    vec4 mean = empty ? vec4(0.0) : reflectance_of(uvec2(LOAD(colors, index), LOAD(colors, index + kBlockVoxels)));
+    vec3 now = log(max(FETCH(layers, s.pixel).rgb, vec3(1e-3)));
+    float before = mean.w * push.memory, added = (colored >> k & 1u) != 0u ? s.confidence : 0.0;
+    mean = vec4(mix(mean.rgb, now, added / max(before + added, 1e-9)), min((before + added) / push.memory, 1.0));
     uvec2 words = words_of(mean);
-    STORE(colors, 2u * index, words.x);
-    STORE(colors, 2u * index + 1u, words.y);
+    STORE(colors, index, words.x);
+    STORE(colors, index + kBlockVoxels, words.y);
   }
 }

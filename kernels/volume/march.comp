@@ -28,6 +28,7 @@ layout(push_constant) uniform Push {
 
 const uint kMaxSteps = 512u;
 const float kMinSeen = 0.33;
+const int kRefinements = 2;
 
 // The eight voxels around a place of the world in voxels, of which the first one's center is below it.
 uint corner(ivec3 voxel, uint n, uint block, ivec3 block_at) {
@@ -70,7 +71,7 @@ void main() {
   vec3 origin = place.xyz / push.voxel, along = turned(rotation, ray) / push.voxel;  // in voxels
   float one = push.voxel / length_of_ray;                                             // depth of a voxel's side
   float truncation = push.truncation / length_of_ray;
-  float before = 0.0, before_z = z, hit = 0.0;
+  float before = 0.0, behind = 0.0, before_z = z, hit = 0.0;  // distances and depths on both sides of the surface
   ivec3 block_at = kBlockMin - 1;
   uint block = kNoBlock;
   for (uint i = 0u; i < kMaxSteps && z < end; ++i) {
@@ -92,6 +93,7 @@ void main() {
       if (v.weight > 0.0 && v.distance <= 0.0) {
         if (before > 0.0) {
           hit = z;
+          behind = v.distance;
           break;
         }
         step_z = one;  // from behind, or from where nothing is known
@@ -103,28 +105,22 @@ void main() {
     }
     z += step_z;
   }
-  // Where the interpolated distance is zero: its first change of sign in steps of half a voxel, then by secants.
+  // Where the interpolated distance is zero: by secants, from where the line through both voxels is.
   float result = 0.0;
   vec4 color = vec4(0.0);
   uint stroke = 0u;
   if (hit > 0.0) {
-    float low = before_z - one, above = distance_at(origin + low * along), high = low, below = 1.0;
-    while (below > 0.0 && high < hit + 2.0 * one) {
-      high += 0.5 * one;
-      below = distance_at(origin + high * along);
-      if (below > 0.0) {
-        low = high;
-        above = below;
-      }
-    }
-    bool crossed = above > 0.0 && above <= 1.0 && below <= 0.0;
-    for (int i = 0; i < 3 && crossed; ++i) {
-      result = mix(low, high, above / (above - below));
-      float middle = distance_at(origin + result * along);
-      low = middle > 0.0 ? result : low;
-      above = middle > 0.0 ? middle : above;
-      high = middle > 0.0 ? high : result;
-      below = middle > 0.0 ? below : middle;
+    float slope = min((behind - before) / (hit - before_z), -0.2 / truncation);
+    result = before_z - before / slope;
+    float off = 0.0, last = result;
+    for (int i = 0; i < kRefinements; ++i) {
+      float now = distance_at(origin + result * along);
+      if (abs(now) > 1.0) break;
+      float step = result - last, found = (now - off) / step;
+      slope = i > 0 && abs(step) > 0.02 * one && found * truncation < -0.1 ? found : slope;
+      last = result;
+      off = now;
+      result -= clamp(now / slope, -one, one);
     }
     vec3 at = origin + result * along;
     ivec3 voxel = ivec3(floor(at - 0.5));
@@ -135,7 +131,8 @@ void main() {
     for (uint n = 0u; n < 8u && result > 0.0; ++n) {
       uint index = corner(voxel, n, first, first_at);
       if (index == kNoBlock) continue;
-      vec4 c = reflectance_of(uvec2(FETCH1(colors, int(2u * index)), FETCH1(colors, int(2u * index + 1u))));
+      int word = int(color_index(index / kBlockVoxels, index % kBlockVoxels));
+      vec4 c = reflectance_of(uvec2(FETCH1(colors, word), FETCH1(colors, word + int(kBlockVoxels))));
       float weight = corner_weight(share, n), sure = weight * c.w;
       color += vec4(sure * c.rgb, sure);
       total += weight;

@@ -22,80 +22,82 @@ layout(push_constant) uniform Push {
   uvec2 size;
   float max_distance;  // meters, between points that belong together
   float min_cosine;    // of their normals
-  float photometric;   // meters that a difference of 1 in ln brightness counts as; 0: not used
+  float photometric;   // meters that a difference of 1 in ln brightness counts as
 } push;
 
+layout(constant_id = 1) const bool kPhotometric = true;
 const uint kRows = 8u;
 const float kJump = 0.03;    // of the depth, between neighbors of one surface
 const float kTurned = 0.05;  // of brightness: differences beyond it lose weight
 
-vec4 total[kSums];
+// Sums of kSums vec4, in registers.
+vec4 s0 = vec4(0.0), s1 = s0, s2 = s0, s3 = s0, s4 = s0, s5 = s0, s6 = s0, s7 = s0;
 
 void add(vec3 turn, vec3 shift, float r, float weight) {
   vec3 wt = weight * turn, ws = weight * shift;
-  total[0] += vec4(wt.x * turn, wt.x * shift.x);
-  total[1] += vec4(wt.x * shift.yz, wt.y * turn.yz);
-  total[2] += vec4(wt.y * shift, wt.z * turn.z);
-  total[3] += vec4(wt.z * shift, ws.x * shift.x);
-  total[4] += vec4(ws.x * shift.yz, ws.y * shift.yz);
-  total[5] += vec4(ws.z * shift.z, r * wt);
-  total[6].xyz += r * ws;
+  s0 += vec4(wt.x * turn, wt.x * shift.x);
+  s1 += vec4(wt.x * shift.yz, wt.y * turn.yz);
+  s2 += vec4(wt.y * shift, wt.z * turn.z);
+  s3 += vec4(wt.z * shift, ws.x * shift.x);
+  s4 += vec4(ws.x * shift.yz, ws.y * shift.yz);
+  s5 += vec4(ws.z * shift.z, r * wt);
+  s6.xyz += r * ws;
+}
+
+void keep(uint group, uint k, vec4 value) {
+  vec4 sum = workgroup_sum(value);
+  if (gl_LocalInvocationIndex == 0u) STORE(sums, group * kSums + k, sum);
 }
 
 void main() {
-  for (uint k = 0u; k < kSums; ++k) total[k] = vec4(0.0);
-  uint line = line_index(), columns = push.size.x, group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-  uint x = line % columns, first = line / columns * kRows;
+  uint line = line_index(), group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+  int width = int(push.size.x), height = int(push.size.y);
+  int x = int(line) % width, first = int(line) / width * int(kRows);
   vec4 rotation = FETCH(pose, 0), place = FETCH(pose, 1), view_rotation = FETCH(view_pose, 0), view_place = FETCH(view_pose, 1);
-  for (uint y = first; y < min(first + kRows, push.size.y); ++y) {
-    int from = int(y * columns + x);
+  // What does not match has no weight, in place of branches: lanes go through both sides of one.
+  for (int y = first; y < min(first + int(kRows), height); ++y) {
+    int from = y * width + x;
     vec4 seen = FETCH(surface, from);
-    if (!(seen.w > 0.0)) continue;
-    total[7].z += 1.0;
     vec3 arm = turned(rotation, seen.w * ray_of(push.lens, vec2(x, y)));  // from the camera, in the world's axes
     vec3 in_view = to_camera(view_rotation, view_place, arm + place.xyz);
-    if (!(in_view.z > 0.0)) continue;
-    vec2 at = projected(push.lens, in_view);
-    ivec2 pixel = ivec2(floor(at + 0.5));
-    if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, ivec2(push.size)))) continue;
-    vec4 found = FETCH(model, pixel.y * int(push.size.x) + pixel.x);
-    if (!(found.w > 0.0)) continue;
-    vec3 apart = found.w * ray_of(push.lens, vec2(pixel)) - in_view;
-    vec3 normal = turned(view_rotation, found.xyz);
-    bool faces = dot(turned(rotation, seen.xyz), normal) > push.min_cosine;
-    if (!(dot(apart, apart) < push.max_distance * push.max_distance) || !faces) {
-      total[7].w += 1.0;
-      continue;
-    }
-    total[7].y += 1.0;
-    float weight = kNoise / noise_at(seen.w);
-    float r = dot(found.xyz, apart);  // that motion is to remove
-    weight *= weight;
+    bool ahead = seen.w > 0.0 && in_view.z > 0.0;
+    float z = ahead ? in_view.z : 1.0;
+    vec2 at = push.lens.xy * in_view.xy / z + push.lens.zw;
+    ivec2 pixel = ivec2(clamp(floor(at + 0.5), vec2(-1.0), vec2(push.size)));
+    bool inside = ahead && pixel.x >= 0 && pixel.y >= 0 && pixel.x < width && pixel.y < height;
+    pixel = inside ? pixel : ivec2(0);
+    int center = pixel.y * width + pixel.x;
+    vec4 found = FETCH(model, center);
+    vec3 apart = found.w * ray_of(push.lens, vec2(pixel)) - in_view, normal = turned(view_rotation, found.xyz);
+    bool both = inside && found.w > 0.0;
+    bool matches = both && dot(apart, apart) < push.max_distance * push.max_distance && dot(turned(rotation, seen.xyz), normal) > push.min_cosine;
+    s7.yzw += vec3(matches, seen.w > 0.0, both && !matches);
+    float certain = kNoise / noise_at(seen.w), weight = matches ? certain * certain : 0.0;
+    float r = matches ? dot(found.xyz, apart) : 0.0;  // that motion is to remove
     add(cross(arm, normal), normal, r, weight);
-    total[6].w += weight * r * r;
-    total[7].x += weight;
-    if (!(push.photometric > 0.0)) continue;
+    s6.w += weight * r * r;
+    s7.x += weight;
+    if (!kPhotometric) continue;
     // Where the surface goes on around the pixel.
-    if (any(lessThan(pixel, ivec2(1))) || any(greaterThanEqual(pixel, ivec2(push.size) - 1))) continue;
-    int center = pixel.y * int(push.size.x) + pixel.x;
-    ivec4 beside = center + ivec4(-1, 1, -int(push.size.x), int(push.size.x));
-    vec4 depths, around;
-    for (int n = 0; n < 4; ++n) {
-      depths[n] = FETCH(model, beside[n]).w;
-      around[n] = FETCH1(appearance, beside[n]);
-    }
-    if (any(greaterThan(abs(depths - found.w), vec4(kJump * found.w)))) continue;
-    float here = FETCH1(brightness, from), there = FETCH1(appearance, center);
+    bool framed = pixel.x > 0 && pixel.y > 0 && pixel.x < width - 1 && pixel.y < height - 1;
+    ivec4 beside = framed ? center + ivec4(-1, 1, -width, width) : ivec4(center);
+    vec4 around = vec4(FETCH1(appearance, beside.x), FETCH1(appearance, beside.y), FETCH1(appearance, beside.z), FETCH1(appearance, beside.w));
+    vec4 steps = vec4(FETCH(model, beside.x).w, FETCH(model, beside.y).w, FETCH(model, beside.z).w, FETCH(model, beside.w).w) - found.w;
+    bool goes_on = framed && all(lessThanEqual(abs(steps), vec4(kJump * found.w)));
     vec2 slope = 0.5 * (around.yw - around.xz);
     // Of the view's brightness where the point falls, by the point in the view's axes.
-    vec2 scaled = slope * push.lens.xy / in_view.z;
-    vec3 by_point = turned(view_rotation, vec3(scaled, -dot(scaled, in_view.xy) / in_view.z));
-    float difference = here - there - dot(slope, at - vec2(pixel));
-    float sure = push.photometric * push.photometric * kTurned / max(abs(difference), kTurned);
+    vec2 scaled = slope * push.lens.xy / z;
+    vec3 by_point = turned(view_rotation, vec3(scaled, -dot(scaled, in_view.xy) / z));
+    float difference = matches ? FETCH1(brightness, from) - FETCH1(appearance, center) - dot(slope, at - vec2(pixel)) : 0.0;
+    float sure = matches && goes_on ? push.photometric * push.photometric * kTurned / max(abs(difference), kTurned) : 0.0;
     add(cross(arm, by_point), by_point, difference, sure);
   }
-  for (uint k = 0u; k < kSums; ++k) {
-    vec4 sum = workgroup_sum(total[k]);
-    if (gl_LocalInvocationIndex == 0u) STORE(sums, group * kSums + k, sum);
-  }
+  keep(group, 0u, s0);
+  keep(group, 1u, s1);
+  keep(group, 2u, s2);
+  keep(group, 3u, s3);
+  keep(group, 4u, s4);
+  keep(group, 5u, s5);
+  keep(group, 6u, s6);
+  keep(group, 7u, s7);
 }

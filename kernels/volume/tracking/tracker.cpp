@@ -23,6 +23,7 @@ Tracker::Tracker(const std::shared_ptr<gpu::Device>& device, Extent extent)
       normals_(device),
       brightness_(device),
       align_(device),
+      align_geometry_(device, {.photometric = false}),
       move_(device, {}, gpu::kOneGroup),
       pose_(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
       target_pose_(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
@@ -88,7 +89,7 @@ void Tracker::record_align(gpu::Commands& commands, const Params& params) {
     for (uint32_t step = 0; step < params.steps[l]; ++step) {
       const Level& level = frame_[l];
       const gpu::Items groups = align_.kernel()->groups(items_of(level.extent));
-      commands.dispatch(align_,
+      commands.dispatch(params.photometric > 0 ? align_ : align_geometry_,
                         {.surface = level.surface,
                          .pose = pose_,
                          .model = target_[l].surface,

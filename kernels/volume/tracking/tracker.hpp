@@ -18,13 +18,14 @@ namespace inverse {
 class Tracker {
  public:
   struct Params {
-    std::array<uint32_t, 3> steps{4, 5, 8};                 ///< at full, half and quarter size
+    std::array<uint32_t, 3> steps{2, 4, 6};                 ///< at full, half and quarter size
     std::array<float, 3> max_distance{0.05F, 0.1F, 0.15F};  ///< of points that match, meters
     float min_cosine = 0.8F;                                ///< of the angle between their normals
-    float photometric = 0.03F;  ///< meters that a difference of 1 in ln brightness counts as
-    float damping = 1e-5F;      ///< of a step, per m² and rad²
-    float min_share = 0.35F;    ///< of pixels with a depth that must match
-    float max_rms = 0.03F;      ///< of the distances of matched points, meters
+    float photometric =
+        0.03F;  ///< meters that a difference of 1 in ln brightness is worth; 0: none; 0: not used
+    float damping = 1e-5F;    ///< of a step, per m² and rad²
+    float min_share = 0.35F;  ///< of pixels with a depth that must match
+    float max_rms = 0.03F;    ///< of the distances of matched points, meters
   };
 
   /// For frames of one size. Throws Error(limit) and Error(out_of_memory).
@@ -63,7 +64,7 @@ class Tracker {
   gpu::Program<shaders::volume_tracking_halve> halve_;
   gpu::Program<shaders::volume_normals> normals_;
   gpu::Program<shaders::volume_tracking_brightness> brightness_;
-  gpu::Program<shaders::volume_tracking_align> align_;
+  gpu::Program<shaders::volume_tracking_align> align_, align_geometry_;
   gpu::Program<shaders::volume_tracking_move> move_;
   using Levels = std::array<Level, 3>;
   void record_levels(gpu::Commands& commands, Levels& levels) const;

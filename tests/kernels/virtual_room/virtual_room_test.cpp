@@ -49,7 +49,7 @@ TEST_F(VirtualRoomTest, AgreesWithSpecification) {
     const Pixels seen = download(layers), found = download(truth);
     size_t depth = 0, paint = 0, light = 0;
     for (size_t n = 0; n < extent.pixels(); ++n) {
-      const auto x = double(n % extent.width), y = double(n / extent.width);
+      const auto x = double(n % extent.width), y = std::floor(double(n) / extent.width);
       const reference::Room::Seen meant =
           expected.look(camera.place, camera.turned(camera.ray(x, y)));
       depth += std::abs(double{seen[4 * n + 3]} - meant.along) < 1e-3;
@@ -79,8 +79,8 @@ TEST_F(VirtualRoomTest, PathsReturnAndStayInside) {
       EXPECT_NEAR(double{first.place[c]}, double{last.place[c]}, 1e-5);
       EXPECT_NEAR(std::abs(double{first.rotation[c]}), std::abs(double{last.rotation[c]}), 1e-5);
     }
-    for (double t = 0; t < kPathPeriod; t += 0.25) {
-      const Pose pose = room_pose(path, t);
+    for (int quarter = 0; quarter < 4 * int(kPathPeriod); ++quarter) {
+      const Pose pose = room_pose(path, 0.25 * quarter);
       EXPECT_LT(std::abs(double{pose.place[0]}), 2.2);
       EXPECT_LT(std::abs(double{pose.place[2]}), 1.9);
       double square = 0;

@@ -62,7 +62,7 @@ TEST_F(VolumeTest, AgreesWithSpecification) {
       weights += (word >> 16 & 255) != v.weight;
       if (v.sure == 0) continue;
       ++colored;
-      const uint32_t* c = &colors[2 * (512 * b + n)];
+      const uint32_t c[] = {colors[1024 * b + n], colors[1024 * b + 512 + n]};
       const double red = -7 + 8.5 * (c[0] & 0xffff) / 65535.0,
                    blue = -7 + 8.5 * (c[1] & 0xffff) / 65535.0;
       off_color += std::abs(red - v.color[0]) > 2e-3 || std::abs(blue - v.color[2]) > 2e-3 ||
@@ -93,7 +93,7 @@ TEST_F(VolumeTest, AgreesWithSpecification) {
     }
   EXPECT_GT(both, depth.size() * 9 / 10);
   EXPECT_LT(one, depth.size() / 30);
-  EXPECT_GT(same, both * 97 / 100);
+  EXPECT_GT(same, both * 95 / 100);
 }
 
 TEST_F(VolumeTest, ShowsWhatItHasSeen) {

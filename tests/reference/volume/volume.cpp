@@ -88,7 +88,7 @@ void Volume::integrate(const Camera& camera, const Plane& surface, const Plane& 
       Voxel& v = voxels[n];
       v.distance = (v.distance * v.weight + std::min(distance, 1.0) * weight) / (v.weight + weight);
       v.weight = std::min(v.weight + weight, 255.0);
-      if (cosine <= kMinCosine || std::abs(distance) >= 0.5) continue;
+      if (cosine <= kMinCosine || std::abs(distance) >= 0.35) continue;
       const double before = v.sure * memory;
       for (size_t c = 0; c < 3; ++c) {
         const double now = std::log(std::max(layers.data[pixel][c], 1e-3));
