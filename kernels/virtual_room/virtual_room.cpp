@@ -226,6 +226,7 @@ Lens room_lens(Extent extent) {
 
 VirtualRoom::VirtualRoom(const std::shared_ptr<gpu::Device>& device, const RoomScene& scene)
     : room_(device),
+      sensor_(device),
       scene_(gpu::make_table(device, gpu::Element::vec4, table_of(scene))),
       solids_(static_cast<uint32_t>(scene.solids.size())),
       lamps_(static_cast<uint32_t>(scene.lamps.size())),
@@ -253,6 +254,19 @@ void VirtualRoom::record(gpu::Commands& commands, const Lens& lens, Extent exten
        .lamps = lamps_,
        .ambient = ambient_},
       static_cast<uint32_t>(extent.pixels()));
+}
+
+void VirtualRoom::record_sensor(gpu::Commands& commands, Extent extent,
+                                const gpu::BufferPtr& layers, const gpu::BufferPtr& truth,
+                                const Sensor& sensor, uint32_t frame,
+                                const gpu::BufferPtr& depth) const {
+  commands.dispatch(sensor_, {.layers = layers, .truth = truth, .depth = depth},
+                    {.size = extent,
+                     .amount = sensor.noise,
+                     .max_depth = sensor.max_depth,
+                     .seed = sensor.seed,
+                     .frame = frame},
+                    static_cast<uint32_t>(extent.pixels()));
 }
 
 }  // namespace inverse

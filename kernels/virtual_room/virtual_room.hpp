@@ -9,6 +9,7 @@
 #include "kernels/image/plane.hpp"
 #include "kernels/virtual_room_open.spv.hpp"
 #include "kernels/virtual_room_room.spv.hpp"
+#include "kernels/virtual_room_sensor.spv.hpp"
 #include "kernels/volume/volume.hpp"
 
 namespace inverse {
@@ -63,8 +64,20 @@ class VirtualRoom {
   void record(gpu::Commands& commands, const Lens& lens, Extent extent, const gpu::BufferPtr& pose,
               uint32_t side, const gpu::BufferPtr& layers, const gpu::BufferPtr& truth) const;
 
+  /// Errors of a depth sensor.
+  struct Sensor {
+    float noise = 1;      ///< of that of a structured-light sensor; 0: exact
+    float max_depth = 8;  ///< meters, beyond which it sees nothing
+    uint32_t seed = 1;
+  };
+  /// `depth`: what it measures, a scalar a pixel, meters, 0 where nothing.
+  void record_sensor(gpu::Commands& commands, Extent extent, const gpu::BufferPtr& layers,
+                     const gpu::BufferPtr& truth, const Sensor& sensor, uint32_t frame,
+                     const gpu::BufferPtr& depth) const;
+
  private:
   gpu::Program<shaders::virtual_room_room> room_;
+  gpu::Program<shaders::virtual_room_sensor> sensor_;
   gpu::BufferPtr scene_, openness_;
   uint32_t solids_, lamps_;
   float ambient_;

@@ -2,6 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
+#include "image/normal_pair.glsl"
 #include "image/random.glsl"
 
 // Model of a camera: rows shifted sideways, gain, and sensor noise.
@@ -16,13 +17,6 @@ layout(push_constant) uniform Push {
   float noise;  // standard deviation at white
   uint seed, frame;
 } push;
-
-// Two normally distributed numbers from two words (Box and Muller 1958).
-vec2 normal_pair(uvec2 words) {
-  vec2 u = (vec2(words >> 8u) + 0.5) / 16777216.0;
-  float angle = 6.28318530717959 * u.y;
-  return sqrt(-2.0 * log(u.x)) * vec2(cos(angle), sin(angle));
-}
 
 void main() {
   uint i = line_index();

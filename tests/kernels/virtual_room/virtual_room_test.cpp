@@ -72,6 +72,55 @@ TEST_F(VirtualRoomTest, AgreesWithSpecification) {
   }
 }
 
+TEST_F(VirtualRoomTest, SensorHasTheNoiseAndHolesOfItsModel) {
+  const VirtualRoom room(device, furnished_room());
+  const Extent extent{200, 100};
+  // A wall at 2 m in front of one at 3 m; a quarter of its paint is black.
+  Pixels layers(4 * extent.pixels()), truth(4 * extent.pixels(), 0.5F);
+  for (size_t n = 0; n < extent.pixels(); ++n) {
+    const size_t x = n % extent.width, y = n / extent.width;
+    layers[4 * n + 3] = x < 100 ? 2 : 3;
+    if (x < 100 && y < 50) truth[4 * n] = truth[4 * n + 1] = truth[4 * n + 2] = 0;
+  }
+  const auto layer_buffer = upload(layers), truth_buffer = upload(truth),
+             depth = gpu::Buffer::create(device, gpu::Element::scalar, extent.pixels());
+  const auto measured = [&](const VirtualRoom::Sensor& sensor, uint32_t frame) {
+    run([&](gpu::Commands& commands) {
+      room.record_sensor(commands, extent, layer_buffer, truth_buffer, sensor, frame, depth);
+    });
+    return download(depth);
+  };
+  const Pixels exact = measured({.noise = 0, .max_depth = 2.5F}, 0), noisy = measured({}, 0);
+  double near = 0, far = 0, near_square = 0, far_square = 0, edges = 0, lost = 0;
+  for (size_t n = 0; n < extent.pixels(); ++n) {
+    const size_t x = n % extent.width, y = n / extent.width;
+    const double z = layers[4 * n + 3], found = noisy[n];
+    EXPECT_EQ(exact[n], z < 2.5 ? layers[4 * n + 3] : 0);
+    if (x == 99 || x == 100) {
+      if (y < 50) continue;
+      ++edges;
+      lost += found == 0;
+    } else if (x < 100 && y < 50) {
+      EXPECT_EQ(found, 0) << "black";
+    } else {
+      const double steps = 580 * 0.075 / found / 0.125;
+      EXPECT_NEAR(steps, std::round(steps), 1e-2);
+      (z < 2.5 ? near : far) += 1;
+      (z < 2.5 ? near_square : far_square) += (found - z) * (found - z);
+    }
+  }
+  EXPECT_NEAR(lost / edges, 0.6, 0.15);
+  // The noise and that of rounding to steps of z² / (8 B).
+  const auto expected = [](double z) {
+    const double noise = 0.0012 + 0.0019 * (z - 0.4) * (z - 0.4), step = z * z / (8 * 580 * 0.075);
+    return std::sqrt(noise * noise + step * step / 12);
+  };
+  EXPECT_NEAR(std::sqrt(near_square / near), expected(2), 0.05 * expected(2));
+  EXPECT_NEAR(std::sqrt(far_square / far), expected(3), 0.05 * expected(3));
+  EXPECT_EQ(measured({}, 0), noisy);
+  EXPECT_NE(measured({}, 1), noisy);
+}
+
 TEST_F(VirtualRoomTest, PathsReturnAndStayInside) {
   for (const RoomPath path : {RoomPath::orbit, RoomPath::wall, RoomPath::still}) {
     const Pose first = room_pose(path, 0), last = room_pose(path, kPathPeriod);
