@@ -78,17 +78,20 @@ void main() {
     s6.w += weight * r * r;
     s7.x += weight;
     if (!kPhotometric) continue;
-    // Where the surface goes on around the pixel.
-    bool framed = pixel.x > 0 && pixel.y > 0 && pixel.x < width - 1 && pixel.y < height - 1;
-    ivec4 beside = framed ? center + ivec4(-1, 1, -width, width) : ivec4(center);
-    vec4 around = vec4(FETCH1(appearance, beside.x), FETCH1(appearance, beside.y), FETCH1(appearance, beside.z), FETCH1(appearance, beside.w));
-    vec4 steps = vec4(FETCH(model, beside.x).w, FETCH(model, beside.y).w, FETCH(model, beside.z).w, FETCH(model, beside.w).w) - found.w;
-    bool goes_on = framed && all(lessThanEqual(abs(steps), vec4(kJump * found.w)));
-    vec2 slope = 0.5 * (around.yw - around.xz);
+    // Between the four pixels around it, where the surface goes on.
+    ivec2 low = ivec2(clamp(floor(at), vec2(0.0), vec2(push.size) - 2.0));
+    vec2 share = at - vec2(low);
+    int corner = low.y * width + low.x;
+    ivec4 cell = inside && width > 1 && height > 1 ? corner + ivec4(0, 1, width, width + 1) : ivec4(center);
+    vec4 b = vec4(FETCH1(appearance, cell.x), FETCH1(appearance, cell.y), FETCH1(appearance, cell.z), FETCH1(appearance, cell.w));
+    vec4 steps = vec4(FETCH(model, cell.x).w, FETCH(model, cell.y).w, FETCH(model, cell.z).w, FETCH(model, cell.w).w) - found.w;
+    bool goes_on = all(lessThanEqual(abs(steps), vec4(kJump * found.w)));
+    vec2 slope = vec2(mix(b.y - b.x, b.w - b.z, share.y), mix(b.z - b.x, b.w - b.y, share.x));
+    float there = mix(mix(b.x, b.y, share.x), mix(b.z, b.w, share.x), share.y);
     // Of the view's brightness where the point falls, by the point in the view's axes.
     vec2 scaled = slope * push.lens.xy / z;
     vec3 by_point = turned(view_rotation, vec3(scaled, -dot(scaled, in_view.xy) / z));
-    float difference = matches ? FETCH1(brightness, from) - FETCH1(appearance, center) - dot(slope, at - vec2(pixel)) : 0.0;
+    float difference = matches ? FETCH1(brightness, from) - there : 0.0;
     float sure = matches && goes_on ? push.photometric * push.photometric * kTurned / max(abs(difference), kTurned) : 0.0;
     add(cross(arm, by_point), by_point, difference, sure);
   }

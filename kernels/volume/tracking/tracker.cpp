@@ -22,6 +22,7 @@ Tracker::Tracker(const std::shared_ptr<gpu::Device>& device, Extent extent)
       halve_(device),
       normals_(device),
       brightness_(device),
+      appearance_(device),
       align_(device),
       align_geometry_(device, {.photometric = false}),
       move_(device, {}, gpu::kOneGroup),
@@ -71,15 +72,21 @@ void Tracker::record_frame(gpu::Commands& commands, const Lens& lens, const gpu:
   commands.dispatch(smooth_, {.depth = depth, .smoothed = frame_[0].depth},
                     {.size = frame_[0].extent}, pixels);
   commands.dispatch(brightness_, {.picture = picture, .brightness = frame_[0].brightness},
-                    {.pixels = pixels}, pixels);
+                    {.size = frame_[0].extent}, pixels);
   record_levels(commands, frame_);
 }
 
-void Tracker::record_target(gpu::Commands& commands, const gpu::BufferPtr& pose,
-                            const gpu::BufferPtr& depth, const gpu::BufferPtr& brightness) {
-  commands.copy(pose, target_pose_, target_pose_->bytes());
-  commands.copy(brightness, target_[0].brightness, brightness->bytes());
-  target_[0].depth = depth;
+void Tracker::record_target(gpu::Commands& commands, const Volume::View& view,
+                            const gpu::BufferPtr& layers) {
+  const auto pixels = static_cast<uint32_t>(frame_[0].extent.pixels());
+  commands.copy(pose_, target_pose_, target_pose_->bytes());
+  commands.dispatch(appearance_,
+                    {.reflectance = view.reflectance,
+                     .layers = layers,
+                     .brightness = frame_[0].brightness,
+                     .appearance = target_[0].brightness},
+                    {.pixels = pixels}, pixels);
+  target_[0].depth = view.depth;
   record_levels(commands, target_);
 }
 

@@ -6,6 +6,7 @@
 #include "kernels/volume/volume.hpp"
 #include "kernels/volume_smooth.spv.hpp"
 #include "kernels/volume_tracking_align.spv.hpp"
+#include "kernels/volume_tracking_appearance.spv.hpp"
 #include "kernels/volume_tracking_brightness.spv.hpp"
 #include "kernels/volume_tracking_halve.spv.hpp"
 #include "kernels/volume_tracking_move.spv.hpp"
@@ -37,14 +38,11 @@ class Tracker {
                     const gpu::BufferPtr& picture);
   /// Normal and depth of that frame, as Volume::Frame::surface.
   const gpu::BufferPtr& surface() const { return frame_[0].surface; }
-  /// Its ln brightness, a scalar a pixel.
-  const gpu::BufferPtr& brightness() const { return frame_[0].brightness; }
 
-  /// Records what the next frames are brought onto, of the size and with the lens of the last one:
-  /// depth of a view from `pose`, meters, 0 where nothing is, and ln brightness there, both a
-  /// scalar a pixel.
-  void record_target(gpu::Commands& commands, const gpu::BufferPtr& pose,
-                     const gpu::BufferPtr& depth, const gpu::BufferPtr& brightness);
+  /// Records what the next frames are brought onto: a view from pose(), of the size and with the
+  /// lens of the last frame, under the light that `layers` have (R.rgb, S) of that frame.
+  void record_target(gpu::Commands& commands, const Volume::View& view,
+                     const gpu::BufferPtr& layers);
   /// Records moving pose() from where it is to where the frame matches the target.
   void record_align(gpu::Commands& commands, const Params& params);
 
@@ -64,6 +62,7 @@ class Tracker {
   gpu::Program<shaders::volume_tracking_halve> halve_;
   gpu::Program<shaders::volume_normals> normals_;
   gpu::Program<shaders::volume_tracking_brightness> brightness_;
+  gpu::Program<shaders::volume_tracking_appearance> appearance_;
   gpu::Program<shaders::volume_tracking_align> align_, align_geometry_;
   gpu::Program<shaders::volume_tracking_move> move_;
   using Levels = std::array<Level, 3>;

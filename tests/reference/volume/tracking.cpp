@@ -58,20 +58,23 @@ Alignment align(const Sight& frame, const Sight& view, const AlignParams& params
       add(arm, normal, r, weight);
       squares += weight * r * r;
       weights += weight;
-      if (params.photometric <= 0 || px < 1 || py < 1 || px >= width - 1 || py >= height - 1)
-        continue;
-      const auto brightness = [&](int dx, int dy) {
-        return view.brightness[view.surface.index(px + dx, py + dy)];
+      if (params.photometric <= 0) continue;
+      const int x0 = std::clamp(int(std::floor(u)), 0, width - 2),
+                y0 = std::clamp(int(std::floor(w)), 0, height - 2);
+      const double fx = u - x0, fy = w - y0;
+      const auto b = [&](int dx, int dy) {
+        return view.brightness[view.surface.index(x0 + dx, y0 + dy)];
       };
       const auto goes_on = [&](int dx, int dy) {
-        return std::abs(view.surface.at(px + dx, py + dy)[3] - found[3]) <= kJump * found[3];
+        return std::abs(view.surface.at(x0 + dx, y0 + dy)[3] - found[3]) <= kJump * found[3];
       };
-      if (!goes_on(-1, 0) || !goes_on(1, 0) || !goes_on(0, -1) || !goes_on(0, 1)) continue;
-      const double du = 0.5 * (brightness(1, 0) - brightness(-1, 0)),
-                   dw = 0.5 * (brightness(0, 1) - brightness(0, -1));
+      if (!goes_on(0, 0) || !goes_on(1, 0) || !goes_on(0, 1) || !goes_on(1, 1)) continue;
+      const double du = std::lerp(b(1, 0) - b(0, 0), b(1, 1) - b(0, 1), fy),
+                   dw = std::lerp(b(0, 1) - b(0, 0), b(1, 1) - b(1, 0), fx);
+      const double there =
+          std::lerp(std::lerp(b(0, 0), b(1, 0), fx), std::lerp(b(0, 1), b(1, 1), fx), fy);
       const double sx = du * view.camera.fx / p[2], sy = dw * view.camera.fy / p[2];
-      const double difference = frame.brightness[frame.surface.index(x, y)] - brightness(0, 0) -
-                                du * (u - px) - dw * (w - py);
+      const double difference = frame.brightness[frame.surface.index(x, y)] - there;
       add(arm, v * Vector(sx, sy, -(sx * p[0] + sy * p[1]) / p[2]), difference,
           params.photometric * params.photometric * kTurned /
               std::max(std::abs(difference), kTurned));
@@ -107,6 +110,23 @@ std::vector<double> smooth(int width, int height, const std::vector<double>& dep
           total += weight;
         }
       result[shape.index(x, y)] = sum / total;
+    }
+  return result;
+}
+
+std::vector<double> log_brightness(const Plane& picture) {
+  std::vector<double> result;
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      double sum = 0;
+      for (int v = y - 1; v <= y + 1; ++v)
+        for (int u = x - 1; u <= x + 1; ++u) {
+          const Vec4& p =
+              picture.at(std::clamp(u, 0, picture.width - 1), std::clamp(v, 0, picture.height - 1));
+          const int weight = (2 - std::abs(u - x)) * (2 - std::abs(v - y));
+          sum += weight * std::log(std::max((p[0] + p[1] + p[2]) / 3, 1e-3));
+        }
+      result.push_back(sum / 16);
     }
   return result;
 }

@@ -32,6 +32,9 @@ Alignment align(const Sight& frame, const Sight& view, const AlignParams& params
 /// A depth image, smoothed within surfaces.
 std::vector<double> smooth(int width, int height, const std::vector<double>& depth);
 
+/// Ln of the mean channel, blurred by (1 2 1)/4 along both sides.
+std::vector<double> log_brightness(const Plane& picture);
+
 /// Half a depth image and half of ln brightness.
 void halve(int width, int height, const std::vector<double>& depth,
            const std::vector<double>& brightness, std::vector<double>& half_depth,
