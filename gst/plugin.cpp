@@ -3,6 +3,7 @@
 #include "gst/base/filter.hpp"
 #include "gst/base/meta/layers_meta.hpp"
 #include "gst/material/meta/material_meta.hpp"
+#include "gst/rgbd/meta/depth_meta.hpp"
 
 namespace inverse {
 extern const ElementInfo kGlobalIntrinsic;
@@ -21,11 +22,13 @@ extern const ElementInfo kIntrinsicTone;
 extern const ElementInfo kLimeMaterial;
 gboolean register_intrinsicedit(GstPlugin* plugin);
 gboolean register_intrinsicsplit(GstPlugin* plugin);
+gboolean register_rgbdtestsrc(GstPlugin* plugin);
 }  // namespace inverse
 
 static gboolean plugin_init(GstPlugin* plugin) {
   inverse::register_layers_meta();
   inverse::register_material_meta();
+  inverse::register_depth_meta();
   for (const inverse::ElementInfo* element : {
            &inverse::kIntrinsicDecomp,
            &inverse::kIntrinsicDecompThesis,
@@ -43,7 +46,8 @@ static gboolean plugin_init(GstPlugin* plugin) {
            &inverse::kIntrinsicCompose,
        })
     if (!inverse::register_filter(plugin, *element)) return FALSE;
-  return inverse::register_intrinsicsplit(plugin) && inverse::register_intrinsicedit(plugin);
+  return inverse::register_intrinsicsplit(plugin) && inverse::register_intrinsicedit(plugin) &&
+         inverse::register_rgbdtestsrc(plugin);
 }
 
 GST_PLUGIN_DEFINE(

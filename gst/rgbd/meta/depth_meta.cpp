@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "depth_meta.hpp"
+
+#include <cstddef>
+#include <cstring>
+
+#include "gst/base/meta/registered_once.hpp"
+
+namespace inverse {
+namespace {
+
+constexpr size_t kFields = offsetof(GstInverseDepthMeta, depth);  // what follows GstMeta
+
+gboolean init(GstMeta* meta, gpointer, GstBuffer*) {
+  memset(reinterpret_cast<char*>(meta) + kFields, 0, sizeof(GstInverseDepthMeta) - kFields);
+  return TRUE;
+}
+
+void release(GstMeta* meta, GstBuffer*) {
+  gst_clear_buffer(&reinterpret_cast<GstInverseDepthMeta*>(meta)->depth);
+}
+
+gboolean transform(GstBuffer* target, GstMeta* meta, GstBuffer*, GQuark, gpointer) {
+  // The image has a size of its own, so it suits the picture in any size and format.
+  GstInverseDepthMeta* copy = add_depth_meta(target);
+  memcpy(reinterpret_cast<char*>(copy) + kFields, reinterpret_cast<char*>(meta) + kFields,
+         sizeof(GstInverseDepthMeta) - kFields);
+  if (copy->depth) gst_buffer_ref(copy->depth);
+  return TRUE;
+}
+
+const GstMetaInfo* meta_info() {
+  constexpr const char* kName = "GstInverseDepthMeta";
+  static const gchar* tags[] = {nullptr};
+  static const GstMetaInfo* info = meta_registered_once(kName, [] {
+    return gst_meta_register(gst_meta_api_type_register(GST_INVERSE_DEPTH_META_API_NAME, tags),
+                             kName, sizeof(GstInverseDepthMeta), init, release, transform);
+  });
+  return info;
+}
+
+}  // namespace
+
+void register_depth_meta() { meta_info(); }
+
+GstInverseDepthMeta* add_depth_meta(GstBuffer* buffer) {
+  return reinterpret_cast<GstInverseDepthMeta*>(gst_buffer_add_meta(buffer, meta_info(), nullptr));
+}
+
+}  // namespace inverse

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <gst/gst.h>
+
+#include "inverse_depth_meta.h"
+
+namespace inverse {
+
+/// Adds a depth meta to a buffer: all zero. The caller gives it a reference of `depth`.
+GstInverseDepthMeta* add_depth_meta(GstBuffer* buffer);
+
+/// Registers the meta, so that its header works before the first frame.
+void register_depth_meta();
+
+}  // namespace inverse
