@@ -12,6 +12,7 @@ layout(push_constant) uniform Push {
   uvec2 size;
 } push;
 
+const float kFarthest = 100.0;  // meters: what is beyond is not known, nor infinity
 const int kReach = 2;
 const float kSigma = 1.5;     // pixels
 const float kSteps = 2.5;     // noises that two pixels of one surface differ by
@@ -25,9 +26,9 @@ void main() {
     for (int dx = -kReach; dx <= kReach; ++dx) {
       ivec2 from = clamp(at + ivec2(dx, dy), ivec2(0), ivec2(push.size) - 1);
       float other = FETCH1(depth, from.y * int(push.size.x) + from.x), step = (other - z) / sigma;
-      float weight = other > 0.0 ? exp(-0.5 * (float(dx * dx + dy * dy) / (kSigma * kSigma) + step * step)) : 0.0;
-      sum += weight * other;
+      float weight = other > 0.0 && other < kFarthest ? exp(-0.5 * (float(dx * dx + dy * dy) / (kSigma * kSigma) + step * step)) : 0.0;
+      sum += weight > 0.0 ? weight * other : 0.0;
       total += weight;
     }
-  STORE(smoothed, line, z > 0.0 ? sum / total : 0.0);
+  STORE(smoothed, line, z > 0.0 && z < kFarthest ? sum / total : 0.0);
 }

@@ -81,6 +81,10 @@ void Volume::record_list(gpu::Commands& commands, const Lens& lens, Extent exten
 void Volume::record_integrate(gpu::Commands& commands, const Frame& frame,
                               const gpu::BufferPtr& layers, Added added) {
   const float truncation = params_.truncation * params_.voxel;
+  // The counts of this frame; they stand beside each other.
+  constexpr uint64_t kFrom = volume_allocate::kRefused * sizeof(uint32_t),
+                     kTo = (volume_allocate::kMade + 1) * sizeof(uint32_t);
+  commands.copy(start_, state_, kTo - kFrom, kFrom, kFrom);
   if (added.geometry) {
     const Extent across{(frame.extent.width + kAllocateStep - 1) / kAllocateStep,
                         (frame.extent.height + kAllocateStep - 1) / kAllocateStep};

@@ -178,5 +178,56 @@ TEST_F(TrackerTest, FollowsPaintWhereGeometrySlides) {
   EXPECT_TRUE(both.found);
 }
 
+// Without a match the pose stays, and nothing becomes NaN.
+TEST_F(TrackerTest, SaysThatItIsLost) {
+  const Camera camera = around(0);
+  const Extent extent = extent_of(camera);
+  const Lens lens = lens_of(camera);
+  const Seen seen = look(camera);
+  const auto picture = upload(to_pixels(seen.layers)), start = pose_of(camera);
+  const auto scalars = [&](const std::vector<double>& values) {
+    const Pixels floats(values.begin(), values.end());
+    return upload(gpu::Element::scalar, floats.data(), floats.size());
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN(),
+               infinity = std::numeric_limits<double>::infinity();
+  const auto moved = [&](auto change) {
+    std::vector<double> depth = seen.depth;
+    for (size_t n = 0; n < depth.size(); ++n) depth[n] = change(depth[n], n);
+    return depth;
+  };
+  const std::vector<double> frames[] = {
+      std::vector<double>(seen.depth.size(), 0),
+      std::vector<double>(seen.depth.size(), nan),
+      std::vector<double>(seen.depth.size(), infinity),
+      moved([](double z, size_t) { return 2 * z; }),
+      // A few bad pixels do no harm.
+      moved([&](double z, size_t n) { return n % 97 == 0   ? nan
+                                             : n % 89 == 0 ? infinity
+                                                           : z; }),
+  };
+  for (size_t i = 0; i < std::size(frames); ++i) {
+    Volume volume(device, {.voxel = 0.02F, .blocks = 8192});
+    Tracker tracker(device, extent);
+    const Volume::View view(device, extent);
+    const auto good = scalars(seen.depth), depth = scalars(frames[i]);
+    run([&](gpu::Commands& commands) {
+      tracker.record_frame(commands, lens, good, picture);
+      commands.copy(start, tracker.pose(), start->bytes());
+      volume.record_integrate(commands, {lens, extent, tracker.pose(), good, tracker.surface()},
+                              picture, {});
+      volume.record_march(commands, lens, tracker.pose(), view);
+      tracker.record_target(commands, view, picture);
+      tracker.record_frame(commands, lens, depth, picture);
+      tracker.record_align(commands, {});
+    });
+    const bool fine = i + 1 == std::size(frames);
+    EXPECT_EQ(download(tracker.found())[0], fine ? 1 : 0) << i;
+    const Pixels pose = download(tracker.pose()), before = download(start);
+    for (size_t c = 0; c < 8; ++c)
+      EXPECT_NEAR(double{pose[c]}, double{before[c]}, fine ? 2e-3 : 0) << i;
+  }
+}
+
 }  // namespace
 }  // namespace inverse::testing

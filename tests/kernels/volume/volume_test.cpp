@@ -132,5 +132,54 @@ TEST_F(VolumeTest, ShowsWhatItHasSeen) {
   EXPECT_GT(double(colored), 0.85 * all);
 }
 
+TEST_F(VolumeTest, CountsWhatHasNoRoom) {
+  const Camera camera = walk(1)[0];
+  const Seen seen = look(camera);
+  const reference::Plane surface = reference::normals(camera, seen.depth);
+  Volume small(device, {.voxel = 0.02F, .blocks = 100});
+  const auto state_of = [&](const Volume& volume) { return words(volume.state()); };
+  using shaders::volume_allocate;
+  integrate(small, camera, surface, seen.layers);
+  auto state = state_of(small);
+  EXPECT_EQ(state[volume_allocate::kFree], 0U);
+  EXPECT_EQ(state[volume_allocate::kMade], 100U);
+  EXPECT_GT(state[volume_allocate::kRefused], 100U);
+  EXPECT_EQ(state[volume_allocate::kListed], 100U);
+  run([&](gpu::Commands& commands) { small.record_clear(commands); });
+  EXPECT_EQ(state_of(small)[volume_allocate::kFree], 100U);
+  // 164 m from the origin the keys of blocks of 16 cm end.
+  Camera far = camera;
+  far.place[0] += 200;
+  Volume volume(device, kParams);
+  integrate(volume, far, surface, seen.layers);
+  state = state_of(volume);
+  EXPECT_GT(state[volume_allocate::kOutside], 1000U);
+  EXPECT_EQ(state[volume_allocate::kMade], 0U);
+  integrate(volume, camera, surface, seen.layers);
+  state = state_of(volume);
+  EXPECT_EQ(state[volume_allocate::kOutside], 0U);
+  EXPECT_GT(state[volume_allocate::kMade], 300U);
+}
+
+TEST_F(VolumeTest, IgnoresDepthThatIsNone) {
+  const Camera camera = walk(1)[0];
+  const Seen seen = look(camera);
+  constexpr double kBad[] = {0,
+                             -1,
+                             std::numeric_limits<double>::quiet_NaN(),
+                             std::numeric_limits<double>::infinity(),
+                             1e30,
+                             65.535};
+  for (const double bad : kBad) {
+    reference::Plane surface = reference::normals(camera, seen.depth);
+    for (auto& p : surface.data) p[3] = bad;
+    Volume volume(device, kParams);
+    integrate(volume, camera, surface, seen.layers);
+    const auto state = words(volume.state());
+    EXPECT_EQ(state[shaders::volume_allocate::kFree], kParams.blocks) << bad;
+    EXPECT_EQ(state[shaders::volume_allocate::kOutside], 0U) << bad;
+  }
+}
+
 }  // namespace
 }  // namespace inverse::testing

@@ -96,13 +96,13 @@ std::vector<double> smooth(int width, int height, const std::vector<double>& dep
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const double z = depth[shape.index(x, y)];
-      if (z <= 0) continue;
+      if (!(z > 0 && z < 100)) continue;
       double sum = 0, total = 0;
       for (int v = y - 2; v <= y + 2; ++v)
         for (int u = x - 2; u <= x + 2; ++u) {
           const double other =
               depth[shape.index(std::clamp(u, 0, width - 1), std::clamp(v, 0, height - 1))];
-          if (other <= 0) continue;
+          if (!(other > 0 && other < 100)) continue;
           const double far = (u - x) * (u - x) + (v - y) * (v - y),
                        step = (other - z) / (2.5 * noise(z));
           const double weight = std::exp(-0.5 * (far / (1.5 * 1.5) + step * step));
