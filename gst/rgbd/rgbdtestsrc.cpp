@@ -2,8 +2,6 @@
 // rgbdtestsrc: a camera with depth that moves through a room.
 #include <gst/base/gstpushsrc.h>
 
-#include <algorithm>
-
 #include "gst/base/element_class.hpp"
 #include "gst/base/log/errors.hpp"
 #include "gst/base/log/log.hpp"

@@ -4,6 +4,7 @@
 #include "gpu/common.glsl"
 #include "image/normal_pair.glsl"
 #include "image/random.glsl"
+#include "volume/jump.glsl"
 #include "volume/noise.glsl"
 
 // Model of a structured-light depth sensor: noise that grows with depth (Nguyen et al. 2012), steps of disparity, and no depth at
@@ -21,7 +22,6 @@ layout(push_constant) uniform Push {
 
 const float kBase = 0.075, kFocal = 580.0;     // meters, pixels of the sensor
 const float kDisparityStep = 0.125;            // pixels
-const float kJump = 0.03;                      // of the depth, between neighbors of one surface
 const float kEdgeLoss = 0.6;                   // share of pixels beside an edge that have no depth
 const float kDark = 0.05;                      // reflectance below which pixels have no depth more and more often
 

@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "camera.glsl"
+#include "jump.glsl"
 
 // Normals of a depth image, from differences between neighbors on both sides, or on one where the other is off the surface. One pixel
 // an invocation.
@@ -13,7 +14,6 @@ layout(push_constant) uniform Push {
   uvec2 size;
 } push;
 
-const float kJump = 0.03;  // of the depth, between neighbors of one surface
 
 vec3 point(ivec2 pixel) {
   bool inside = all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, ivec2(push.size)));

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include <array>
 #include <cstdint>
 #include <memory>
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
+#include "kernels/volume/camera.hpp"
 #include "kernels/volume_allocate.spv.hpp"
 #include "kernels/volume_integrate.spv.hpp"
 #include "kernels/volume_list.spv.hpp"
@@ -14,20 +14,6 @@
 #include "kernels/volume_ranges.spv.hpp"
 
 namespace inverse {
-
-/// A pinhole camera without distortion: focal lengths and center in pixels, pixel centers at whole
-/// numbers, x right, y down, z forward.
-struct Lens {
-  float fx = 0, fy = 0, cx = 0, cy = 0;
-  std::array<float, 4> values() const { return {fx, fy, cx, cy}; }
-};
-
-/// Where a camera is: the unit quaternion (x, y, z, w) that turns its directions into the world's,
-/// and its place in meters. On the device it is two vec4.
-struct Pose {
-  std::array<float, 4> rotation{0, 0, 0, 1};
-  std::array<float, 4> place{0, 0, 0, 0};  ///< w is 0
-};
 
 /// Surfaces of a static scene in a sparse grid of voxels (Nießner et al. 2013): truncated signed
 /// distance, ln reflectance, and a stroke. docs/reference/methods/volume.md.
@@ -85,8 +71,7 @@ class Volume {
   const Params& params() const { return params_; }
   /// Words of state.glsl.
   const gpu::BufferPtr& state() const { return state_; }
-  /// For tests: two words an entry; a word a block; one and two words a voxel.
-  const gpu::BufferPtr& table() const { return table_; }
+  /// For tests: a word a block; one and two words a voxel.
   const gpu::BufferPtr& keys() const { return keys_; }
   const gpu::BufferPtr& voxels() const { return voxels_; }
   const gpu::BufferPtr& colors() const { return colors_; }

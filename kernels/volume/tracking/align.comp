@@ -4,6 +4,7 @@
 #include "gpu/common.glsl"
 #include "gpu/workgroup_sum.glsl"
 #include "volume/camera.glsl"
+#include "volume/jump.glsl"
 #include "volume/noise.glsl"
 #include "align.glsl"
 
@@ -27,7 +28,6 @@ layout(push_constant) uniform Push {
 
 layout(constant_id = 1) const bool kPhotometric = true;
 const uint kRows = 8u;
-const float kJump = 0.03;    // of the depth, between neighbors of one surface
 const float kTurned = 0.05;  // of brightness: differences beyond it lose weight
 
 // Sums of kSums vec4, in registers.

@@ -2,6 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
+#include "volume/jump.glsl"
 
 // Halves a depth image, to the mean of those of four pixels that are near the nearest one, and ln brightness. One coarse pixel an
 // invocation.
@@ -13,7 +14,6 @@ layout(push_constant) uniform Push {
   uvec2 size;  // of the fine ones
 } push;
 
-const float kJump = 0.03;  // of the depth
 
 void main() {
   uvec2 half_size = (push.size + 1u) / 2u;

@@ -22,6 +22,8 @@
 #include "kernels/virtual_room/virtual_room.hpp"
 #include "kernels/volume/tracking/tracker.hpp"
 #include "tests/bench/metrics/png_file.hpp"
+#include "tests/bench/support/command_line.hpp"
+#include "tests/bench/support/timing.hpp"
 #include "tests/lab.hpp"
 
 namespace inverse::bench {
@@ -149,13 +151,6 @@ class Recording final : public Source {
   Lens lens_;
 };
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 void follow(const Lab& lab, const std::string& name, Source& source, const Settings& settings) {
   const Extent extent = source.extent();
   const Lens lens = source.lens();
@@ -210,28 +205,16 @@ void follow(const Lab& lab, const std::string& name, Source& source, const Setti
 int run(int count, char** arguments) {
   Settings settings;
   std::vector<std::string> names;
-  for (int i = 1; i < count; ++i) {
-    const std::string word = arguments[i];
-    const auto value = [&] {
-      if (i + 1 >= count) throw std::runtime_error(word + " needs a value");
-      return std::string(arguments[++i]);
-    };
-    if (word == "--frames")
-      settings.frames = std::stoi(value());
-    else if (word == "--rate")
-      settings.rate = std::stod(value());
-    else if (word == "--noise")
-      settings.noise = std::stod(value());
-    else if (word == "--voxel")
-      settings.voxel = std::stod(value());
-    else if (word == "--photometric")
-      settings.photometric = std::stod(value());
-    else if (word == "--size") {
-      if (sscanf(value().c_str(), "%ux%u", &settings.size.width, &settings.size.height) != 2)
-        throw std::runtime_error("--size is WxH");
-    } else
-      names.push_back(word);
-  }
+  const Options options{{"--frames", integer(settings.frames)},
+                        {"--rate", number(settings.rate)},
+                        {"--noise", number(settings.noise)},
+                        {"--voxel", number(settings.voxel)},
+                        {"--photometric", number(settings.photometric)},
+                        {"--size", {true, [&](const char* value) {
+                                      return sscanf(value, "%ux%u", &settings.size.width,
+                                                    &settings.size.height) == 2;
+                                    }}}};
+  if (!read(options, count, arguments, __FILE__, &names)) return 1;
   if (names.empty()) throw std::runtime_error("usage: tracking-bench [options] orbit|wall|FOLDER");
   const Lab lab;
   printf("| | frames | rms mm | max | last | lost | tracking ms | fusion | rendering | blocks |\n");

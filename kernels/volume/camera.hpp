@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <array>
+
+namespace inverse {
+
+/// A pinhole camera without distortion: focal lengths and center in pixels, pixel centers at whole
+/// numbers, x right, y down, z forward.
+struct Lens {
+  float fx = 0, fy = 0, cx = 0, cy = 0;
+  std::array<float, 4> values() const { return {fx, fy, cx, cy}; }
+};
+
+/// Where a camera is: the unit quaternion (x, y, z, w) that turns its directions into the world's,
+/// and its place in meters. On the device it is two vec4.
+struct Pose {
+  std::array<float, 4> rotation{0, 0, 0, 1};
+  std::array<float, 4> place{0, 0, 0, 0};  ///< w is 0
+};
+
+}  // namespace inverse
