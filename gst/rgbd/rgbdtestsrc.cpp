@@ -2,7 +2,7 @@
 // rgbdtestsrc: a camera with depth that moves through a room.
 #include <gst/base/gstpushsrc.h>
 
-#include "gst/base/element_class.hpp"
+#include "gst/base/device_source.hpp"
 #include "gst/base/log/errors.hpp"
 #include "gst/base/log/log.hpp"
 #include "gst/base/pads/caps.hpp"
@@ -21,28 +21,11 @@ struct GstRgbdTestSrc {
 namespace {
 
 using Class = inverse::ElementClass<GstRgbdTestSrc>;
+using Source = inverse::DeviceSource<Class>;
 constexpr gint kWidth = 320, kHeight = 240, kRate = 30;
 
 GstRgbdTestSrc& self_of(gpointer object) { return *static_cast<GstRgbdTestSrc*>(object); }
 RoomSource& source_of(gpointer object) { return Class::body_of(object); }
-
-void set_context(GstElement* element, GstContext* context) {
-  source_of(element).context().set_context(context);
-  GST_ELEMENT_CLASS(Class::parent_class)->set_context(element, context);
-}
-
-GstStateChangeReturn change_state(GstElement* element, GstStateChange transition) {
-  RoomSource& source = source_of(element);
-  if (transition == GST_STATE_CHANGE_NULL_TO_READY &&
-      !inverse::guarded(element, [&] { source.context().acquire(source.params().device); }))
-    return GST_STATE_CHANGE_FAILURE;
-  if (transition == GST_STATE_CHANGE_READY_TO_PAUSED)
-    gst_base_src_set_live(GST_BASE_SRC(element), source.params().live);
-  const GstStateChangeReturn result =
-      GST_ELEMENT_CLASS(Class::parent_class)->change_state(element, transition);
-  if (transition == GST_STATE_CHANGE_READY_TO_NULL) source.context().release();
-  return result;
-}
 
 gboolean start(GstBaseSrc* base) {
   self_of(base).frame = 0;
@@ -60,13 +43,9 @@ gboolean stop(GstBaseSrc* base) {
 
 GstCaps* fixate(GstBaseSrc* base, GstCaps* caps) {
   caps = gst_caps_make_writable(gst_caps_truncate(caps));
-  GstStructure* structure = gst_caps_get_structure(caps, 0);
-  gst_structure_fixate_field_nearest_int(structure, "width", kWidth);
-  gst_structure_fixate_field_nearest_int(structure, "height", kHeight);
-  gst_structure_fixate_field_nearest_fraction(structure, "framerate", kRate, 1);
-  if (gst_structure_has_field(structure, "pixel-aspect-ratio"))
-    gst_structure_fixate_field_nearest_fraction(structure, "pixel-aspect-ratio", 1, 1);
-  return GST_BASE_SRC_CLASS(Class::parent_class)->fixate(base, caps);
+  gst_structure_fixate_field_nearest_fraction(gst_caps_get_structure(caps, 0), "framerate", kRate,
+                                              1);
+  return Source::fixate(base, caps, kWidth, kHeight);
 }
 
 gboolean set_caps(GstBaseSrc* base, GstCaps* caps) {
@@ -140,21 +119,12 @@ GstFlowReturn create(GstPushSrc* push, GstBuffer** buffer) {
 }
 
 gboolean query(GstBaseSrc* base, GstQuery* query) {
-  if (GST_QUERY_TYPE(query) == GST_QUERY_CONTEXT && source_of(base).context().answer(query))
-    return TRUE;
-  if (GST_QUERY_TYPE(query) == GST_QUERY_LATENCY && gst_pad_has_current_caps(base->srcpad)) {
-    // A live frame is drawn before it is due, and may take as long as it lasts.
-    const bool live = gst_base_src_is_live(base);
-    gst_query_set_latency(query, live, live ? time_of(self_of(base), 1) : 0, GST_CLOCK_TIME_NONE);
-    return TRUE;
-  }
-  return GST_BASE_SRC_CLASS(Class::parent_class)->query(base, query);
+  // A live frame is drawn before it is due, and may take as long as it lasts.
+  return Source::query(base, query, [base] { return time_of(self_of(base), 1); });
 }
 
 void class_init(GstElementClass* element) {
-  element->change_state = change_state;
-  element->set_context = set_context;
-  inverse::add_pad_template(element, "src", GST_PAD_SRC, GST_PAD_ALWAYS, inverse::pixel_caps());
+  Source::class_init(element);
   auto* base = GST_BASE_SRC_CLASS(element);
   base->start = start;
   base->stop = stop;
