@@ -3,6 +3,7 @@
 from gi.repository import GLib, Gst, GstVideo
 
 from . import messages, source
+from .chain import discard
 from .messages import Trouble
 from .reach import Reach
 from .stage import Stage
@@ -39,8 +40,10 @@ class Playback:
         self.sink = self._make_sink()
         self.sink.set_property("sync", not opened.live)
         self._pipeline.add(self.sink)
-        entry = self._pipeline.get_by_name("inverse-entry").get_static_pad("src")
-        self._entry, self._reach, self._missing = entry, Reach(self._pipeline, entry), 0.0
+        queue = self._pipeline.get_by_name("inverse-entry")
+        entry = queue.get_static_pad("src")
+        self._entry, self._missing = entry, 0.0
+        self._reach = Reach(self._pipeline, queue.get_static_pad("sink"))
         self.stage = Stage(self._pipeline, entry, self.sink, project, self._on_property)
         self.sink.get_static_pad("sink").add_probe(Gst.PadProbeType.BUFFER, self._on_buffer)
         self.stage.mouse_pad.add_probe(Gst.PadProbeType.EVENT_UPSTREAM, self._on_event)
@@ -160,16 +163,8 @@ class Playback:
 
     def _unlink(self, pad, _info, branch):
         pad.unlink(branch.get_static_pad("sink"))
-        GLib.idle_add(self._drop_branch, branch)
+        GLib.idle_add(discard, branch)
         return Gst.PadProbeReturn.REMOVE
-
-    def _drop_branch(self, branch):
-        branch.set_locked_state(True)
-        branch.set_state(Gst.State.NULL)
-        parent = branch.get_parent()
-        if parent:
-            parent.remove(branch)
-        return GLib.SOURCE_REMOVE
 
     def every_frame(self, wanted):
         """Shows every frame, however late, or drops late ones. Live video always drops."""

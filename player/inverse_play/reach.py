@@ -7,7 +7,8 @@ LONGEST, SHARE, FRAMES = 1.0, 0.05, 2  # what may be missing at the end: seconds
 
 class Reach:
     """Reads the times of what demuxers output, of sound as well: that often ends after the video. Not those of frames
-    that are shown, as a slow machine leaves some out. Without a demuxer, `pad` counts, which outputs decoded video."""
+    that are shown, as a slow machine leaves some out. Without a demuxer, `pad` counts, which decoded video
+    flows through."""
 
     def __init__(self, pipeline, pad):
         self._demuxed, self._decoded = 0.0, 0.0
