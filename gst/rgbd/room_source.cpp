@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "room_source.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -13,18 +14,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kUnit = 0.001;  // meters of a step of depth
-
-/// Rows of the matrix of a pose.
-void write_pose(const Pose& pose, gdouble* rows) {
-  const double x = double{pose.rotation[0]}, y = double{pose.rotation[1]},
-               z = double{pose.rotation[2]}, w = double{pose.rotation[3]};
-  const double matrix[12] = {
-      1 - 2 * (y * y + z * z), 2 * (x * y - z * w),     2 * (x * z + y * w),
-      double{pose.place[0]},   2 * (x * y + z * w),     1 - 2 * (x * x + z * z),
-      2 * (y * z - x * w),     double{pose.place[1]},   2 * (x * z - y * w),
-      2 * (y * z + x * w),     1 - 2 * (x * x + y * y), double{pose.place[2]}};
-  std::copy(std::begin(matrix), std::end(matrix), rows);
-}
 
 }  // namespace
 
@@ -165,7 +154,7 @@ void RoomSource::attach_depth(const Pose& pose, GstBuffer* buffer) const {
   meta->cx = double{lens.cx};
   meta->cy = double{lens.cy};
   meta->posed = TRUE;
-  write_pose(pose, meta->pose);
+  std::ranges::copy(rows_of(pose), meta->pose);
 }
 
 GstStructure* RoomSource::stats() const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include <array>
+#include <span>
 
 namespace inverse {
 
@@ -17,5 +18,11 @@ struct Pose {
   std::array<float, 4> rotation{0, 0, 0, 1};
   std::array<float, 4> place{0, 0, 0, 0};  ///< w is 0
 };
+
+/// The pose whose matrix, that takes points of the camera to the world, has these first three rows;
+/// the nearest one if its left part is not quite a rotation.
+Pose pose_of_rows(std::span<const double, 12> rows);
+/// These rows of a pose.
+std::array<double, 12> rows_of(const Pose& pose);
 
 }  // namespace inverse

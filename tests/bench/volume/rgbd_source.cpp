@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "rgbd_source.hpp"
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "kernels/virtual_room/virtual_room.hpp"
+#include "tests/bench/metrics/png_file.hpp"
+
+namespace inverse::bench {
+namespace {
+
+class Room final : public RgbdSource {
+ public:
+  Room(const Lab& lab, RoomPath path, const RgbdSettings& settings)
+      : room_(lab.device(), furnished_room()), path_(path), settings_(settings) {}
+  int frames() const override { return settings_.frames; }
+  Extent extent() const override { return settings_.size; }
+  Lens lens() const override { return room_lens(settings_.size); }
+  RgbdFrame frame(const Lab& lab, int n) override {
+    const Pose pose = room_pose(path_, n / settings_.rate);
+    const uint64_t pixels = extent().pixels();
+    const auto at = pose_on(lab, pose);
+    RgbdFrame frame{lab.buffer(pixels),
+                    gpu::Buffer::create(lab.device(), gpu::Element::scalar, pixels),
+                    lab.buffer(pixels),
+                    pose,
+                    {}};
+    lab.run([&](gpu::Commands& commands) {
+      room_.record(commands, lens(), extent(), at, 2, frame.picture, frame.layers);
+      room_.record_sensor(commands, extent(), frame.picture, frame.layers,
+                          {.noise = float(settings_.noise)}, uint32_t(n), frame.depth);
+    });
+    const Pixels picture = lab.download(frame.picture);
+    for (size_t i = 0; i < pixels; ++i) frame.true_depth.push_back(picture[4 * i + 3]);
+    return frame;
+  }
+
+ private:
+  VirtualRoom room_;
+  RoomPath path_;
+  RgbdSettings settings_;
+};
+
+Pose pose_of(const nlohmann::json& matrix) {
+  std::array<double, 12> rows;
+  for (size_t i = 0; i < rows.size(); ++i) rows[i] = matrix[i / 4][i % 4].get<double>();
+  return pose_of_rows(rows);
+}
+
+class Recording final : public RgbdSource {
+ public:
+  Recording(const std::string& folder, const RgbdSettings& settings)
+      : folder_(folder), depth_(settings.noise > 0 ? "Zkinect" : "Z") {
+    std::ifstream file(folder + "/meta.json");
+    if (!file) throw std::runtime_error("no meta.json in " + folder);
+    meta_ = nlohmann::json::parse(file);
+    while (count_ < settings.frames && std::filesystem::exists(path("I8", count_))) ++count_;
+    if (count_ == 0) throw std::runtime_error("no I8/000.png in " + folder);
+    const auto& camera = meta_["frames"][0]["camera"];
+    extent_ = {camera["width"], camera["height"]};
+    lens_ = {camera["fx"], camera["fy"], camera["cx"], camera["cy"]};
+  }
+  int frames() const override { return count_; }
+  Extent extent() const override { return extent_; }
+  Lens lens() const override { return lens_; }
+  RgbdFrame frame(const Lab& lab, int n) override {
+    const Image color = read_png(path("I8", n), true);
+    Pixels picture;
+    const std::vector<float> meters = meters_of(depth_, n);
+    for (size_t i = 0; i < extent_.pixels(); ++i) {
+      for (size_t c = 0; c < 3; ++c) picture.push_back(color.data[3 * i + c]);
+      picture.push_back(1);
+    }
+    const auto depths =
+        gpu::Buffer::create(lab.device(), gpu::Element::scalar, meters.size(), gpu::Memory::upload);
+    memcpy(depths->map(), meters.data(), meters.size() * sizeof(float));
+    const auto color_on_device = lab.upload(picture);
+    return {color_on_device, depths, color_on_device,
+            pose_of(meta_["frames"][size_t(n)]["camera"]["cam_to_world_opencv"]),
+            meters_of("Z", n)};
+  }
+
+ private:
+  std::vector<float> meters_of(const std::string& kind, int n) const {
+    const Image image = read_png(path(kind, n), false);
+    const double unit = 1 / meta_["depth_units_per_metre"].get<double>();
+    std::vector<float> meters;
+    for (size_t i = 0; i < extent_.pixels(); ++i)
+      meters.push_back(
+          float(std::round(double(image.data[i * size_t(image.channels)]) * 65535) * unit));
+    return meters;
+  }
+  std::string path(const std::string& kind, int n) const {
+    char name[16];
+    snprintf(name, sizeof name, "/%03d.png", n);
+    return folder_ + "/" + kind + name;
+  }
+  std::string folder_, depth_;
+  nlohmann::json meta_;
+  int count_ = 0;
+  Extent extent_;
+  Lens lens_;
+};
+
+}  // namespace
+
+gpu::BufferPtr pose_on(const Lab& lab, const Pose& pose) {
+  Pixels values(pose.rotation.begin(), pose.rotation.end());
+  values.insert(values.end(), pose.place.begin(), pose.place.end());
+  return lab.upload(values);
+}
+
+std::unique_ptr<RgbdSource> open_rgbd(const Lab& lab, const std::string& name,
+                                      const RgbdSettings& settings) {
+  if (name == "orbit" || name == "wall")
+    return std::make_unique<Room>(lab, name == "orbit" ? RoomPath::orbit : RoomPath::wall,
+                                  settings);
+  return std::make_unique<Recording>(name, settings);
+}
+
+}  // namespace inverse::bench

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Frames of depth cameras with known poses, for benchmarks.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "kernels/volume/camera.hpp"
+#include "tests/lab.hpp"
+
+namespace inverse::bench {
+
+struct RgbdSettings {
+  int frames = 240;
+  Extent size{320, 240};        ///< of the virtual room
+  double rate = 30, noise = 1;  ///< of its frames a second; of depth (0: exact)
+};
+
+/// What the camera gives: on the device.
+struct RgbdFrame {
+  gpu::BufferPtr picture, depth;
+  gpu::BufferPtr layers;  ///< true reflectance and shading; of a recording the picture
+  Pose pose;
+  std::vector<float> true_depth;  ///< meters
+};
+
+class RgbdSource {
+ public:
+  virtual ~RgbdSource() = default;
+  virtual int frames() const = 0;
+  virtual Extent extent() const = 0;
+  virtual Lens lens() const = 0;
+  virtual RgbdFrame frame(const Lab& lab, int n) = 0;
+};
+
+/// `name`: orbit or wall, paths in the virtual room (kernels/virtual_room), whose depth has the
+/// noise and holes of a structured-light sensor, times `noise`; or a folder as desk_rgbd in the
+/// given data: meta.json, I8/NNN.png, Z/NNN.png and Zkinect/NNN.png, which is its depth unless
+/// `noise` is 0.
+std::unique_ptr<RgbdSource> open_rgbd(const Lab& lab, const std::string& name,
+                                      const RgbdSettings& settings);
+
+/// Two vec4 on the device.
+gpu::BufferPtr pose_on(const Lab& lab, const Pose& pose);
+
+}  // namespace inverse::bench
