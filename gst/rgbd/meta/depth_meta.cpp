@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "depth_meta.hpp"
 
+#include <gst/video/video.h>
+
 #include <cstddef>
 #include <cstring>
 
@@ -20,8 +22,9 @@ void release(GstMeta* meta, GstBuffer*) {
   gst_clear_buffer(&reinterpret_cast<GstInverseDepthMeta*>(meta)->depth);
 }
 
-gboolean transform(GstBuffer* target, GstMeta* meta, GstBuffer*, GQuark, gpointer) {
-  // The image has a size of its own, so it suits the picture in any size and format.
+gboolean transform(GstBuffer* target, GstMeta* meta, GstBuffer*, GQuark type, gpointer) {
+  // The image has a size of its own, so it suits the picture in any size.
+  if (!GST_VIDEO_META_TRANSFORM_IS_SCALE(type) && !GST_META_TRANSFORM_IS_COPY(type)) return FALSE;
   GstInverseDepthMeta* copy = add_depth_meta(target);
   memcpy(reinterpret_cast<char*>(copy) + kFields, reinterpret_cast<char*>(meta) + kFields,
          sizeof(GstInverseDepthMeta) - kFields);
@@ -31,7 +34,9 @@ gboolean transform(GstBuffer* target, GstMeta* meta, GstBuffer*, GQuark, gpointe
 
 const GstMetaInfo* meta_info() {
   constexpr const char* kName = "GstInverseDepthMeta";
-  static const gchar* tags[] = {nullptr};
+  // Who converts or scales frames asks us; who crops or turns them drops the meta.
+  static const gchar* tags[] = {GST_META_TAG_VIDEO_STR, GST_META_TAG_VIDEO_ORIENTATION_STR,
+                                GST_META_TAG_VIDEO_SIZE_STR, nullptr};
   static const GstMetaInfo* info = meta_registered_once(kName, [] {
     return gst_meta_register(gst_meta_api_type_register(GST_INVERSE_DEPTH_META_API_NAME, tags),
                              kName, sizeof(GstInverseDepthMeta), init, release, transform);

@@ -139,6 +139,11 @@ TEST(RgbdTestSrc, DepthSurvivesOtherElements) {
   ASSERT_EQ(scaled.depths.size(), 1U) << scaled.line.first_error();
   EXPECT_EQ(scaled.depths[0].meta.width, 64U);
   EXPECT_EQ(scaled.depths[0].meters, record("num-buffers=1 depth-noise=0").depths[0].meters);
+  const Recorded cropped = record("num-buffers=1",
+                                  "video/x-raw,width=64,height=48 ! videoconvert ! "
+                                  "video/x-raw,format=RGB ! videocrop left=8");
+  ASSERT_EQ(cropped.line.frames.size(), 1U) << cropped.line.first_error();
+  EXPECT_TRUE(cropped.depths.empty()) << "it shows a part of the scene only";
 }
 
 TEST(RgbdTestSrc, SeeksAndComesBack) {
