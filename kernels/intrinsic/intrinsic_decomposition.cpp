@@ -39,6 +39,7 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       guide_(device_, extent),
       strokes_(device_, extent),
       prior_(device_, extent),
+      recall_(device_, guide_.cell_extent()),
       anchor_(device_, extent),
       bins_(device_, guide_.cell_extent()),
       multigrid_(device_, extent),
@@ -67,19 +68,21 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
   gate_total_ = buffer(1);
 }
 
-void IntrinsicDecomposition::assemble(gpu::Commands& commands,
-                                      const TemporalAnchor::Params& params) {
+void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnchor::Params& params,
+                                      const KnownReflectance* known) {
   if (plan_.history) anchor_.record(commands, guide_, params, continues_, list());
   if (plan_.measures_gate && !cleared_) {
     commands.fill(gate_sums_);
     cleared_ = true;
   }
   const Extent cells = guide_.cell_extent();
+  const gpu::BufferPtr& value =
+      known ? recall_.record(commands, guide_, value_, scale_.value(), *known) : value_;
   (plan_.measures_gate ? measuring_terms_kernel_
    : plan_.history     ? anchored_terms_kernel_
                        : terms_kernel_)
       .dispatch(commands, list(),
-                {.value = value_,
+                {.value = value,
                  .cells = guide_.cells(),
                  .mismatch = anchor_.mismatch(),
                  .tiles = anchor_.tiles(),
@@ -181,7 +184,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   commands.stage("guide");
   if (start_layers_) start_from_layers(commands, input);
   evaluate_edges(commands, params);
-  assemble(commands, params.anchor);
+  assemble(commands, params.anchor, info.known);
   solve(commands, params);
   strokes_.record_residuals(commands, guide_, multigrid_.field());
   find_scale(commands, params, info.light);

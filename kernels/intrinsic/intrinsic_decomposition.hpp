@@ -13,6 +13,7 @@
 #include "kernels/intrinsic/multigrid/multigrid.hpp"
 #include "kernels/intrinsic/output/output_scale.hpp"
 #include "kernels/intrinsic/prior/edge_prior.hpp"
+#include "kernels/intrinsic/recall/recall.hpp"
 #include "kernels/intrinsic/strokes/strokes.hpp"
 #include "kernels/intrinsic/temporal/temporal_anchor.hpp"
 #include "kernels/intrinsic/tiles/active_tiles.hpp"
@@ -56,6 +57,7 @@ class IntrinsicDecomposition {
     StrokesPtr strokes = {};      ///< of the user; other ones than before start the solve anew
     /// What follows these strokes, and has found them in this frame; null: they stay as drawn.
     const StrokeTracker* tracker = nullptr;
+    const KnownReflectance* known = nullptr;  ///< null: nothing
   };
   struct Stats {
     Plan plan;
@@ -132,7 +134,8 @@ class IntrinsicDecomposition {
   void list_tiles(gpu::Commands& commands, const Params& params);
   void start_from_layers(gpu::Commands& commands, const PlanePtr& input);
   void evaluate_edges(gpu::Commands& commands, const Params& params);
-  void assemble(gpu::Commands& commands, const TemporalAnchor::Params& params);
+  void assemble(gpu::Commands& commands, const TemporalAnchor::Params& params,
+                const KnownReflectance* known);
   void solve(gpu::Commands& commands, const Params& params);
   PlanePtr write_layers(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                         const PlanePtr& slope);
@@ -147,6 +150,7 @@ class IntrinsicDecomposition {
   Guide guide_;
   Strokes strokes_;
   EdgePrior prior_;
+  Recall recall_;
   TemporalAnchor anchor_;
   ChromaBins bins_;
   Multigrid multigrid_;

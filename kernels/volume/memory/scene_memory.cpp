@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "scene_memory.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace inverse {
+namespace {
+
+using shaders::volume_list;
+using shaders::volume_memory_keep_found;
+
+constexpr uint64_t kFoundBytes = volume_memory_keep_found::kFoundStride * 4 * sizeof(float);
+constexpr uint64_t kStateBytes = volume_list::kStateWords * sizeof(uint32_t);
+
+}  // namespace
+
+SceneMemory::SceneMemory(const std::shared_ptr<gpu::Device>& device, Extent depth,
+                         const Params& params)
+    : params_(params),
+      extent_(depth),
+      volume_(device, params.volume),
+      tracker_(device, depth),
+      view_(device, depth),
+      read_depth_(device),
+      keep_found_(device),
+      resize_(device),
+      depth_(gpu::Buffer::create(device, gpu::Element::scalar, depth.pixels())),
+      kept_depth_(gpu::Buffer::create(device, gpu::Element::scalar, depth.pixels())),
+      certain_(gpu::Buffer::create(device, gpu::Element::vec4,
+                                   volume_memory_keep_found::kFoundStride, gpu::Memory::upload)),
+      device_(device) {
+  auto* certain = certain_->map_as<float>();
+  std::fill_n(certain, kFoundBytes / sizeof(float), 0.0F);
+  certain[0] = 1;
+  certain[5] = 1;  // the share that matches
+}
+
+const gpu::BufferPtr& SceneMemory::resized(gpu::Commands& commands, const Plane& plane) {
+  if (plane.extent == extent_) return plane.buffer;
+  if (!resized_) resized_ = gpu::Buffer::create(device_, gpu::Element::vec4, extent_.pixels());
+  commands.dispatch(resize_, {.plane = plane.buffer, .resized = resized_},
+                    {.from = plane.extent, .to = extent_}, static_cast<uint32_t>(extent_.pixels()));
+  return resized_;
+}
+
+void SceneMemory::read(gpu::Commands& commands, uint64_t number, const Depth& depth) {
+  InFlight& frame = frames_[number];
+  if (!frame.image) {
+    frame.image = gpu::Buffer::create(device_, gpu::Element::word, (extent_.pixels() + 1) / 2,
+                                      gpu::Memory::upload);
+    frame.pose = gpu::Buffer::create(device_, gpu::Element::vec4, 2, gpu::Memory::upload);
+    frame.found =
+        gpu::Buffer::create(device_, gpu::Element::word,
+                            (kFoundBytes + kStateBytes) / sizeof(uint32_t), gpu::Memory::readback);
+  }
+  auto* rows = frame.image->map_as<std::byte>();
+  const size_t row = sizeof(uint16_t) * extent_.width;
+  for (uint32_t y = 0; y < extent_.height; ++y)
+    std::memcpy(rows + y * row, depth.rows + y * depth.stride, row);
+  const auto pixels = static_cast<uint32_t>(extent_.pixels());
+  commands.dispatch(read_depth_, {.image = frame.image, .depth = depth_},
+                    {.pixels = pixels, .unit = depth.unit}, pixels);
+  const Pose given = depth.pose.value_or(Pose{});
+  auto* pose = frame.pose->map_as<float>();
+  std::ranges::copy(given.rotation, pose);
+  std::ranges::copy(given.place, pose + 4);
+}
+
+std::optional<KnownReflectance> SceneMemory::record_recall(gpu::Commands& commands, uint64_t number,
+                                                           const Depth& depth,
+                                                           const Plane& picture) {
+  number_ = number;
+  lens_ = depth.lens;
+  read(commands, number, depth);
+  tracker_.record_frame(commands, lens_, depth_, resized(commands, picture));
+  tracked_ = added_ > 0 && (params_.track || !depth.pose);
+  if (tracked_)
+    tracker_.record_align(commands, params_.tracker);
+  else
+    commands.copy(frames_[number].pose, tracker_.pose(), tracker_.pose()->bytes());
+  commands.stage("camera");
+  if (added_ == 0) return {};
+  volume_.record_march(commands, lens_, tracker_.pose(), view_);
+  commands.stage("view");
+  return KnownReflectance{.extent = extent_,
+                          .reflectance = view_.reflectance,
+                          .known_depth = view_.depth,
+                          .depth = depth_,
+                          .valid = tracked_ ? tracker_.found() : certain_,
+                          .weight = params_.weight};
+}
+
+void SceneMemory::record_remember(gpu::Commands& commands, const Plane& layers) {
+  const auto pixels = static_cast<uint32_t>(extent_.pixels());
+  const gpu::BufferPtr& found = tracked_ ? tracker_.found() : certain_;
+  const gpu::BufferPtr& here = resized(commands, layers);
+  if (number_ >= next_) {
+    commands.dispatch(keep_found_, {.depth = depth_, .found = found, .kept = kept_depth_},
+                      {.pixels = pixels}, pixels);
+    volume_.record_integrate(
+        commands, {lens_, extent_, tracker_.pose(), kept_depth_, tracker_.surface()}, here, {});
+    commands.stage("fusion");
+    if (added_ == 0) volume_.record_march(commands, lens_, tracker_.pose(), view_);
+    next_ = number_ + (++added_ < params_.always ? 1 : params_.every);
+  }
+  tracker_.record_target(commands, view_, here);
+  commands.stage("target");
+  const gpu::Commands::CopyPart parts[] = {
+      {.source = found, .bytes = kFoundBytes},
+      {.source = volume_.state(), .bytes = kStateBytes, .target_offset = kFoundBytes}};
+  commands.copy(parts, frames_[number_].found);
+}
+
+SceneMemory::Findings SceneMemory::findings(uint64_t number) const {
+  const InFlight& frame = frames_[number];
+  if (!frame.found) return {};
+  using shaders::volume_tracking_move;
+  const auto* numbers = frame.found->map_as<float>();
+  const auto* state = frame.found->map_as<uint32_t>() + kFoundBytes / sizeof(uint32_t);
+  const float* fit = numbers + size_t{4} * volume_tracking_move::kFit;
+  return {.found = numbers[0] > 0,
+          .frames_lost = static_cast<uint32_t>(numbers[1]),
+          .rms = fit[0],
+          .matched = fit[1],
+          .blocks = volume_.params().blocks - state[volume_list::kFree],
+          .blocks_visible = state[volume_list::kListed],
+          .blocks_refused = state[volume_list::kRefused],
+          .blocks_outside = state[volume_list::kOutside]};
+}
+
+}  // namespace inverse

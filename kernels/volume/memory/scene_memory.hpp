@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "kernels/gpu/frame_ring.hpp"
+#include "kernels/image/plane.hpp"
+#include "kernels/intrinsic/recall/recall.hpp"
+#include "kernels/volume/tracking/tracker.hpp"
+#include "kernels/volume/volume.hpp"
+#include "kernels/volume_memory_keep_found.spv.hpp"
+#include "kernels/volume_memory_read_depth.spv.hpp"
+#include "kernels/volume_memory_resize.spv.hpp"
+
+namespace inverse {
+
+/// A scene that a depth camera walks through: it follows the camera, shows what is known of the
+/// reflectance that a frame sees, and adds what was found of it (thesis, 4.4 and 4.6).
+/// docs/reference/methods/volume.md. Not thread-safe.
+class SceneMemory {
+ public:
+  struct Params {
+    Volume::Params volume;
+    Tracker::Params tracker;
+    bool track = true;  ///< false: frames with a pose are where that says
+    float weight = 1;   ///< KnownReflectance::weight
+    /// Once it has `always` frames, only each `every`-th one is added: what most of a frame shows
+    /// is known by then.
+    uint32_t always = 8, every = 3;
+  };
+  /// A depth image that shows what the picture shows.
+  struct Depth {
+    const std::byte* rows;  ///< 16 bits a pixel, little endian; 0 and 65535: unknown
+    size_t stride;          ///< bytes from row to row
+    Extent extent;
+    float unit;  ///< meters of a step
+    Lens lens;
+    std::optional<Pose> pose;  ///< without one the first frame is at Pose{}
+  };
+
+  /// `depth`: the size of depth images. Throws Error(limit) and Error(out_of_memory).
+  SceneMemory(const std::shared_ptr<gpu::Device>& device, Extent depth, const Params& params);
+
+  /// Records following the camera to frame `number` and showing what is known of it. Empty: nothing
+  /// is. The planes are valid until the next call; frame number - kFramesInFlight must be done.
+  std::optional<KnownReflectance> record_recall(gpu::Commands& commands, uint64_t number,
+                                                const Depth& depth, const Plane& picture);
+  /// Records adding the reflectance of that frame's layers (R.rgb, S).
+  void record_remember(gpu::Commands& commands, const Plane& layers);
+
+  Extent extent() const { return extent_; }
+  void set_weight(float weight) { params_.weight = weight; }
+
+  /// What the device found of a frame.
+  struct Findings {
+    bool found = true;            ///< the camera; false: the frame was not added
+    uint32_t frames_lost = 0;     ///< up to this one, in a row
+    float rms = 0;                ///< distance of matched points, meters
+    float matched = 1;            ///< share of the depth image that is where it was expected
+    uint32_t blocks = 0;          ///< of 8 x 8 x 8 voxels that there are
+    uint32_t blocks_visible = 0;  ///< of which the frame saw
+    uint32_t blocks_refused = 0;  ///< for which the frame found no memory
+    uint32_t blocks_outside = 0;  ///< too far from where the camera began
+  };
+  /// Of one of the last kFramesInFlight frames, once its Commands have been waited for.
+  Findings findings(uint64_t number) const;
+
+ private:
+  const gpu::BufferPtr& resized(gpu::Commands& commands, const Plane& plane);
+  void read(gpu::Commands& commands, uint64_t number, const Depth& depth);
+
+  Params params_;
+  Extent extent_;
+  Lens lens_;
+  Volume volume_;
+  Tracker tracker_;
+  Volume::View view_;
+  gpu::Program<shaders::volume_memory_read_depth> read_depth_;
+  gpu::Program<shaders::volume_memory_keep_found> keep_found_;
+  gpu::Program<shaders::volume_memory_resize> resize_;
+  gpu::BufferPtr depth_, kept_depth_, resized_, certain_;
+  struct InFlight {
+    gpu::BufferPtr image, pose, found;
+  };
+  gpu::FrameRing<InFlight> frames_;
+  std::shared_ptr<gpu::Device> device_;
+  uint64_t number_ = 0;
+  uint32_t added_ = 0;    // frames
+  uint64_t next_ = 0;     // frame to be added
+  bool tracked_ = false;  // this frame
+};
+
+}  // namespace inverse
