@@ -16,6 +16,7 @@ const PropertyTable<Params>& table() {
   static const PropertyTable<Params> table = [] {
     PropertyTable<Params> all = solve_properties<Params>();
     std::ranges::copy(stroke_properties<Params>(), std::back_inserter(all));
+    std::ranges::copy(scene_properties<Params>(), std::back_inserter(all));
     return decomposer_properties<Params>({kSolveSets}, all);
   }();
   return table;
@@ -32,6 +33,7 @@ class IntrinsicMethod final : public SolveMethod<ScaledIntrinsic> {
   void describe(GstStructure* stats, uint64_t number) const override {
     describe_solve(stats, method_->stats(number), method_->findings(number));
     describe_strokes(stats, number);
+    describe_scene(stats, number);
   }
 };
 

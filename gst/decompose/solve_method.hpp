@@ -23,6 +23,7 @@ class SolveMethod : public DecompositionMethod {
                  const Log& log) override {
     method_.emplace(device, extent);
     stroke_work_.configure(device, extent);
+    scene_work_.configure(device);
     const Params params = settings_.properties();
     models_.start(log);
     const PriorModelPtr network = models_.take(params.prior_source, params.prior_width);
@@ -34,10 +35,12 @@ class SolveMethod : public DecompositionMethod {
   void release() override {
     method_.reset();
     stroke_work_.release();
+    scene_work_.release();
   }
   void reset() override {
     method_->reset();
     stroke_work_.reset();
+    scene_work_.reset();
   }
   bool converged(std::optional<uint64_t> completed) const override {
     return completed && method_->converged(*completed, settings_.params());
@@ -64,10 +67,15 @@ class SolveMethod : public DecompositionMethod {
     info.repeated = frame.repeated;
     info.strokes = stroke_work_.solved();
     info.tracker = stroke_work_.tracker();
+    if constexpr (requires { info.known; }) info.known = scene_work_.recall(frame, number, params);
     frame.layers = method_->record(frame.commands, frame.layers[Role::input], params, info);
+    if constexpr (requires { info.known; }) scene_work_.remember(frame);
     frame.drawn = method_->drawn();
     stroke_work_.recolor(frame);
     return number;
+  }
+  void describe_scene(GstStructure* stats, uint64_t number) const {
+    scene_work_.describe(stats, number);
   }
   void describe_strokes(GstStructure* stats, uint64_t number) const {
     stroke_work_.describe(stats, number, solve_findings(method_->findings(number)).strokes);
@@ -87,6 +95,7 @@ class SolveMethod : public DecompositionMethod {
   PriorModels models_;
   StrokeEditor strokes_;
   StrokeWork stroke_work_{strokes_};
+  SceneWork scene_work_;
 };
 
 }  // namespace inverse

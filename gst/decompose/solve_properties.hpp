@@ -3,13 +3,14 @@
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
 #include "method.hpp"
 #include "prior_models.hpp"
+#include "scene_work.hpp"
 #include "stroke_properties.hpp"
 
 namespace inverse {
 
 /// The parameters of an element whose method solves by ScaledIntrinsic: the method's, and these.
 template <typename MethodParams>
-struct SolveParams : MethodParams, DecomposerParams, StrokeParams {
+struct SolveParams : MethodParams, DecomposerParams, StrokeParams, SceneParams {
   float skip_error = Tolerances::kSkipError;  ///< rms log shading
   std::string prior_source = PriorModels::kFitted;
   void take_defaults(const SolveParams& set) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Lines that begin with a file or a pattern: file-to-file, batch, playbin, test-pattern, clone.
+// Lines that begin with a file or a pattern: file-to-file, batch, playbin, test-pattern, rgbd,
+// clone.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -170,6 +171,26 @@ TEST_F(Files, CloneReportsWhatIsMissing) {
   make_silent_clip(file("in.mkv"));
   EXPECT_EQ(run("clone", {file("in.mkv"), file("none.obj")}, {{"SINK", "fakesink"}}), 1);
   expect_contains(output_, "there is no mesh");
+}
+
+TEST_F(Files, RgbdWritesReflectance) {
+  const auto frames_of = [&](const char* memory) {
+    EXPECT_EQ(run("rgbd", {},
+                  {{"MEMORY", memory},
+                   {"SOURCE",
+                    "rgbdtestsrc is-live=false samples=1 num-buffers=6 ! "
+                    "video/x-raw,width=96,height=72"},
+                   {"SINK", raw_file(file("out.mkv"))}}),
+              0)
+        << output_;
+    return read_media(file("out.mkv")).frames;
+  };
+  const auto with = frames_of("true"), without = frames_of("false");
+  ASSERT_FALSE(with.empty());
+  ASSERT_FALSE(without.empty());
+  const auto mean = [](const auto& frame) { return frame.mean(1, 0, 0, 1, 1); };
+  EXPECT_GT(mean(with.back()), 60);
+  EXPECT_NEAR(mean(with.back()), mean(without.back()), 12);
 }
 
 TEST_F(Files, TestPatternTurnsRedBarsGreen) {

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "scene_work.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gst/rgbd/meta/inverse_depth_meta.h"
+
+namespace inverse {
+namespace {
+
+constexpr double kMiB = 1024.0 * 1024.0;
+
+/// What is wrong with a depth meta; empty: nothing.
+std::string wrong_depth(const GstInverseDepthMeta& meta) {
+  if (!meta.depth || meta.width == 0 || meta.height == 0 || meta.stride < 2 * meta.width ||
+      gst_buffer_get_size(meta.depth) < size_t{meta.stride} * (meta.height - 1) + 2 * meta.width)
+    return "the depth image of a frame is smaller than its meta says; the source that attached it "
+           "is to be mended";
+  if (!(meta.unit > 0 && meta.unit < 1))
+    return "the unit of depth is " + std::to_string(meta.unit) +
+           " m; give the meters of a step, as 0.001";
+  const std::array lens{meta.fx, meta.fy, meta.cx, meta.cy};
+  if (!std::ranges::all_of(lens, [](double v) { return std::isfinite(v); }) || meta.fx == 0 ||
+      meta.fy == 0)
+    return "the depth camera has a focal length of 0 or no number; give its calibration in pixels";
+  return {};
+}
+
+constexpr const char* kLost =
+    "the camera is lost: for 30 frames depth did not match the remembered scene; frames are "
+    "decomposed without it until the camera looks at where it was lost";
+constexpr uint32_t kLongLost = 30;  // frames
+
+/// What a depth image is like at every eighth pixel of every eighth row.
+struct Looked {
+  double known = 0;  ///< share of pixels
+  float median = 0;  ///< of these, meters
+};
+Looked look_at(const SceneMemory::Depth& depth) {
+  constexpr uint32_t kStep = 8;
+  std::vector<uint16_t> steps;
+  size_t pixels = 0;
+  for (uint32_t y = 0; y < depth.extent.height; y += kStep)
+    for (uint32_t x = 0; x < depth.extent.width; x += kStep, ++pixels) {
+      const uint16_t value = GST_READ_UINT16_LE(depth.rows + y * depth.stride + size_t{2} * x);
+      if (value != 0 && value != G_MAXUINT16) steps.push_back(value);
+    }
+  if (steps.empty()) return {};
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::ranges::nth_element(steps, middle);
+  return {static_cast<double>(steps.size()) / static_cast<double>(pixels),
+          static_cast<float>(*middle) * depth.unit};
+}
+
+bool alike(const SceneParams& a, const SceneParams& b) {
+  return a.scene_track == b.scene_track && a.voxel_size == b.voxel_size &&
+         a.scene_depth == b.scene_depth && a.scene_memory_limit == b.scene_memory_limit;
+}
+
+SceneMemory::Params memory_params(const SceneParams& params) {
+  SceneMemory::Params made;
+  made.volume.voxel = params.voxel_size;
+  made.volume.max_depth = params.scene_depth;
+  made.volume.blocks =
+      static_cast<uint32_t>(params.scene_memory_limit * kMiB / Volume::kBlockBytes);
+  made.track = params.scene_track;
+  return made;
+}
+
+}  // namespace
+
+class SceneWork::Image {
+ public:
+  explicit Image(GstBuffer* buffer) : buffer_(buffer) {
+    mapped_ = gst_buffer_map(buffer, &map_, GST_MAP_READ);
+  }
+  Image(const Image&) = delete;
+  Image& operator=(const Image&) = delete;
+  ~Image() {
+    if (mapped_) gst_buffer_unmap(buffer_, &map_);
+  }
+  const std::byte* rows() const {
+    return mapped_ ? reinterpret_cast<const std::byte*>(map_.data) : nullptr;
+  }
+
+ private:
+  GstBuffer* buffer_;
+  GstMapInfo map_{};
+  bool mapped_;
+};
+
+void SceneWork::release() {
+  reset();
+  device_.reset();
+}
+
+void SceneWork::reset() {
+  memory_.reset();
+  told_.clear();
+}
+
+void SceneWork::warn(FrameContext& frame, const std::string& text) {
+  if (told_.insert(text).second) frame.warnings.push_back(text);
+}
+
+bool SceneWork::begin(FrameContext& frame, uint64_t number, const SceneMemory::Depth& depth,
+                      const SceneParams& params) {
+  constexpr double kMinKnown = 0.1;
+  constexpr float kNearest = 0.02F, kFarthest = 60;  // meters that the median may be
+  const Looked looked = look_at(depth);
+  if (looked.known < kMinKnown) {
+    warn(frame,
+         "depth is unknown almost everywhere; the scene is remembered from the first frame "
+         "on that has more");
+    return false;
+  }
+  if (!(looked.median > kNearest && looked.median < kFarthest))
+    warn(frame, "half of the scene is nearer than " + std::to_string(looked.median) +
+                    " m; check the unit of depth, which is " + std::to_string(depth.unit) + " m");
+  try {
+    memory_.emplace(device_, depth.extent, memory_params(params));
+  } catch (const Error& error) {
+    warn(frame, std::string("the scene is not remembered: ") + error.what() +
+                    "; lower scene-memory-limit");
+    return false;
+  }
+  first_ = number;
+  made_with_ = params;
+  return true;
+}
+
+void SceneWork::warn_of(FrameContext& frame, const SceneMemory::Findings& found) {
+  if (found.found) told_.erase(kLost);
+  if (found.frames_lost >= kLongLost) warn(frame, kLost);
+  if (found.blocks_refused > 0)
+    warn(frame, "the remembered scene has reached " +
+                    std::to_string(made_with_.scene_memory_limit) +
+                    " MiB: new surfaces are not remembered; raise scene-memory-limit or "
+                    "voxel-size");
+}
+
+const KnownReflectance* SceneWork::recall(FrameContext& frame, uint64_t number,
+                                          const SceneParams& params) {
+  // The slot is that of the frame kFramesInFlight before, which is done.
+  const bool before = std::exchange(remembered_[number], false);
+  remembers_ = false;
+  if (!params.scene_memory) reset();
+  const GstInverseDepthMeta* meta =
+      frame.in && params.scene_memory ? gst_buffer_get_inverse_depth_meta(frame.in) : nullptr;
+  if (!meta) return nullptr;
+  if (const std::string wrong = wrong_depth(*meta); !wrong.empty()) {
+    warn(frame, wrong);
+    return nullptr;
+  }
+  const Image image(meta->depth);
+  if (!image.rows()) {
+    warn(frame, "the depth image of a frame cannot be read; it is left out");
+    return nullptr;
+  }
+  const auto number_of = [](double v) { return static_cast<float>(v); };
+  SceneMemory::Depth depth{
+      .rows = image.rows(),
+      .stride = meta->stride,
+      .extent = {meta->width, meta->height},
+      .unit = number_of(meta->unit),
+      .lens = {number_of(meta->fx), number_of(meta->fy), number_of(meta->cx), number_of(meta->cy)},
+      .pose = {}};
+  if (meta->posed) depth.pose = pose_of_rows(std::span<const double, 12>(meta->pose));
+  if (memory_ && (memory_->extent() != depth.extent || !alike(params, made_with_))) reset();
+  if (!memory_ && !begin(frame, number, depth, params)) return nullptr;
+  if (before && number >= first_ + gpu::kFramesInFlight)
+    warn_of(frame, memory_->findings(number - gpu::kFramesInFlight));
+  memory_->set_weight(params.scene_weight);
+  known_ = memory_->record_recall(frame.commands, number, depth, *frame.layers[Role::input]);
+  remembered_[number] = remembers_ = true;
+  return known_ && params.scene_weight > 0 ? &*known_ : nullptr;
+}
+
+void SceneWork::remember(FrameContext& frame) {
+  if (remembers_) memory_->record_remember(frame.commands, *frame.layers[Role::intrinsic]);
+}
+
+void SceneWork::describe(GstStructure* stats, uint64_t number) const {
+  if (!memory_ || !remembered_[number] || number < first_) return;
+  const SceneMemory::Findings found = memory_->findings(number);
+  gst_structure_set(stats, "scene-camera-found", G_TYPE_BOOLEAN, found.found, "scene-frames-lost",
+                    G_TYPE_UINT, found.frames_lost, "scene-match-rms", G_TYPE_DOUBLE,
+                    static_cast<double>(found.rms), "scene-matched", G_TYPE_DOUBLE,
+                    static_cast<double>(found.matched), "scene-blocks", G_TYPE_UINT, found.blocks,
+                    "scene-blocks-visible", G_TYPE_UINT, found.blocks_visible,
+                    "scene-blocks-refused", G_TYPE_UINT, found.blocks_refused, "scene-memory-mib",
+                    G_TYPE_DOUBLE, found.blocks * double{Volume::kBlockBytes} / kMiB, nullptr);
+}
+
+}  // namespace inverse

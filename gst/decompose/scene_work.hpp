@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "gst/base/filter.hpp"
+#include "kernels/volume/memory/scene_memory.hpp"
+
+namespace inverse {
+
+/// What users set of the memory of a scene that a depth camera sees.
+struct SceneParams {
+  bool scene_memory = true;
+  float scene_weight = 1;        ///< KnownReflectance::weight
+  bool scene_track = true;       ///< SceneMemory::Params::track
+  float voxel_size = 0.01F;      ///< meters
+  float scene_depth = 5;         ///< meters from the camera that are remembered
+  int scene_memory_limit = 192;  ///< MiB
+};
+
+/// The properties of SceneParams.
+template <typename P>
+PropertyTable<P> scene_properties() {
+  return {
+      flag<P>("scene-memory", &P::scene_memory,
+              "Remember the reflectance of the scene where frames carry depth, and start and "
+              "steady each frame by it; false = depth is ignored"),
+      number<P>("scene-weight", &P::scene_weight, 0.f, 1e3f,
+                "Weight of remembered reflectance; raise it against flicker, 0 = frames are only "
+                "remembered"),
+      flag<P>("scene-track", &P::scene_track,
+              "Follow the camera by depth and brightness; false = frames are where the poses that "
+              "come with them say"),
+      number<P>("voxel-size", &P::voxel_size, 0.002f, 0.1f,
+                "Side of a voxel of the remembered scene, meters; a change forgets it"),
+      number<P>("scene-depth", &P::scene_depth, 0.3f, 50.f,
+                "Distance from the camera up to which the scene is remembered, meters; a change "
+                "forgets it"),
+      number<P>("scene-memory-limit", &P::scene_memory_limit, 8, 65536,
+                "Memory of the device for the remembered scene, MiB; a change forgets it"),
+  };
+}
+
+/// What a decomposer does with frames that carry depth: it remembers the scene, before and after
+/// its method decomposes a frame.
+class SceneWork {
+ public:
+  void configure(const std::shared_ptr<gpu::Device>& device) { device_ = device; }
+  void release();
+  /// Forgets the scene.
+  void reset();
+
+  /// Before the method decomposes `frame`, as its frame `number`: what is known of it; null:
+  /// nothing. Adds warnings about its depth.
+  const KnownReflectance* recall(FrameContext& frame, uint64_t number, const SceneParams& params);
+  /// After the method.
+  void remember(FrameContext& frame);
+  /// Adds fields about a completed frame of the method that had depth.
+  void describe(GstStructure* stats, uint64_t number) const;
+
+ private:
+  /// A depth image that is mapped while this lives.
+  class Image;
+
+  /// Adds a warning that was not given since the last reset.
+  void warn(FrameContext& frame, const std::string& text);
+  void warn_of(FrameContext& frame, const SceneMemory::Findings& found);
+  /// Makes the memory for frames like this one; false, with a warning, if it cannot.
+  bool begin(FrameContext& frame, uint64_t number, const SceneMemory::Depth& depth,
+             const SceneParams& params);
+
+  std::shared_ptr<gpu::Device> device_;
+  std::optional<SceneMemory> memory_;
+  SceneParams made_with_;
+  std::optional<KnownReflectance> known_;
+  bool remembers_ = false;  // this frame
+  uint64_t first_ = 0;      // frame of the memory
+  gpu::FrameRing<bool> remembered_;
+  std::set<std::string> told_;
+};
+
+}  // namespace inverse

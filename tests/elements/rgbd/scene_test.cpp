@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Decomposers that remember the scene, by whole lines.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "gst/rgbd/meta/depth_meta.hpp"
+#include "tests/elements/element_test.hpp"
+#include "tests/pipeline.hpp"
+
+namespace inverse::testing {
+namespace {
+
+constexpr const char* kSize = "video/x-raw,width=96,height=72";
+constexpr const char* kShown = "video/x-raw,format=RGBA ! appsink name=out sync=false";
+
+/// `change` may change the depth of the frames before the decomposer.
+LineResult decompose(const std::string& source, const std::string& settings,
+                     const std::function<void(GstInverseDepthMeta&, int)>& change = {},
+                     GstStructure** stats = nullptr) {
+  int n = 0;
+  const std::string line = "rgbdtestsrc is-live=false samples=1 " + source + " ! " + kSize +
+                           " ! identity name=before ! intrinsicdecomp name=decomposer "
+                           "show=reflectance " +
+                           settings + " ! " + kShown;
+  return run_line(line, 240, [&](GstElement* pipeline) {
+    if (change)
+      watch_buffers(find_element(pipeline, "before"), "src", [&, change](GstBuffer* buffer) {
+        GstInverseDepthMeta* meta = gst_buffer_get_inverse_depth_meta(buffer);
+        if (meta) change(*meta, n++);
+      });
+    if (stats)
+      watch_buffers(find_element(pipeline, "out"), "sink", [&, pipeline](GstBuffer*) {
+        if (*stats) gst_structure_free(*stats);
+        g_object_get(find_element(pipeline, "decomposer"), "stats", stats, nullptr);
+      });
+  });
+}
+
+void set_depth(GstInverseDepthMeta& meta, const std::function<uint16_t(uint16_t)>& change) {
+  GstMapInfo map;
+  GstBuffer* image = gst_buffer_copy_deep(meta.depth);
+  ASSERT_TRUE(gst_buffer_map(image, &map, GST_MAP_READWRITE));
+  for (gsize i = 0; i + 1 < map.size; i += 2)
+    GST_WRITE_UINT16_LE(map.data + i, change(GST_READ_UINT16_LE(map.data + i)));
+  gst_buffer_unmap(image, &map);
+  gst_buffer_unref(meta.depth);
+  meta.depth = image;
+}
+
+TEST(Scene, IsRememberedWhereFramesHaveDepth) {
+  GstStructure* stats = nullptr;
+  const LineResult with = decompose("num-buffers=8", "", {}, &stats),
+                   without = decompose("num-buffers=8", "scene-memory=false");
+  ASSERT_EQ(with.frames.size(), 8U) << with.first_error();
+  EXPECT_TRUE(with.warnings.empty()) << with.warnings.front();
+  EXPECT_EQ(with.frames[0], without.frames[0]) << "nothing is known of a first frame";
+  EXPECT_NE(with.frames[7], without.frames[7]);
+  ASSERT_NE(stats, nullptr);
+  gboolean found = FALSE;
+  guint blocks = 0;
+  EXPECT_TRUE(gst_structure_get(stats, "scene-camera-found", G_TYPE_BOOLEAN, &found, "scene-blocks",
+                                G_TYPE_UINT, &blocks, nullptr));
+  EXPECT_TRUE(found);
+  EXPECT_GT(blocks, 500U);
+  gst_structure_free(stats);
+}
+
+// The poses of a recording serve as well as those that are found.
+TEST(Scene, TakesGivenPoses) {
+  GstStructure* stats = nullptr;
+  const LineResult given =
+      decompose("num-buffers=6 path=wall speed=20", "scene-track=false", {}, &stats);
+  ASSERT_EQ(given.frames.size(), 6U) << given.first_error();
+  EXPECT_TRUE(given.warnings.empty());
+  gboolean found = FALSE;
+  ASSERT_TRUE(gst_structure_get_boolean(stats, "scene-camera-found", &found));
+  EXPECT_TRUE(found);
+  gst_structure_free(stats);
+}
+
+TEST(Scene, BadDepthIsSaidAndLosesNoFrame) {
+  struct Case {
+    const char* said;
+    std::function<void(GstInverseDepthMeta&, int)> change;
+  };
+  const auto all = [](uint16_t value) {
+    return [value](GstInverseDepthMeta& meta, int) {
+      set_depth(meta, [value](uint16_t) { return value; });
+    };
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const Case cases[] = {
+      {"unknown almost everywhere", all(0)},
+      {"unknown almost everywhere", all(65535)},
+      {"unit of depth", [](GstInverseDepthMeta& meta, int) { meta.unit = 1e-6; }},
+      {"unit of depth", [](GstInverseDepthMeta& meta, int) { meta.unit = 0; }},
+      {"unit of depth", [=](GstInverseDepthMeta& meta, int) { meta.unit = nan; }},
+      {"focal length", [](GstInverseDepthMeta& meta, int) { meta.fx = 0; }},
+      {"focal length", [=](GstInverseDepthMeta& meta, int) { meta.cy = nan; }},
+      {"smaller than its meta says", [](GstInverseDepthMeta& meta, int) { meta.height *= 2; }},
+      {"smaller than its meta says", [](GstInverseDepthMeta& meta, int) { meta.width = 0; }},
+      {"the camera is lost",
+       [](GstInverseDepthMeta& meta, int n) {
+         if (n > 1) set_depth(meta, [](uint16_t value) { return uint16_t(value / 2); });
+       }},
+  };
+  for (const Case& c : cases) {
+    const size_t count = std::string(c.said).find("lost") == std::string::npos ? 5 : 40;
+    const LineResult line =
+        decompose("num-buffers=" + std::to_string(count), "quality=low", c.change);
+    EXPECT_EQ(line.frames.size(), count) << c.said << ": " << line.first_error();
+    EXPECT_TRUE(line.eos) << c.said;
+    EXPECT_EQ(std::count_if(line.warnings.begin(), line.warnings.end(),
+                            [&](const std::string& warning) {
+                              return warning.find(c.said) != std::string::npos;
+                            }),
+              1)
+        << c.said << " is said once";
+  }
+}
+
+TEST(Scene, SaysThatItsMemoryIsFull) {
+  const LineResult line = decompose("num-buffers=8", "scene-memory-limit=8 voxel-size=0.002");
+  EXPECT_EQ(line.frames.size(), 8U) << line.first_error();
+  ASSERT_EQ(line.warnings.size(), 1U);
+  EXPECT_NE(line.warnings[0].find("scene-memory-limit"), std::string::npos) << line.warnings[0];
+}
+
+// Sizes and settings that change while it runs forget the scene and lose no frame.
+TEST(Scene, ChangesWhileItRuns) {
+  int n = 0;
+  const LineResult line = run_line(
+      std::string("rgbdtestsrc is-live=false samples=1 num-buffers=16 ! ") + kSize +
+          " ! identity name=before ! intrinsicdecomp name=decomposer show=reflectance ! " + kShown,
+      240, [&](GstElement* pipeline) {
+        watch_buffers(find_element(pipeline, "before"), "src", [&, pipeline](GstBuffer* buffer) {
+          GstElement* decomposer = find_element(pipeline, "decomposer");
+          GstInverseDepthMeta* meta = gst_buffer_get_inverse_depth_meta(buffer);
+          if (n >= 4 && n < 8) meta->height /= 2;
+          if (n == 8) g_object_set(decomposer, "voxel-size", 0.02, nullptr);
+          if (n == 10) g_object_set(decomposer, "scene-memory", FALSE, nullptr);
+          if (n == 12) g_object_set(decomposer, "scene-memory", TRUE, nullptr);
+          if (n == 14) g_object_set(decomposer, "scene-track", FALSE, nullptr);
+          ++n;
+        });
+      });
+  EXPECT_EQ(line.frames.size(), 16U) << line.first_error();
+  EXPECT_TRUE(line.warnings.empty()) << line.warnings.front();
+}
+
+}  // namespace
+}  // namespace inverse::testing
