@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "calibration.hpp"
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "common/error.hpp"
+
+namespace inverse {
+namespace {
+
+using Json = nlohmann::json;
+
+CalibratedCamera camera_of(const Json& json) {
+  CalibratedCamera camera;
+  const auto& matrix = json.at("matrix");
+  camera.size = {json.at("size").at(0).get<uint32_t>(), json.at("size").at(1).get<uint32_t>()};
+  camera.fx = matrix.at(0).at(0).get<double>();
+  camera.fy = matrix.at(1).at(1).get<double>();
+  camera.cx = matrix.at(0).at(2).get<double>();
+  camera.cy = matrix.at(1).at(2).get<double>();
+  if (json.contains("distortion"))
+    for (size_t i = 0; i < camera.distortion.size() && i < json["distortion"].size(); ++i)
+      camera.distortion[i] = json["distortion"].at(i).get<double>();
+  return camera;
+}
+
+bool usable(const CalibratedCamera& camera) {
+  return camera.size.pixels() > 0 && camera.fx > 0 && camera.fy > 0 && std::isfinite(camera.fx) &&
+         std::isfinite(camera.fy) && std::isfinite(camera.cx) && std::isfinite(camera.cy);
+}
+
+/// Whether R has the columns of a rotation.
+bool turns(const std::array<double, 9>& r) {
+  constexpr double kTolerance = 1e-2;
+  for (size_t i = 0; i < 3; ++i)
+    for (size_t j = 0; j < 3; ++j) {
+      const double product = r[i] * r[j] + r[3 + i] * r[3 + j] + r[6 + i] * r[6 + j];
+      if (!(std::abs(product - (i == j ? 1 : 0)) < kTolerance)) return false;
+    }
+  const double det = r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) +
+                     r[2] * (r[3] * r[7] - r[4] * r[6]);
+  return det > 0;
+}
+
+/// Where a ray (x / z, y / z) falls, in pixels (OpenCV's model of distortion).
+std::array<double, 2> seen_at(const CalibratedCamera& camera, double x, double y) {
+  const auto& [k1, k2, p1, p2, k3] = camera.distortion;
+  const double r2 = x * x + y * y, radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+  const double dx = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
+               dy = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y;
+  return {camera.fx * dx + camera.cx, camera.fy * dy + camera.cy};
+}
+
+/// The ray that falls on a pixel: iterated, as cv::undistortPoints does.
+std::array<double, 2> ray_at(const CalibratedCamera& camera, double u, double v) {
+  constexpr int kRounds = 10;
+  const double u0 = (u - camera.cx) / camera.fx, v0 = (v - camera.cy) / camera.fy;
+  double x = u0, y = v0;
+  const auto& [k1, k2, p1, p2, k3] = camera.distortion;
+  for (int round = 0; round < kRounds; ++round) {
+    const double r2 = x * x + y * y, radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+    const double dx = 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
+                 dy = p1 * (r2 + 2 * y * y) + 2 * p2 * x * y;
+    x = (u0 - dx) / radial;
+    y = (v0 - dy) / radial;
+  }
+  return {x, y};
+}
+
+}  // namespace
+
+CalibratedCamera CalibratedCamera::for_size(Extent other) const {
+  CalibratedCamera scaled = *this;
+  const double across = double{1} * other.width / size.width,
+               down = double{1} * other.height / size.height;
+  scaled.size = other;
+  scaled.fx *= across;
+  scaled.fy *= down;
+  scaled.cx = (cx + 0.5) * across - 0.5;
+  scaled.cy = (cy + 0.5) * down - 0.5;
+  return scaled;
+}
+
+Calibration read_calibration(const std::string& path) {
+  std::ifstream file(path);
+  if (!file)
+    throw Error(ErrorKind::file, "cannot read the calibration " + path + "; check the path");
+  Calibration read;
+  try {
+    const Json json = Json::parse(file);
+    read.color = camera_of(json.at("color"));
+    read.depth = camera_of(json.at("depth"));
+    read.unit = json["depth"].value("unit", read.unit);
+    if (json.contains("rotation"))
+      for (size_t i = 0; i < 9; ++i)
+        read.rotation[i] = json["rotation"].at(i / 3).at(i % 3).get<double>();
+    if (json.contains("translation"))
+      for (size_t i = 0; i < 3; ++i) read.translation[i] = json["translation"].at(i).get<double>();
+  } catch (const Json::exception& error) {
+    throw Error(ErrorKind::file, path + " is no calibration: " + error.what());
+  }
+  if (!usable(read.color) || !usable(read.depth))
+    throw Error(ErrorKind::file,
+                path + ": a camera's matrix is singular; its focal lengths must be above 0");
+  if (!turns(read.rotation))
+    throw Error(ErrorKind::file, path +
+                                     ": \"rotation\" is no rotation; its rows must be three unit "
+                                     "vectors at right angles");
+  if (!(read.unit > 0 && read.unit < 1))
+    throw Error(ErrorKind::file, path + ": \"unit\" must be the meters of a step of depth");
+  return read;
+}
+
+Registration::Registration(const Calibration& calibration, Extent depth)
+    : calibration_(calibration), extent_(depth), target_(calibration.color.for_size(depth)) {
+  const CalibratedCamera from = calibration.depth.for_size(depth);
+  for (uint32_t y = 0; y < depth.height; ++y)
+    for (uint32_t x = 0; x < depth.width; ++x) {
+      const auto [rx, ry] = ray_at(from, x, y);
+      rays_.push_back({static_cast<float>(rx), static_cast<float>(ry)});
+    }
+}
+
+void Registration::run(const uint8_t* rows, size_t stride,
+                       std::vector<uint16_t>& registered) const {
+  constexpr uint16_t kFarthest = 65534;
+  registered.assign(extent_.pixels(), 0);
+  const auto& r = calibration_.rotation;
+  const auto& t = calibration_.translation;
+  const auto width = static_cast<int>(extent_.width), height = static_cast<int>(extent_.height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const uint8_t* at = rows + static_cast<size_t>(y) * stride + static_cast<size_t>(2 * x);
+      const auto steps = static_cast<uint16_t>(at[0] | at[1] << 8);
+      if (steps == 0 || steps == 65535) continue;
+      const auto [rx, ry] = rays_[static_cast<size_t>(y * width + x)];
+      const double z = steps * calibration_.unit, px = double{rx} * z, py = double{ry} * z;
+      const double qx = r[0] * px + r[1] * py + r[2] * z + t[0],
+                   qy = r[3] * px + r[4] * py + r[5] * z + t[1],
+                   qz = r[6] * px + r[7] * py + r[8] * z + t[2];
+      const double out = std::round(qz / calibration_.unit);
+      if (!(out >= 1 && out <= kFarthest)) continue;
+      const auto [u, v] = seen_at(target_, qx / qz, qy / qz);
+      if (!(u > -1 && v > -1 && u < width && v < height)) continue;
+      // On the four pixels around it, so that there are no cracks; the nearest surface stays.
+      const int left = static_cast<int>(std::floor(u)), top = static_cast<int>(std::floor(v));
+      for (int k = 0; k < 4; ++k) {
+        const int tx = left + k % 2, ty = top + k / 2;
+        if (tx < 0 || ty < 0 || tx >= width || ty >= height) continue;
+        uint16_t& there = registered[static_cast<size_t>(ty * width + tx)];
+        if (there == 0 || out < there) there = static_cast<uint16_t>(out);
+      }
+    }
+}
+
+}  // namespace inverse

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "rgbd_merge.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gst/base/log/errors.hpp"
+#include "gst/base/log/log.hpp"
+#include "gst/rgbd/meta/depth_meta.hpp"
+
+namespace inverse {
+namespace {
+
+constexpr double kTypicalView = 62;  // degrees across, of a depth camera without calibration
+constexpr guint64 kManyUnpaired = 30;
+
+GstClockTime running_time(GstAggregatorPad* pad, GstBuffer* buffer) {
+  return gst_segment_to_running_time(&pad->segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
+}
+
+GstClockTime apart(GstClockTime a, GstClockTime b) {
+  if (!GST_CLOCK_TIME_IS_VALID(a) || !GST_CLOCK_TIME_IS_VALID(b)) return GST_CLOCK_TIME_NONE;
+  return a > b ? a - b : b - a;
+}
+
+}  // namespace
+
+const PropertyTable<RgbdMergeParams>& rgbd_merge_properties() {
+  using P = RgbdMergeParams;
+  constexpr Mutable kReady = Mutable::ready;
+  static const PropertyTable<P> table{
+      text<P>(
+          "calibration", &P::calibration,
+          "JSON file with both cameras and how they stand to each other (OpenCV's conventions); "
+          "empty = depth shows what the picture shows, with the lens of fx, fy, cx, cy",
+          kReady),
+      number<P>("depth-unit", &P::unit, 1e-6, 1.,
+                "Meters of a step of depth; a calibration's wins"),
+      number<P>("fx", &P::fx, 0., 1e5,
+                "Focal length in pixels of the picture; 0 = a view of 62 degrees across"),
+      number<P>("fy", &P::fy, 0., 1e5, "The same along y; 0 = as fx"),
+      number<P>("cx", &P::cx, 0., 1e5, "Center in pixels of the picture; 0 = its middle"),
+      number<P>("cy", &P::cy, 0., 1e5, "The same along y; 0 = its middle"),
+      number<P>("max-difference", &P::max_difference, 0., 1e4,
+                "Time between a picture and its depth image, at most, ms"),
+      choice<P>("unpaired", &P::unpaired, "GstInverseRgbdUnpaired",
+                {{int(P::Unpaired::drop), "drop", "Drop pictures that have no depth image"},
+                 {int(P::Unpaired::pass), "pass", "Let them pass without depth"}},
+                "What becomes of pictures without a depth image of their time"),
+  };
+  return table;
+}
+
+RgbdMerge::~RgbdMerge() { drop_depth(); }
+
+GstStructure* RgbdMerge::stats() const {
+  std::lock_guard lock(mutex_);
+  return gst_structure_new("inverse-stats", "merged", G_TYPE_UINT64, merged_, "unpaired",
+                           G_TYPE_UINT64, unpaired_, "depth-dropped", G_TYPE_UINT64, depth_dropped_,
+                           nullptr);
+}
+
+void RgbdMerge::start() {
+  const RgbdMergeParams params = parameters_.snapshot();
+  calibration_.reset();
+  registration_.reset();
+  if (!params.calibration.empty()) calibration_ = read_calibration(params.calibration);
+  gst_video_info_init(&color_info_);
+  gst_video_info_init(&depth_info_);
+  std::lock_guard lock(mutex_);
+  merged_ = unpaired_ = depth_dropped_ = 0;
+  warned_ = false;
+}
+
+void RgbdMerge::stop() { drop_depth(); }
+void RgbdMerge::flush() { drop_depth(); }
+
+void RgbdMerge::drop_depth() {
+  gst_clear_buffer(&held_);
+  held_time_ = GST_CLOCK_TIME_NONE;
+}
+
+void RgbdMerge::set_color_caps(const GstCaps* caps) {
+  if (!gst_video_info_from_caps(&color_info_, caps))
+    throw Error(ErrorKind::unsupported, "rgbdmerge cannot make sense of the pictures' format");
+}
+
+void RgbdMerge::set_depth_caps(const GstCaps* caps) {
+  GstVideoInfo info;
+  if (!gst_video_info_from_caps(&info, caps))
+    throw Error(ErrorKind::unsupported, "rgbdmerge cannot make sense of the depth's format");
+  depth_info_ = info;
+  registration_.reset();
+  if (calibration_)
+    registration_.emplace(*calibration_, Extent{static_cast<uint32_t>(info.width),
+                                                static_cast<uint32_t>(info.height)});
+}
+
+GstFlowReturn RgbdMerge::aggregate(GstAggregator* aggregator, bool timeout) {
+  GstBuffer* color = gst_aggregator_pad_peek_buffer(color_);
+  if (!color) {
+    if (gst_aggregator_pad_is_eos(color_)) return GST_FLOW_EOS;
+    return GST_AGGREGATOR_FLOW_NEED_DATA;
+  }
+  const GstClockTime time = running_time(color_, color);
+  const RgbdMergeParams params = parameters_.snapshot();
+  // The depth image nearest in time: the first that is behind the picture ends the search.
+  bool waits = false;
+  for (;;) {
+    GstBuffer* next = gst_aggregator_pad_peek_buffer(depth_);
+    if (!next) {
+      const bool behind = held_ && GST_CLOCK_TIME_IS_VALID(held_time_) && held_time_ >= time;
+      waits = !behind && !timeout && !gst_aggregator_pad_is_eos(depth_);
+      break;
+    }
+    const GstClockTime next_time = running_time(depth_, next);
+    gst_buffer_unref(next);
+    if (held_ && apart(next_time, time) > apart(held_time_, time)) break;
+    if (held_ && !held_used_) {
+      std::lock_guard lock(mutex_);
+      ++depth_dropped_;
+    }
+    drop_depth();
+    held_ = gst_aggregator_pad_pop_buffer(depth_);
+    held_time_ = next_time;
+    held_used_ = false;
+  }
+  if (waits) {
+    gst_buffer_unref(color);
+    return GST_AGGREGATOR_FLOW_NEED_DATA;
+  }
+  const auto most = static_cast<GstClockTime>(params.max_difference * GST_MSECOND);
+  const bool paired = held_ && apart(held_time_, time) <= most;
+  gst_buffer_unref(color);
+  color = gst_aggregator_pad_pop_buffer(color_);
+  if (!color) return GST_AGGREGATOR_FLOW_NEED_DATA;  // a flush took it
+  if (paired) {
+    color = gst_buffer_make_writable(color);
+    if (!guarded(element_, [&] { attach(color, params); })) {
+      gst_buffer_unref(color);
+      return GST_FLOW_ERROR;
+    }
+    held_used_ = true;
+  }
+  if (!paired && params.unpaired == RgbdMergeParams::Unpaired::drop) {
+    gst_buffer_unref(color);
+    color = nullptr;
+  }
+  return push(aggregator, color, paired);
+}
+
+GstFlowReturn RgbdMerge::push(GstAggregator* aggregator, GstBuffer* color, bool paired) {
+  bool warns = false;
+  {
+    std::lock_guard lock(mutex_);
+    ++(paired ? merged_ : unpaired_);
+    warns = unpaired_ == kManyUnpaired && merged_ == 0 && !warned_;
+    warned_ = warned_ || warns;
+  }
+  if (warns)
+    post_warning(log_of(element_), GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED,
+                 "none of %" G_GUINT64_FORMAT
+                 " pictures has a depth image within max-difference: color and depth are apart in "
+                 "time; raise max-difference, or give both the same time stamps",
+                 kManyUnpaired);
+  if (!color) return GST_FLOW_OK;
+  return gst_aggregator_finish_buffer(aggregator, color);
+}
+
+void RgbdMerge::attach(GstBuffer* color, const RgbdMergeParams& params) {
+  GstVideoFrame frame;
+  if (!gst_video_frame_map(&frame, &depth_info_, held_, GST_MAP_READ))
+    throw Error(ErrorKind::internal, "a depth image cannot be read");
+  const auto* rows = static_cast<const uint8_t*>(GST_VIDEO_FRAME_PLANE_DATA(&frame, 0));
+  const auto stride = static_cast<size_t>(GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0));
+  const auto width = static_cast<uint32_t>(depth_info_.width),
+             height = static_cast<uint32_t>(depth_info_.height);
+  const size_t row = size_t{2} * width, bytes = row * height;
+  GstBuffer* image = gst_buffer_new_allocate(nullptr, bytes, nullptr);
+  if (!image) {
+    gst_video_frame_unmap(&frame);
+    throw Error(ErrorKind::out_of_memory, "no memory for a depth image");
+  }
+  if (registration_) {
+    registration_->run(rows, stride, registered_);
+    gst_buffer_fill(image, 0, registered_.data(), bytes);
+  } else {
+    for (uint32_t y = 0; y < height; ++y) gst_buffer_fill(image, y * row, rows + y * stride, row);
+  }
+  gst_video_frame_unmap(&frame);
+  CalibratedCamera lens;
+  if (registration_) {
+    lens = registration_->lens();
+  } else {
+    lens.size = {static_cast<uint32_t>(color_info_.width),
+                 static_cast<uint32_t>(color_info_.height)};
+    lens.fx =
+        params.fx > 0 ? params.fx : lens.size.width / (2 * std::tan(kTypicalView / 360 * G_PI));
+    lens.fy = params.fy > 0 ? params.fy : lens.fx;
+    lens.cx = params.cx > 0 ? params.cx : (lens.size.width - 1) / 2.0;
+    lens.cy = params.cy > 0 ? params.cy : (lens.size.height - 1) / 2.0;
+    lens = lens.for_size({width, height});
+  }
+  while (GstInverseDepthMeta* other = gst_buffer_get_inverse_depth_meta(color))
+    gst_buffer_remove_meta(color, &other->meta);
+  GstInverseDepthMeta* meta = add_depth_meta(color);
+  meta->depth = image;
+  meta->width = width;
+  meta->height = height;
+  meta->stride = static_cast<guint>(row);
+  meta->unit = calibration_ ? calibration_->unit : params.unit;
+  meta->fx = lens.fx;
+  meta->fy = lens.fy;
+  meta->cx = lens.cx;
+  meta->cy = lens.cy;
+}
+
+}  // namespace inverse

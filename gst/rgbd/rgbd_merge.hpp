@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <gst/base/gstaggregator.h>
+#include <gst/video/video.h>
+
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibration.hpp"
+#include "gst/base/property_table.hpp"
+
+namespace inverse {
+
+struct RgbdMergeParams {
+  enum class Unpaired { drop, pass };
+  std::string calibration;
+  double unit = 0.001, fx = 0, fy = 0, cx = 0, cy = 0;
+  double max_difference = 20;
+  Unpaired unpaired = Unpaired::drop;
+};
+const PropertyTable<RgbdMergeParams>& rgbd_merge_properties();
+
+/// Finds the depth image of each picture by its time, and attaches it.
+class RgbdMerge {
+ public:
+  RgbdMerge(GstElement* element, GstAggregatorPad* color, GstAggregatorPad* depth)
+      : element_(element), color_(color), depth_(depth), parameters_(rgbd_merge_properties()) {}
+  ~RgbdMerge();
+
+  PropertyStore& parameters() { return parameters_; }
+  /// The caller owns it.
+  GstStructure* stats() const;
+  /// READY → PAUSED: reads the calibration. Throws Error.
+  void start();
+  void stop();
+  void flush();
+  void set_color_caps(const GstCaps* caps);
+  /// Throws Error(unsupported).
+  void set_depth_caps(const GstCaps* caps);
+  /// `timeout`: what did not come yet will not be waited for.
+  GstFlowReturn aggregate(GstAggregator* aggregator, bool timeout);
+
+  GstAggregatorPad* color() const { return color_; }
+
+ private:
+  GstFlowReturn push(GstAggregator* aggregator, GstBuffer* color, bool paired);
+  void attach(GstBuffer* color, const RgbdMergeParams& params);
+  void drop_depth();
+
+  GstElement* element_;
+  GstAggregatorPad *color_, *depth_;  // which the element has
+  Parameters<RgbdMergeParams> parameters_;
+  GstVideoInfo color_info_{}, depth_info_{};
+  std::optional<Calibration> calibration_;
+  std::optional<Registration> registration_;
+  std::vector<uint16_t> registered_;
+  GstBuffer* held_ = nullptr;  // the last depth image
+  GstClockTime held_time_ = GST_CLOCK_TIME_NONE;
+  bool held_used_ = false;
+  mutable std::mutex mutex_;  // for the counts
+  guint64 merged_ = 0, unpaired_ = 0, depth_dropped_ = 0;
+  bool warned_ = false;
+};
+
+}  // namespace inverse
