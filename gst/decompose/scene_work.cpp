@@ -34,7 +34,7 @@ std::string wrong_depth(const GstInverseDepthMeta& meta) {
 
 constexpr const char* kLost =
     "the camera is lost: for 30 frames depth did not match the remembered scene; frames are "
-    "decomposed without it until the camera looks at where it was lost";
+    "decomposed without it until the camera sees something that it knows";
 constexpr uint32_t kLongLost = 30;  // frames
 
 /// What a depth image is like at every eighth pixel of every eighth row.
@@ -195,7 +195,8 @@ void SceneWork::describe(GstStructure* stats, uint64_t number) const {
                     static_cast<double>(found.matched), "scene-blocks", G_TYPE_UINT, found.blocks,
                     "scene-blocks-visible", G_TYPE_UINT, found.blocks_visible,
                     "scene-blocks-refused", G_TYPE_UINT, found.blocks_refused, "scene-memory-mib",
-                    G_TYPE_DOUBLE, found.blocks * double{Volume::kBlockBytes} / kMiB, nullptr);
+                    G_TYPE_DOUBLE, found.blocks * double{Volume::kBlockBytes} / kMiB,
+                    "scene-keyframes", G_TYPE_UINT, found.keyframes, nullptr);
 }
 
 }  // namespace inverse

@@ -15,11 +15,10 @@ void main() {
   uint line = line_index();
   uvec2 pixel = uvec2(line % push.to.x, line / push.to.x);
   if (pixel.y >= push.to.y) return;
-  vec2 side = vec2(push.from) / vec2(push.to);
   vec4 sum = vec4(0.0);
   for (uint y = 0u; y < 4u; ++y)
     for (uint x = 0u; x < 4u; ++x) {
-      uvec2 at = min(uvec2((vec2(pixel) + (vec2(x, y) + 0.5) / 4.0) * side), push.from - 1u);
+      uvec2 at = min((8u * pixel + 2u * uvec2(x, y) + 1u) * push.from / (8u * push.to), push.from - 1u);
       sum += FETCH(plane, int(at.y * push.from.x + at.x));
     }
   STORE(resized, line, sum / 16.0);

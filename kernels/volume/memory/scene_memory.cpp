@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
+#include <vector>
 
 namespace inverse {
 namespace {
@@ -12,6 +14,22 @@ using shaders::volume_memory_keep_found;
 
 constexpr uint64_t kFoundBytes = volume_memory_keep_found::kFoundStride * 4 * sizeof(float);
 constexpr uint64_t kStateBytes = volume_list::kStateWords * sizeof(uint32_t);
+constexpr uint64_t kPoseBytes = 8 * sizeof(float);
+constexpr uint32_t kCells = shaders::volume_memory_thumbnail::kThumbnailWidth *
+                            shaders::volume_memory_thumbnail::kThumbnailHeight;
+constexpr uint64_t kThumbnailBytes = kCells * 4 * sizeof(float);
+// Of what is read back: what tracking found, the volume's state, the pose, the thumbnail.
+constexpr uint64_t kStateAt = kFoundBytes, kPoseAt = kStateAt + kStateBytes,
+                   kThumbnailAt = kPoseAt + kPoseBytes, kReadBytes = kThumbnailAt + kThumbnailBytes;
+
+/// For a camera whose pose is only known roughly, and whose light is not.
+Tracker::Params from_afar(Tracker::Params params) {
+  params.steps = {4, 6, 10};
+  params.max_distance = {0.05F, 0.15F, 0.3F};
+  params.photometric = 0;
+  params.min_share = std::max(params.min_share, 0.5F);  // other places may look a little alike
+  return params;
+}
 
 }  // namespace
 
@@ -25,11 +43,14 @@ SceneMemory::SceneMemory(const std::shared_ptr<gpu::Device>& device, Extent dept
       read_depth_(device),
       keep_found_(device),
       resize_(device),
+      thumbnail_(device),
       depth_(gpu::Buffer::create(device, gpu::Element::scalar, depth.pixels())),
       kept_depth_(gpu::Buffer::create(device, gpu::Element::scalar, depth.pixels())),
       certain_(gpu::Buffer::create(device, gpu::Element::vec4,
                                    volume_memory_keep_found::kFoundStride, gpu::Memory::upload)),
-      device_(device) {
+      thumbnail_plane_(gpu::Buffer::create(device, gpu::Element::vec4, kCells)),
+      device_(device),
+      keyframes_(params.keyframes) {
   auto* certain = certain_->map_as<float>();
   std::fill_n(certain, kFoundBytes / sizeof(float), 0.0F);
   certain[0] = 1;
@@ -50,9 +71,8 @@ void SceneMemory::read(gpu::Commands& commands, uint64_t number, const Depth& de
     frame.image = gpu::Buffer::create(device_, gpu::Element::word, (extent_.pixels() + 1) / 2,
                                       gpu::Memory::upload);
     frame.pose = gpu::Buffer::create(device_, gpu::Element::vec4, 2, gpu::Memory::upload);
-    frame.found =
-        gpu::Buffer::create(device_, gpu::Element::word,
-                            (kFoundBytes + kStateBytes) / sizeof(uint32_t), gpu::Memory::readback);
+    frame.found = gpu::Buffer::create(device_, gpu::Element::word, kReadBytes / sizeof(uint32_t),
+                                      gpu::Memory::readback);
   }
   auto* rows = frame.image->map_as<std::byte>();
   const size_t row = sizeof(uint16_t) * extent_.width;
@@ -61,10 +81,38 @@ void SceneMemory::read(gpu::Commands& commands, uint64_t number, const Depth& de
   const auto pixels = static_cast<uint32_t>(extent_.pixels());
   commands.dispatch(read_depth_, {.image = frame.image, .depth = depth_},
                     {.pixels = pixels, .unit = depth.unit}, pixels);
-  const Pose given = depth.pose.value_or(Pose{});
-  auto* pose = frame.pose->map_as<float>();
-  std::ranges::copy(given.rotation, pose);
-  std::ranges::copy(given.place, pose + 4);
+}
+
+void SceneMemory::set_pose(gpu::Commands& commands, uint64_t number, const Pose& pose) {
+  const gpu::BufferPtr& from = frames_[number].pose;
+  auto* values = from->map_as<float>();
+  std::ranges::copy(pose.rotation, values);
+  std::ranges::copy(pose.place, values + 4);
+  commands.copy(from, tracker_.pose(), kPoseBytes);
+}
+
+std::optional<Pose> SceneMemory::learn(uint64_t number) {
+  if (!std::exchange(frames_[number].recorded, false)) return {};
+  const auto* numbers = frames_[number].found->map_as<float>();
+  Keyframes::Picture picture;
+  for (const float* cell = numbers + kThumbnailAt / sizeof(float); picture.depth.size() < kCells;
+       cell += 4) {
+    picture.brightness.push_back(cell[0]);
+    picture.depth.push_back(cell[1]);
+  }
+  if (numbers[0] > 0) {
+    tries_ = 0;
+    Pose pose;
+    const float* values = numbers + kPoseAt / sizeof(float);
+    std::copy_n(values, 4, pose.rotation.begin());
+    std::copy_n(values + 4, 4, pose.place.begin());
+    keyframes_.add(picture, pose);
+    return {};
+  }
+  // Each candidate as long as it takes to hear that it was right.
+  const std::vector<Pose> poses = keyframes_.like(picture, params_.candidates);
+  if (poses.empty()) return {};
+  return poses[tries_++ / (gpu::kFramesInFlight + 1) % poses.size()];
 }
 
 std::optional<KnownReflectance> SceneMemory::record_recall(gpu::Commands& commands, uint64_t number,
@@ -72,13 +120,20 @@ std::optional<KnownReflectance> SceneMemory::record_recall(gpu::Commands& comman
                                                            const Plane& picture) {
   number_ = number;
   lens_ = depth.lens;
+  const std::optional<Pose> candidate = learn(number);
   read(commands, number, depth);
   tracker_.record_frame(commands, lens_, depth_, resized(commands, picture));
   tracked_ = added_ > 0 && (params_.track || !depth.pose);
-  if (tracked_)
+  if (!tracked_) {
+    set_pose(commands, number, depth.pose.value_or(Pose{}));
+  } else if (candidate) {
+    set_pose(commands, number, *candidate);
+    volume_.record_march(commands, lens_, tracker_.pose(), view_);
+    tracker_.record_target(commands, view_, resized(commands, picture));
+    tracker_.record_align(commands, from_afar(params_.tracker));
+  } else {
     tracker_.record_align(commands, params_.tracker);
-  else
-    commands.copy(frames_[number].pose, tracker_.pose(), tracker_.pose()->bytes());
+  }
   commands.stage("camera");
   if (added_ == 0) return {};
   volume_.record_march(commands, lens_, tracker_.pose(), view_);
@@ -105,11 +160,19 @@ void SceneMemory::record_remember(gpu::Commands& commands, const Plane& layers) 
     next_ = number_ + (++added_ < params_.always ? 1 : params_.every);
   }
   tracker_.record_target(commands, view_, here);
+  const Tracker::Small small = tracker_.small();
+  commands.dispatch(
+      thumbnail_,
+      {.brightness = small.brightness, .depth = small.depth, .thumbnail = thumbnail_plane_},
+      {.size = small.extent}, kCells);
   commands.stage("target");
   const gpu::Commands::CopyPart parts[] = {
       {.source = found, .bytes = kFoundBytes},
-      {.source = volume_.state(), .bytes = kStateBytes, .target_offset = kFoundBytes}};
+      {.source = volume_.state(), .bytes = kStateBytes, .target_offset = kStateAt},
+      {.source = tracker_.pose(), .bytes = kPoseBytes, .target_offset = kPoseAt},
+      {.source = thumbnail_plane_, .bytes = kThumbnailBytes, .target_offset = kThumbnailAt}};
   commands.copy(parts, frames_[number_].found);
+  frames_[number_].recorded = true;
 }
 
 SceneMemory::Findings SceneMemory::findings(uint64_t number) const {
@@ -117,7 +180,7 @@ SceneMemory::Findings SceneMemory::findings(uint64_t number) const {
   if (!frame.found) return {};
   using shaders::volume_tracking_move;
   const auto* numbers = frame.found->map_as<float>();
-  const auto* state = frame.found->map_as<uint32_t>() + kFoundBytes / sizeof(uint32_t);
+  const auto* state = frame.found->map_as<uint32_t>() + kStateAt / sizeof(uint32_t);
   const float* fit = numbers + size_t{4} * volume_tracking_move::kFit;
   return {.found = numbers[0] > 0,
           .frames_lost = static_cast<uint32_t>(numbers[1]),
@@ -126,7 +189,8 @@ SceneMemory::Findings SceneMemory::findings(uint64_t number) const {
           .blocks = volume_.params().blocks - state[volume_list::kFree],
           .blocks_visible = state[volume_list::kListed],
           .blocks_refused = state[volume_list::kRefused],
-          .blocks_outside = state[volume_list::kOutside]};
+          .blocks_outside = state[volume_list::kOutside],
+          .keyframes = static_cast<uint32_t>(keyframes_.size())};
 }
 
 }  // namespace inverse

@@ -13,6 +13,8 @@
 #include "kernels/volume_memory_keep_found.spv.hpp"
 #include "kernels/volume_memory_read_depth.spv.hpp"
 #include "kernels/volume_memory_resize.spv.hpp"
+#include "kernels/volume_memory_thumbnail.spv.hpp"
+#include "keyframes.hpp"
 
 namespace inverse {
 
@@ -29,6 +31,8 @@ class SceneMemory {
     /// Once it has `always` frames, only each `every`-th one is added: what most of a frame shows
     /// is known by then.
     uint32_t always = 8, every = 3;
+    /// Frames that a lost camera is looked for at, and how many of them, by likeness.
+    uint32_t keyframes = 256, candidates = 8;
   };
   /// A depth image that shows what the picture shows.
   struct Depth {
@@ -63,6 +67,7 @@ class SceneMemory {
     uint32_t blocks_visible = 0;  ///< of which the frame saw
     uint32_t blocks_refused = 0;  ///< for which the frame found no memory
     uint32_t blocks_outside = 0;  ///< too far from where the camera began
+    uint32_t keyframes = 0;       ///< so far
   };
   /// Of one of the last kFramesInFlight frames, once its Commands have been waited for.
   Findings findings(uint64_t number) const;
@@ -70,6 +75,10 @@ class SceneMemory {
  private:
   const gpu::BufferPtr& resized(gpu::Commands& commands, const Plane& plane);
   void read(gpu::Commands& commands, uint64_t number, const Depth& depth);
+  /// Learns from frame `number` - kFramesInFlight, if there is one: a keyframe; or, if the camera
+  /// was lost, where it may be.
+  std::optional<Pose> learn(uint64_t number);
+  void set_pose(gpu::Commands& commands, uint64_t number, const Pose& pose);
 
   Params params_;
   Extent extent_;
@@ -80,9 +89,11 @@ class SceneMemory {
   gpu::Program<shaders::volume_memory_read_depth> read_depth_;
   gpu::Program<shaders::volume_memory_keep_found> keep_found_;
   gpu::Program<shaders::volume_memory_resize> resize_;
-  gpu::BufferPtr depth_, kept_depth_, resized_, certain_;
+  gpu::Program<shaders::volume_memory_thumbnail> thumbnail_;
+  gpu::BufferPtr depth_, kept_depth_, resized_, certain_, thumbnail_plane_;
   struct InFlight {
     gpu::BufferPtr image, pose, found;
+    bool recorded = false;
   };
   gpu::FrameRing<InFlight> frames_;
   std::shared_ptr<gpu::Device> device_;
@@ -90,6 +101,8 @@ class SceneMemory {
   uint32_t added_ = 0;    // frames
   uint64_t next_ = 0;     // frame to be added
   bool tracked_ = false;  // this frame
+  Keyframes keyframes_;
+  uint32_t tries_ = 0;  // frames since the camera was lost, in a row
 };
 
 }  // namespace inverse

@@ -36,6 +36,12 @@ class Tracker {
   /// `picture`, linear RGB.
   void record_frame(gpu::Commands& commands, const Lens& lens, const gpu::BufferPtr& depth,
                     const gpu::BufferPtr& picture);
+  /// That frame at a quarter of its size: ln brightness and depth, a scalar a pixel.
+  struct Small {
+    Extent extent;
+    gpu::BufferPtr brightness, depth;
+  };
+  Small small() const { return {frame_[2].extent, frame_[2].brightness, frame_[2].depth}; }
   /// Normal and depth of that frame, as Volume::Frame::surface.
   const gpu::BufferPtr& surface() const { return frame_[0].surface; }
 

@@ -3,8 +3,10 @@
 #include "kernels/volume/memory/scene_memory.hpp"
 
 #include <cmath>
+#include <random>
 
 #include "tests/kernels/volume/volume_fixture.hpp"
+#include "tests/reference/volume/memory.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -147,6 +149,127 @@ TEST_F(SceneMemoryTest, AddsNothingWhileTheCameraIsLost) {
   const Pixels after = show(memory, frame, frame.depth());
   ASSERT_FALSE(after.empty()) << "it is found again where it was";
   EXPECT_LT(match(after, frame).distance, match(before, frame).distance + 0.01);
+}
+
+// After a jump to where it was long before, farther than it can be followed.
+TEST_F(SceneMemoryTest, FindsALostCameraByItsKeyframes) {
+  const auto turning = [](double t) {
+    return camera_at(160, 120, {0.4 * t - 0.2, 0.2, 0}, {2 * t - 1, 0.5, 1.8});
+  };
+  for (const uint32_t keyframes : {0U, 64U}) {
+    SceneMemory::Params with = params();
+    with.keyframes = keyframes;
+    SceneMemory memory(device, extent_of(turning(0)), with);
+    const Frame first = seen_by(turning(0));
+    for (int i = 0; i <= 40; ++i) {
+      const Frame frame = seen_by(turning(0.025 * i));
+      SceneMemory::Depth depth = frame.depth();
+      if (i == 0) depth.pose = pose_of_camera(frame.camera);
+      show(memory, frame, depth);
+    }
+    ASSERT_TRUE(found(memory).found);
+    const std::vector<uint16_t> nothing(first.steps.size(), 0);
+    SceneMemory::Depth blind = first.depth();
+    blind.rows = reinterpret_cast<const std::byte*>(nothing.data());
+    for (int i = 0; i < 4; ++i) show(memory, first, blind);
+    Pixels known;
+    for (int i = 0; i < 40 && known.empty(); ++i) known = show(memory, first, first.depth());
+    EXPECT_EQ(found(memory).found, keyframes > 0);
+    if (keyframes == 0) continue;
+    EXPECT_GT(found(memory).keyframes, 1U);
+    for (int i = 0; i < 6; ++i) {
+      known = show(memory, first, first.depth());
+      ASSERT_FALSE(known.empty()) << "it stays found";
+    }
+    EXPECT_LT(match(known, first).distance, 0.08);
+    EXPECT_GT(match(known, first).share, 0.9);
+  }
+}
+
+TEST_F(SceneMemoryTest, KernelsAgreeWithReference) {
+  gpu::Program<shaders::volume_memory_read_depth> read(device);
+  gpu::Program<shaders::volume_memory_resize> resize(device);
+  gpu::Program<shaders::volume_memory_thumbnail> thumbnail(device);
+  gpu::Program<shaders::volume_memory_keep_found> keep(device);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> unit(0, 1);
+  for (const Extent extent : {Extent{1, 1}, Extent{5, 3}, Extent{80, 60}, Extent{131, 67}}) {
+    const auto pixels = uint32_t(extent.pixels());
+    std::vector<uint16_t> steps(pixels + pixels % 2);
+    for (uint16_t& step : steps)
+      step = uint16_t(random() % 8 == 0 ? 0xffff * (random() % 2) : random());
+    Pixels brightness;
+    reference::Plane plane(int(extent.width), int(extent.height));
+    for (uint32_t i = 0; i < pixels; ++i) brightness.push_back(6 * unit(random) - 7);
+    for (auto& p : plane.data)
+      for (double& v : p) v = double{unit(random)};
+    const Extent other{extent.width / 2 + 1, extent.height * 3};
+    const auto image = upload(gpu::Element::word, steps.data(), steps.size() / 2),
+               bright = upload(gpu::Element::scalar, brightness.data(), pixels),
+               from = upload(to_pixels(plane)), lost = upload(Pixels(16, 0)),
+               depth = gpu::Buffer::create(device, gpu::Element::scalar, pixels),
+               kept = gpu::Buffer::create(device, gpu::Element::scalar, pixels),
+               resized = gpu::Buffer::create(device, gpu::Element::vec4, other.pixels()),
+               cells = gpu::Buffer::create(device, gpu::Element::vec4, 16 * 12);
+    run([&](gpu::Commands& commands) {
+      commands.dispatch(read, {.image = image, .depth = depth}, {.pixels = pixels, .unit = kUnit},
+                        pixels);
+      commands.dispatch(keep, {.depth = depth, .found = lost, .kept = kept}, {.pixels = pixels},
+                        pixels);
+      commands.dispatch(resize, {.plane = from, .resized = resized}, {.from = extent, .to = other},
+                        uint32_t(other.pixels()));
+      commands.dispatch(thumbnail, {.brightness = bright, .depth = depth, .thumbnail = cells},
+                        {.size = extent}, 16 * 12);
+    });
+    steps.resize(pixels);
+    const std::vector<double> meters = reference::read_depth(steps, double{kUnit});
+    const Pixels got_depth = download(depth), got_kept = download(kept), got = download(resized),
+                 got_cells = download(cells);
+    for (uint32_t i = 0; i < pixels; ++i) {
+      ASSERT_NEAR(double{got_depth[i]}, meters[i], 1e-5) << i;
+      ASSERT_EQ(got_kept[i], 0);
+    }
+    const reference::Plane expected = reference::resize(plane, int(other.width), int(other.height));
+    for (size_t i = 0; i < got.size(); ++i)
+      ASSERT_NEAR(double{got[i]}, expected.data[i / 4][i % 4], 1e-5) << i;
+    const auto cell =
+        reference::thumbnail(int(extent.width), int(extent.height),
+                             std::vector<double>(brightness.begin(), brightness.end()), meters);
+    for (size_t i = 0; i < cell.depth.size(); ++i) {
+      ASSERT_NEAR(double{got_cells[4 * i]}, cell.brightness[i], 1e-4) << i;
+      ASSERT_NEAR(double{got_cells[4 * i + 1]}, cell.depth[i], 1e-3) << i;
+    }
+  }
+}
+
+TEST(KeyframesTest, KeepsWhatIsNewAndFindsWhatIsAlike) {
+  Keyframes keyframes(2);
+  const auto picture = [](float bright, float depth) {
+    Keyframes::Picture picture{std::vector<float>(12, 0), std::vector<float>(12, depth)};
+    for (size_t i = 0; i < 6; ++i) picture.brightness[i] = bright;
+    return picture;
+  };
+  const auto at = [](float x) {
+    Pose pose;
+    pose.place[0] = x;
+    return pose;
+  };
+  keyframes.add(picture(0, 1), at(1));
+  keyframes.add(picture(0.05F, 1), at(2));
+  EXPECT_EQ(keyframes.size(), 1U) << "the second is like the first";
+  keyframes.add(picture(0, 3), at(3));
+  keyframes.add(picture(2, 0), at(4));
+  EXPECT_EQ(keyframes.size(), 2U) << "there is no room";
+  const auto like = keyframes.like(picture(0, 2.5F), 5);
+  ASSERT_EQ(like.size(), 2U);
+  EXPECT_EQ(like[0].place[0], 3);
+  // Light that is brighter everywhere is no difference; depth that only one knows is.
+  Keyframes::Picture lit = picture(0, 1);
+  for (float& b : lit.brightness) b += 1;
+  EXPECT_NEAR(Keyframes::distance(lit, picture(0, 1)), 0, 1e-6);
+  EXPECT_NEAR(Keyframes::distance(picture(0, 0), picture(0, 1)), 0.5, 1e-6);
+  EXPECT_NEAR(Keyframes::distance(picture(0, 1), picture(0, 1.1F)), 0.5 * (1 - 1 / 1.1) / 0.2,
+              1e-5);
 }
 
 TEST_F(SceneMemoryTest, PicturesMayHaveAnotherSize) {
