@@ -172,7 +172,7 @@ const KnownReflectance* SceneWork::recall(FrameContext& frame, uint64_t number,
       .lens = {number_of(meta->fx), number_of(meta->fy), number_of(meta->cx), number_of(meta->cy)},
       .pose = {}};
   if (meta->posed) depth.pose = pose_of_rows(std::span<const double, 12>(meta->pose));
-  if (memory_ && (memory_->extent() != depth.extent || !alike(params, made_with_))) reset();
+  if (memory_ && (memory_->depth_extent() != depth.extent || !alike(params, made_with_))) reset();
   if (!memory_ && !begin(frame, number, depth, params)) return nullptr;
   if (before && number >= first_ + gpu::kFramesInFlight)
     warn_of(frame, memory_->findings(number - gpu::kFramesInFlight));

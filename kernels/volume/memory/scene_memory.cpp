@@ -36,16 +36,18 @@ Tracker::Params from_afar(Tracker::Params params) {
 SceneMemory::SceneMemory(const std::shared_ptr<gpu::Device>& device, Extent depth,
                          const Params& params)
     : params_(params),
-      extent_(depth),
+      depth_extent_(depth),
+      step_((depth.width - 1) / std::max(params.max_width, 1U) + 1),
+      extent_{(depth.width - 1) / step_ + 1, (depth.height - 1) / step_ + 1},
       volume_(device, params.volume),
-      tracker_(device, depth),
-      view_(device, depth),
+      tracker_(device, extent_),
+      view_(device, extent_),
       read_depth_(device),
       keep_found_(device),
       resize_(device),
       thumbnail_(device),
-      depth_(gpu::Buffer::create(device, gpu::Element::scalar, depth.pixels())),
-      kept_depth_(gpu::Buffer::create(device, gpu::Element::scalar, depth.pixels())),
+      depth_(gpu::Buffer::create(device, gpu::Element::scalar, extent_.pixels())),
+      kept_depth_(gpu::Buffer::create(device, gpu::Element::scalar, extent_.pixels())),
       certain_(gpu::Buffer::create(device, gpu::Element::vec4,
                                    volume_memory_keep_found::kFoundStride, gpu::Memory::upload)),
       thumbnail_plane_(gpu::Buffer::create(device, gpu::Element::vec4, kCells)),
@@ -74,10 +76,15 @@ void SceneMemory::read(gpu::Commands& commands, uint64_t number, const Depth& de
     frame.found = gpu::Buffer::create(device_, gpu::Element::word, kReadBytes / sizeof(uint32_t),
                                       gpu::Memory::readback);
   }
-  auto* rows = frame.image->map_as<std::byte>();
-  const size_t row = sizeof(uint16_t) * extent_.width;
-  for (uint32_t y = 0; y < extent_.height; ++y)
-    std::memcpy(rows + y * row, depth.rows + y * depth.stride, row);
+  auto* to = frame.image->map_as<std::byte>();
+  constexpr size_t kPixel = sizeof(uint16_t);
+  for (uint32_t y = 0; y < extent_.height; ++y) {
+    const std::byte* row =
+        depth.rows + std::min(step_ * y + step_ / 2, depth_extent_.height - 1) * depth.stride;
+    for (uint32_t x = 0; x < extent_.width; ++x, to += kPixel)
+      std::memcpy(to, row + kPixel * std::min(step_ * x + step_ / 2, depth_extent_.width - 1),
+                  kPixel);
+  }
   const auto pixels = static_cast<uint32_t>(extent_.pixels());
   commands.dispatch(read_depth_, {.image = frame.image, .depth = depth_},
                     {.pixels = pixels, .unit = depth.unit}, pixels);
@@ -119,7 +126,9 @@ std::optional<KnownReflectance> SceneMemory::record_recall(gpu::Commands& comman
                                                            const Depth& depth,
                                                            const Plane& picture) {
   number_ = number;
-  lens_ = depth.lens;
+  const auto step = static_cast<float>(step_), first = static_cast<float>(step_ / 2);
+  lens_ = {depth.lens.fx / step, depth.lens.fy / step, (depth.lens.cx - first) / step,
+           (depth.lens.cy - first) / step};
   const std::optional<Pose> candidate = learn(number);
   read(commands, number, depth);
   tracker_.record_frame(commands, lens_, depth_, resized(commands, picture));

@@ -31,6 +31,8 @@ class SceneMemory {
     /// Once it has `always` frames, only each `every`-th one is added: what most of a frame shows
     /// is known by then.
     uint32_t always = 8, every = 3;
+    /// Larger depth images are thinned out: voxels are coarser than their pixels.
+    uint32_t max_width = 640;
     /// Frames that a lost camera is looked for at, and how many of them, by likeness.
     uint32_t keyframes = 256, candidates = 8;
   };
@@ -54,7 +56,8 @@ class SceneMemory {
   /// Records adding the reflectance of that frame's layers (R.rgb, S).
   void record_remember(gpu::Commands& commands, const Plane& layers);
 
-  Extent extent() const { return extent_; }
+  /// Of depth images.
+  Extent depth_extent() const { return depth_extent_; }
   void set_weight(float weight) { params_.weight = weight; }
 
   /// What the device found of a frame.
@@ -81,7 +84,9 @@ class SceneMemory {
   void set_pose(gpu::Commands& commands, uint64_t number, const Pose& pose);
 
   Params params_;
-  Extent extent_;
+  Extent depth_extent_;
+  uint32_t step_;  // pixels of a depth image from one that is used to the next
+  Extent extent_;  // of what is worked on
   Lens lens_;
   Volume volume_;
   Tracker tracker_;

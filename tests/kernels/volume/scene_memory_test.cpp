@@ -27,6 +27,14 @@ class SceneMemoryTest : public VolumeFixture {
                      {0.1 * std::cos(t) - 0.2, 0.6, 2});
   }
 
+  /// With every second pixel, from the second on.
+  static Camera thinned(Camera camera) {
+    camera.fx /= 2, camera.fy /= 2;
+    camera.cx = (camera.cx - 1) / 2, camera.cy = (camera.cy - 1) / 2;
+    camera.width /= 2, camera.height /= 2;
+    return camera;
+  }
+
   struct Frame {
     Camera camera;
     Pixels layers;
@@ -287,6 +295,21 @@ TEST_F(SceneMemoryTest, PicturesMayHaveAnotherSize) {
   const Match m = match(show(memory, large, frame.depth()), frame);
   EXPECT_LT(m.distance, 0.06);
   EXPECT_GT(m.share, 0.9);
+}
+
+// Thinned out, it knows the same.
+TEST_F(SceneMemoryTest, LargeDepthImagesAreThinnedOut) {
+  SceneMemory::Params small = params();
+  small.max_width = 80;
+  SceneMemory memory(device, extent_of(around(0)), small);
+  for (int i = 0; i < 6; ++i) {
+    const Frame frame = seen_by(around(0.02 * i)), thin = seen_by(thinned(frame.camera));
+    const Pixels known = show(memory, frame, frame.depth());
+    if (i == 0) continue;
+    ASSERT_EQ(known.size(), thin.layers.size());
+    EXPECT_LT(match(known, thin).distance, 0.1) << i;
+    EXPECT_GT(match(known, thin).share, 0.85) << i;
+  }
 }
 
 // At its bound it goes on with what it has.
