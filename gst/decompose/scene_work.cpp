@@ -69,6 +69,8 @@ SceneMemory::Params memory_params(const SceneParams& params) {
   made.volume.max_depth = params.scene_depth;
   made.volume.blocks =
       static_cast<uint32_t>(params.scene_memory_limit * kMiB / Volume::kBlockBytes);
+  // At a voxel of 1 cm more than 320 pixels across cost time and bring nothing.
+  made.max_width = static_cast<uint32_t>(std::clamp(3.2F / params.voxel_size, 320.0F, 1280.0F));
   made.track = params.scene_track;
   return made;
 }

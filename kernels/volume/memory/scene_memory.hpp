@@ -32,7 +32,7 @@ class SceneMemory {
     /// is known by then.
     uint32_t always = 8, every = 3;
     /// Larger depth images are thinned out: voxels are coarser than their pixels.
-    uint32_t max_width = 640;
+    uint32_t max_width = 320;
     /// Frames that a lost camera is looked for at, and how many of them, by likeness.
     uint32_t keyframes = 256, candidates = 8;
   };

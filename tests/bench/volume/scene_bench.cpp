@@ -2,7 +2,7 @@
 // What the memory of a scene brings to the decomposition of frames with depth.
 //
 //   scene-bench [--frames N] [--size WxH] [--rate FPS] [--noise N] [--voxel M] [--weight W]…
-//               [--every K]
+//               [--every K] [--max-width PIXELS]
 //               orbit|wall|FOLDER…
 //
 // Sources are those of tracking-bench (rgbd_source.hpp); FOLDER has true reflectance (R) and
@@ -33,7 +33,7 @@ namespace {
 
 struct Settings : RgbdSettings {
   double voxel = 0.01;
-  int every = int(SceneMemory::Params{}.every);
+  int every = int(SceneMemory::Params{}.every), max_width = int(SceneMemory::Params{}.max_width);
   std::vector<double> weights;
 };
 
@@ -145,9 +145,15 @@ SceneMemory::Depth depth_of(const Taken& taken, const Lens& lens, Extent extent)
 double known_error(const Lab& lab, const KnownReflectance& known, const Image& truth) {
   const Pixels pixels = lab.download(known.reflectance);
   Image estimate(truth.width, truth.height, 3), mask(truth.width, truth.height, 1);
-  for (size_t i = 0; i < known.extent.pixels(); ++i) {
-    mask.data[i] = pixels[4 * i + 3] > 0 ? 1.0F : 0.0F;
-    for (size_t c = 0; c < 3; ++c) estimate.data[3 * i + c] = std::exp(pixels[4 * i + c]);
+  const auto nearest = [](size_t at, int of, uint32_t size) {
+    return (2 * at + 1) * size / (2 * size_t(of));
+  };
+  for (size_t i = 0; i < mask.data.size(); ++i) {
+    const size_t x = i % size_t(truth.width), y = i / size_t(truth.width),
+                 at = nearest(y, truth.height, known.extent.height) * known.extent.width +
+                      nearest(x, truth.width, known.extent.width);
+    mask.data[i] = pixels[4 * at + 3] > 0 ? 1.0F : 0.0F;
+    for (size_t c = 0; c < 3; ++c) estimate.data[3 * i + c] = std::exp(pixels[4 * at + c]);
   }
   return lmse(estimate, truth, mask);
 }
@@ -164,6 +170,7 @@ void run_one(const Lab& lab, const std::string& name, const std::vector<Taken>& 
   SceneMemory::Params made;
   made.volume.voxel = float(settings.voxel);
   made.every = uint32_t(settings.every);
+  made.max_width = uint32_t(settings.max_width);
   made.weight = float(std::max(weight, 0.0));
   std::optional<SceneMemory> memory, colors;
   if (weight >= 0)
@@ -229,6 +236,7 @@ int run(int count, char** arguments) {
                         {"--noise", number(settings.noise)},
                         {"--voxel", number(settings.voxel)},
                         {"--every", integer(settings.every)},
+                        {"--max-width", integer(settings.max_width)},
                         {"--weight",
                          {true,
                           [&](const char* value) {
