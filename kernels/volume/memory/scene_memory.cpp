@@ -45,6 +45,7 @@ SceneMemory::SceneMemory(const std::shared_ptr<gpu::Device>& device, Extent dept
       read_depth_(device),
       keep_found_(device),
       resize_(device),
+      retry_(device),
       thumbnail_(device),
       depth_(gpu::Buffer::create(device, gpu::Element::scalar, extent_.pixels())),
       kept_depth_(gpu::Buffer::create(device, gpu::Element::scalar, extent_.pixels())),
@@ -90,12 +91,12 @@ void SceneMemory::read(gpu::Commands& commands, uint64_t number, const Depth& de
                     {.pixels = pixels, .unit = depth.unit}, pixels);
 }
 
-void SceneMemory::set_pose(gpu::Commands& commands, uint64_t number, const Pose& pose) {
+const gpu::BufferPtr& SceneMemory::upload(uint64_t number, const Pose& pose) {
   const gpu::BufferPtr& from = frames_[number].pose;
   auto* values = from->map_as<float>();
   std::ranges::copy(pose.rotation, values);
   std::ranges::copy(pose.place, values + 4);
-  commands.copy(from, tracker_.pose(), kPoseBytes);
+  return from;
 }
 
 std::optional<Pose> SceneMemory::learn(uint64_t number) {
@@ -134,9 +135,13 @@ std::optional<KnownReflectance> SceneMemory::record_recall(gpu::Commands& comman
   tracker_.record_frame(commands, lens_, depth_, resized(commands, picture));
   tracked_ = added_ > 0 && (params_.track || !depth.pose);
   if (!tracked_) {
-    set_pose(commands, number, depth.pose.value_or(Pose{}));
+    commands.copy(upload(number, depth.pose.value_or(Pose{})), tracker_.pose(), kPoseBytes);
   } else if (candidate) {
-    set_pose(commands, number, *candidate);
+    commands.dispatch(retry_,
+                      {.found = tracker_.found(),
+                       .candidate = upload(number, *candidate),
+                       .pose = tracker_.pose()},
+                      gpu::Items{1});
     volume_.record_march(commands, lens_, tracker_.pose(), view_);
     tracker_.record_target(commands, view_, resized(commands, picture));
     tracker_.record_align(commands, from_afar(params_.tracker));

@@ -13,6 +13,7 @@
 #include "kernels/volume_memory_keep_found.spv.hpp"
 #include "kernels/volume_memory_read_depth.spv.hpp"
 #include "kernels/volume_memory_resize.spv.hpp"
+#include "kernels/volume_memory_retry.spv.hpp"
 #include "kernels/volume_memory_thumbnail.spv.hpp"
 #include "keyframes.hpp"
 
@@ -81,7 +82,8 @@ class SceneMemory {
   /// Learns from frame `number` - kFramesInFlight, if there is one: a keyframe; or, if the camera
   /// was lost, where it may be.
   std::optional<Pose> learn(uint64_t number);
-  void set_pose(gpu::Commands& commands, uint64_t number, const Pose& pose);
+  /// The pose on the device, in what frame `number` has of its own.
+  const gpu::BufferPtr& upload(uint64_t number, const Pose& pose);
 
   Params params_;
   Extent depth_extent_;
@@ -94,6 +96,7 @@ class SceneMemory {
   gpu::Program<shaders::volume_memory_read_depth> read_depth_;
   gpu::Program<shaders::volume_memory_keep_found> keep_found_;
   gpu::Program<shaders::volume_memory_resize> resize_;
+  gpu::Program<shaders::volume_memory_retry> retry_;
   gpu::Program<shaders::volume_memory_thumbnail> thumbnail_;
   gpu::BufferPtr depth_, kept_depth_, resized_, certain_, thumbnail_plane_;
   struct InFlight {

@@ -159,6 +159,23 @@ TEST_F(SceneMemoryTest, AddsNothingWhileTheCameraIsLost) {
   EXPECT_LT(match(after, frame).distance, match(before, frame).distance + 0.01);
 }
 
+// It is tracked on before the host hears that it was lost, and stays where it is.
+TEST_F(SceneMemoryTest, OneBadFrameDoesNotMoveTheCamera) {
+  SceneMemory memory(device, extent_of(around(0)), params());
+  for (int i = 0; i < 30; ++i) {
+    const Frame frame = seen_by(around(0.03 * i));
+    SceneMemory::Depth depth = frame.depth();
+    if (i == 0) depth.pose = pose_of_camera(frame.camera);
+    const std::vector<uint16_t> nothing(frame.steps.size(), 0);
+    if (i == 20) depth.rows = reinterpret_cast<const std::byte*>(nothing.data());
+    const Pixels known = show(memory, frame, depth);
+    EXPECT_EQ(found(memory).found, i != 20) << i;
+    if (i > 20) {
+      EXPECT_LT(match(known, frame).distance, 0.06) << i;
+    }
+  }
+}
+
 // After a jump to where it was long before, farther than it can be followed.
 TEST_F(SceneMemoryTest, FindsALostCameraByItsKeyframes) {
   const auto turning = [](double t) {
