@@ -27,6 +27,9 @@ class SceneMemoryTest : public VolumeFixture {
                      {0.1 * std::cos(t) - 0.2, 0.6, 2});
   }
 
+  static Camera turning(double t) {
+    return camera_at(160, 120, {0.4 * t - 0.2, 0.2, 0}, {2 * t - 1, 0.5, 1.8});
+  }
   /// With every second pixel, from the second on.
   static Camera thinned(Camera camera) {
     camera.fx /= 2, camera.fy /= 2;
@@ -161,16 +164,18 @@ TEST_F(SceneMemoryTest, AddsNothingWhileTheCameraIsLost) {
 
 // It is tracked on before the host hears that it was lost, and stays where it is.
 TEST_F(SceneMemoryTest, OneBadFrameDoesNotMoveTheCamera) {
-  SceneMemory memory(device, extent_of(around(0)), params());
-  for (int i = 0; i < 30; ++i) {
-    const Frame frame = seen_by(around(0.03 * i));
+  SceneMemory::Params with = params();
+  with.keyframes = 1;  // the first frame, from which it cannot be found
+  SceneMemory memory(device, extent_of(turning(0)), with);
+  for (int i = 0; i < 40; ++i) {
+    const Frame frame = seen_by(turning(0.025 * i));
     SceneMemory::Depth depth = frame.depth();
     if (i == 0) depth.pose = pose_of_camera(frame.camera);
     const std::vector<uint16_t> nothing(frame.steps.size(), 0);
-    if (i == 20) depth.rows = reinterpret_cast<const std::byte*>(nothing.data());
+    if (i == 30) depth.rows = reinterpret_cast<const std::byte*>(nothing.data());
     const Pixels known = show(memory, frame, depth);
-    EXPECT_EQ(found(memory).found, i != 20) << i;
-    if (i > 20) {
+    EXPECT_EQ(found(memory).found, i != 30) << i;
+    if (i > 30) {
       EXPECT_LT(match(known, frame).distance, 0.06) << i;
     }
   }
@@ -178,9 +183,6 @@ TEST_F(SceneMemoryTest, OneBadFrameDoesNotMoveTheCamera) {
 
 // After a jump to where it was long before, farther than it can be followed.
 TEST_F(SceneMemoryTest, FindsALostCameraByItsKeyframes) {
-  const auto turning = [](double t) {
-    return camera_at(160, 120, {0.4 * t - 0.2, 0.2, 0}, {2 * t - 1, 0.5, 1.8});
-  };
   for (const uint32_t keyframes : {0U, 64U}) {
     SceneMemory::Params with = params();
     with.keyframes = keyframes;
