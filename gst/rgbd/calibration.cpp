@@ -130,12 +130,12 @@ void Registration::run(const uint8_t* rows, size_t stride,
   const auto& r = calibration_.rotation;
   const auto& t = calibration_.translation;
   const auto width = static_cast<int>(extent_.width), height = static_cast<int>(extent_.height);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const uint8_t* at = rows + static_cast<size_t>(y) * stride + static_cast<size_t>(2 * x);
+  for (uint32_t y = 0; y < extent_.height; ++y)
+    for (uint32_t x = 0; x < extent_.width; ++x) {
+      const uint8_t* at = rows + y * stride + size_t{2} * x;
       const auto steps = static_cast<uint16_t>(at[0] | at[1] << 8);
       if (steps == 0 || steps == 65535) continue;
-      const auto [rx, ry] = rays_[static_cast<size_t>(y * width + x)];
+      const auto [rx, ry] = rays_[size_t{y} * extent_.width + x];
       const double z = steps * calibration_.unit, px = double{rx} * z, py = double{ry} * z;
       const double qx = r[0] * px + r[1] * py + r[2] * z + t[0],
                    qy = r[3] * px + r[4] * py + r[5] * z + t[1],
@@ -149,7 +149,8 @@ void Registration::run(const uint8_t* rows, size_t stride,
       for (int k = 0; k < 4; ++k) {
         const int tx = left + k % 2, ty = top + k / 2;
         if (tx < 0 || ty < 0 || tx >= width || ty >= height) continue;
-        uint16_t& there = registered[static_cast<size_t>(ty * width + tx)];
+        uint16_t& there =
+            registered[static_cast<size_t>(ty) * extent_.width + static_cast<size_t>(tx)];
         if (there == 0 || out < there) there = static_cast<uint16_t>(out);
       }
     }

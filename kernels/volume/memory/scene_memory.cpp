@@ -127,7 +127,8 @@ std::optional<KnownReflectance> SceneMemory::record_recall(gpu::Commands& comman
                                                            const Depth& depth,
                                                            const Plane& picture) {
   number_ = number;
-  const auto step = static_cast<float>(step_), first = static_cast<float>(step_ / 2);
+  const uint32_t middle = step_ / 2;  // the pixel of a step that is used
+  const auto step = static_cast<float>(step_), first = static_cast<float>(middle);
   lens_ = {depth.lens.fx / step, depth.lens.fy / step, (depth.lens.cx - first) / step,
            (depth.lens.cy - first) / step};
   const std::optional<Pose> candidate = learn(number);
