@@ -111,7 +111,7 @@ void SceneWork::warn(FrameContext& frame, const std::string& text) {
   if (told_.insert(text).second) frame.warnings.push_back(text);
 }
 
-bool SceneWork::begin(FrameContext& frame, uint64_t number, const SceneMemory::Depth& depth,
+bool SceneWork::begin(FrameContext& frame, const SceneMemory::Depth& depth,
                       const SceneParams& params) {
   constexpr double kMinKnown = 0.1;
   constexpr float kNearest = 0.02F, kFarthest = 60;  // meters that the median may be
@@ -132,7 +132,6 @@ bool SceneWork::begin(FrameContext& frame, uint64_t number, const SceneMemory::D
                     "; lower scene-memory-limit");
     return false;
   }
-  first_ = number;
   made_with_ = params;
   return true;
 }
@@ -149,8 +148,6 @@ void SceneWork::warn_of(FrameContext& frame, const SceneMemory::Findings& found)
 
 const KnownReflectance* SceneWork::recall(FrameContext& frame, uint64_t number,
                                           const SceneParams& params) {
-  // The slot is that of the frame kFramesInFlight before, which is done.
-  const bool before = std::exchange(remembered_[number], false);
   remembers_ = false;
   if (!params.scene_memory) reset();
   const GstInverseDepthMeta* meta =
@@ -175,12 +172,12 @@ const KnownReflectance* SceneWork::recall(FrameContext& frame, uint64_t number,
       .pose = {}};
   if (meta->posed) depth.pose = pose_of_rows(std::span<const double, 12>(meta->pose));
   if (memory_ && (memory_->depth_extent() != depth.extent || !alike(params, made_with_))) reset();
-  if (!memory_ && !begin(frame, number, depth, params)) return nullptr;
-  if (before && number >= first_ + gpu::kFramesInFlight)
-    warn_of(frame, memory_->findings(number - gpu::kFramesInFlight));
+  if (!memory_ && !begin(frame, depth, params)) return nullptr;
+  if (number >= gpu::kFramesInFlight)
+    if (const auto found = memory_->findings(number - gpu::kFramesInFlight)) warn_of(frame, *found);
   memory_->set_weight(params.scene_weight);
   known_ = memory_->record_recall(frame.commands, number, depth, *frame.layers[Role::input]);
-  remembered_[number] = remembers_ = true;
+  remembers_ = true;
   return known_ && params.scene_weight > 0 ? &*known_ : nullptr;
 }
 
@@ -189,8 +186,9 @@ void SceneWork::remember(FrameContext& frame) {
 }
 
 void SceneWork::describe(GstStructure* stats, uint64_t number) const {
-  if (!memory_ || !remembered_[number] || number < first_) return;
-  const SceneMemory::Findings found = memory_->findings(number);
+  const auto of_frame = memory_ ? memory_->findings(number) : std::nullopt;
+  if (!of_frame) return;
+  const SceneMemory::Findings& found = *of_frame;
   gst_structure_set(stats, "scene-camera-found", G_TYPE_BOOLEAN, found.found, "scene-frames-lost",
                     G_TYPE_UINT, found.frames_lost, "scene-match-rms", G_TYPE_DOUBLE,
                     static_cast<double>(found.rms), "scene-matched", G_TYPE_DOUBLE,

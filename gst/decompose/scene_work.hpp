@@ -68,16 +68,13 @@ class SceneWork {
   void warn(FrameContext& frame, const std::string& text);
   void warn_of(FrameContext& frame, const SceneMemory::Findings& found);
   /// Makes the memory for frames like this one; false, with a warning, if it cannot.
-  bool begin(FrameContext& frame, uint64_t number, const SceneMemory::Depth& depth,
-             const SceneParams& params);
+  bool begin(FrameContext& frame, const SceneMemory::Depth& depth, const SceneParams& params);
 
   std::shared_ptr<gpu::Device> device_;
   std::optional<SceneMemory> memory_;
   SceneParams made_with_;
   std::optional<KnownReflectance> known_;
   bool remembers_ = false;  // this frame
-  uint64_t first_ = 0;      // frame of the memory
-  gpu::FrameRing<bool> remembered_;
   std::set<std::string> told_;
 };
 

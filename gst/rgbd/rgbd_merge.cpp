@@ -69,7 +69,6 @@ void RgbdMerge::start() {
   gst_video_info_init(&depth_info_);
   std::lock_guard lock(mutex_);
   merged_ = unpaired_ = depth_dropped_ = 0;
-  warned_ = false;
 }
 
 void RgbdMerge::stop() { drop_depth(); }
@@ -154,8 +153,7 @@ GstFlowReturn RgbdMerge::push(GstAggregator* aggregator, GstBuffer* color, bool 
   {
     std::lock_guard lock(mutex_);
     ++(paired ? merged_ : unpaired_);
-    warns = unpaired_ == kManyUnpaired && merged_ == 0 && !warned_;
-    warned_ = warned_ || warns;
+    warns = !paired && unpaired_ == kManyUnpaired && merged_ == 0;
   }
   if (warns)
     post_warning(log_of(element_), GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED,

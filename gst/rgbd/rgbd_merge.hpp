@@ -61,7 +61,6 @@ class RgbdMerge {
   bool held_used_ = false;
   mutable std::mutex mutex_;  // for the counts
   guint64 merged_ = 0, unpaired_ = 0, depth_dropped_ = 0;
-  bool warned_ = false;
 };
 
 }  // namespace inverse

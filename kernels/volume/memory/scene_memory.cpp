@@ -100,7 +100,7 @@ const gpu::BufferPtr& SceneMemory::upload(uint64_t number, const Pose& pose) {
 }
 
 std::optional<Pose> SceneMemory::learn(uint64_t number) {
-  if (!std::exchange(frames_[number].recorded, false)) return {};
+  if (!std::exchange(frames_[number].number, {})) return {};
   const auto* numbers = frames_[number].found->map_as<float>();
   Keyframes::Picture picture;
   for (const float* cell = numbers + kThumbnailAt / sizeof(float); picture.depth.size() < kCells;
@@ -187,25 +187,25 @@ void SceneMemory::record_remember(gpu::Commands& commands, const Plane& layers) 
       {.source = tracker_.pose(), .bytes = kPoseBytes, .target_offset = kPoseAt},
       {.source = thumbnail_plane_, .bytes = kThumbnailBytes, .target_offset = kThumbnailAt}};
   commands.copy(parts, frames_[number_].found);
-  frames_[number_].recorded = true;
+  frames_[number_].number = number_;
 }
 
-SceneMemory::Findings SceneMemory::findings(uint64_t number) const {
+std::optional<SceneMemory::Findings> SceneMemory::findings(uint64_t number) const {
   const InFlight& frame = frames_[number];
-  if (!frame.found) return {};
+  if (frame.number != number) return {};
   using shaders::volume_tracking_move;
   const auto* numbers = frame.found->map_as<float>();
   const auto* state = frame.found->map_as<uint32_t>() + kStateAt / sizeof(uint32_t);
   const float* fit = numbers + size_t{4} * volume_tracking_move::kFit;
-  return {.found = numbers[0] > 0,
-          .frames_lost = static_cast<uint32_t>(numbers[1]),
-          .rms = fit[0],
-          .matched = fit[1],
-          .blocks = volume_.params().blocks - state[volume_list::kFree],
-          .blocks_visible = state[volume_list::kListed],
-          .blocks_refused = state[volume_list::kRefused],
-          .blocks_outside = state[volume_list::kOutside],
-          .keyframes = static_cast<uint32_t>(keyframes_.size())};
+  return Findings{.found = numbers[0] > 0,
+                  .frames_lost = static_cast<uint32_t>(numbers[1]),
+                  .rms = fit[0],
+                  .matched = fit[1],
+                  .blocks = volume_.params().blocks - state[volume_list::kFree],
+                  .blocks_visible = state[volume_list::kListed],
+                  .blocks_refused = state[volume_list::kRefused],
+                  .blocks_outside = state[volume_list::kOutside],
+                  .keyframes = static_cast<uint32_t>(keyframes_.size())};
 }
 
 }  // namespace inverse

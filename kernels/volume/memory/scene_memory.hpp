@@ -73,8 +73,9 @@ class SceneMemory {
     uint32_t blocks_outside = 0;  ///< too far from where the camera began
     uint32_t keyframes = 0;       ///< so far
   };
-  /// Of one of the last kFramesInFlight frames, once its Commands have been waited for.
-  Findings findings(uint64_t number) const;
+  /// Of one of the last kFramesInFlight frames, once its Commands have been waited for; empty: it
+  /// was not shown to this memory.
+  std::optional<Findings> findings(uint64_t number) const;
 
  private:
   const gpu::BufferPtr& resized(gpu::Commands& commands, const Plane& plane);
@@ -101,7 +102,7 @@ class SceneMemory {
   gpu::BufferPtr depth_, kept_depth_, resized_, certain_, thumbnail_plane_;
   struct InFlight {
     gpu::BufferPtr image, pose, found;
-    bool recorded = false;
+    std::optional<uint64_t> number;  // of the frame, once it is recorded
   };
   gpu::FrameRing<InFlight> frames_;
   std::shared_ptr<gpu::Device> device_;

@@ -80,7 +80,7 @@ class SceneMemoryTest : public VolumeFixture {
     return known && download(known->valid)[0] > 0 ? download(known->reflectance) : Pixels();
   }
   SceneMemory::Findings found(const SceneMemory& memory) const {
-    return memory.findings(number_ - 1);
+    return memory.findings(number_ - 1).value();
   }
 
   /// Mean distance of ln R from the truth where it is known, and the share where it is.
