@@ -96,7 +96,7 @@ class Recording final : public RgbdSource {
     return meters;
   }
   std::string path(const std::string& kind, int n) const {
-    char name[16];
+    char name[24];
     snprintf(name, sizeof name, "/%03d.png", n);
     return folder_ + "/" + kind + name;
   }
@@ -108,6 +108,17 @@ class Recording final : public RgbdSource {
 };
 
 }  // namespace
+
+Options rgbd_options(RgbdSettings& settings, Options own) {
+  own.insert({{"--frames", integer(settings.frames)},
+              {"--rate", number(settings.rate)},
+              {"--noise", number(settings.noise)},
+              {"--size", {true, [&](const char* value) {
+                            return sscanf(value, "%ux%u", &settings.size.width,
+                                          &settings.size.height) == 2;
+                          }}}});
+  return own;
+}
 
 gpu::BufferPtr pose_on(const Lab& lab, const Pose& pose) {
   Pixels values(pose.rotation.begin(), pose.rotation.end());

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernels/volume/camera.hpp"
+#include "tests/bench/support/command_line.hpp"
 #include "tests/lab.hpp"
 
 namespace inverse::bench {
@@ -15,6 +16,9 @@ struct RgbdSettings {
   Extent size{320, 240};        ///< of the virtual room
   double rate = 30, noise = 1;  ///< of its frames a second; of depth (0: exact)
 };
+
+/// --frames, --rate, --noise and --size, and what `own` are.
+Options rgbd_options(RgbdSettings& settings, Options own);
 
 /// What the camera gives: on the device.
 struct RgbdFrame {

@@ -15,7 +15,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -25,7 +24,6 @@
 #include "rgbd_source.hpp"
 #include "tests/bench/metrics/metrics.hpp"
 #include "tests/bench/scenes/datasets.hpp"
-#include "tests/bench/support/command_line.hpp"
 #include "tests/bench/support/timing.hpp"
 
 namespace inverse::bench {
@@ -176,7 +174,6 @@ void run_one(const Lab& lab, const std::string& name, const std::vector<Taken>& 
   if (weight >= 0)
     memory.emplace(lab.device(), extent, made), colors.emplace(lab.device(), extent, made);
   std::vector<Image> reflectance;
-  std::map<std::string, double> stages;
   std::vector<double> solve, scene;
   double errors = 0, last = 0, fused = 0, fused_colors = 0;
   gpu::Commands commands(lab.device());
@@ -210,10 +207,8 @@ void run_one(const Lab& lab, const std::string& name, const std::vector<Taken>& 
     if (known && n + 1 == frames.size()) fused = known_error(lab, *known, taken.reflectance);
     if (colors)
       lab.run([&](gpu::Commands& extra) {
-        const auto seen =
-            colors->record_recall(extra, n, depth_of(taken, source.lens(), extent), *input);
+        known = colors->record_recall(extra, n, depth_of(taken, source.lens(), extent), *input);
         colors->record_remember(extra, *input);
-        known = seen;
       });
     if (known && n + 1 == frames.size()) fused_colors = known_error(lab, *known, taken.reflectance);
   }
@@ -231,22 +226,14 @@ void run_one(const Lab& lab, const std::string& name, const std::vector<Taken>& 
 int run(int count, char** arguments) {
   Settings settings;
   std::vector<std::string> names;
-  const Options options{{"--frames", integer(settings.frames)},
-                        {"--rate", number(settings.rate)},
-                        {"--noise", number(settings.noise)},
-                        {"--voxel", number(settings.voxel)},
-                        {"--every", integer(settings.every)},
-                        {"--max-width", integer(settings.max_width)},
-                        {"--weight",
-                         {true,
-                          [&](const char* value) {
-                            settings.weights.push_back(std::stod(value));
-                            return true;
-                          }}},
-                        {"--size", {true, [&](const char* value) {
-                                      return sscanf(value, "%ux%u", &settings.size.width,
-                                                    &settings.size.height) == 2;
-                                    }}}};
+  const Options options =
+      rgbd_options(settings, {{"--voxel", number(settings.voxel)},
+                              {"--every", integer(settings.every)},
+                              {"--max-width", integer(settings.max_width)},
+                              {"--weight", {true, [&](const char* value) {
+                                              settings.weights.push_back(std::stod(value));
+                                              return true;
+                                            }}}});
   if (!read(options, count, arguments, __FILE__, &names)) return 1;
   if (names.empty()) throw std::runtime_error("usage: scene-bench [options] orbit|wall|FOLDER…");
   if (settings.weights.empty()) settings.weights = {double{SceneMemory::Params{}.weight}};

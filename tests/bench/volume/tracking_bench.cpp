@@ -19,7 +19,6 @@
 
 #include "kernels/volume/tracking/tracker.hpp"
 #include "rgbd_source.hpp"
-#include "tests/bench/support/command_line.hpp"
 #include "tests/bench/support/timing.hpp"
 #include "tests/lab.hpp"
 
@@ -85,15 +84,8 @@ void follow(const Lab& lab, const std::string& name, RgbdSource& source, const S
 int run(int count, char** arguments) {
   Settings settings;
   std::vector<std::string> names;
-  const Options options{{"--frames", integer(settings.frames)},
-                        {"--rate", number(settings.rate)},
-                        {"--noise", number(settings.noise)},
-                        {"--voxel", number(settings.voxel)},
-                        {"--photometric", number(settings.photometric)},
-                        {"--size", {true, [&](const char* value) {
-                                      return sscanf(value, "%ux%u", &settings.size.width,
-                                                    &settings.size.height) == 2;
-                                    }}}};
+  const Options options = rgbd_options(settings, {{"--voxel", number(settings.voxel)},
+                                                  {"--photometric", number(settings.photometric)}});
   if (!read(options, count, arguments, __FILE__, &names)) return 1;
   if (names.empty()) throw std::runtime_error("usage: tracking-bench [options] orbit|wall|FOLDER");
   const Lab lab;
