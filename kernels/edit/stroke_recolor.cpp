@@ -16,14 +16,14 @@ StrokeRecolor::StrokeRecolor(const std::shared_ptr<gpu::Device>& device, Extent 
       average_(device, {}, device->variant().area_workgroup()) {}
 
 void StrokeRecolor::record(gpu::Commands& commands, Layers& layers, const StrokesPtr& strokes,
-                           const StrokeTracker* tracker) {
+                           const StrokeMask::Places& places) {
   if (!strokes) return mask_.forget();
   const StrokeMask::Reflectance model{.reflectance = layers[Role::model]->buffer};
-  if (strokes != mask_.list() || tracker != mask_.tracker()) {
-    mask_.set(commands, strokes, tracker);
-    if (mask_.fills()) mask_.fill(commands, model);
-  } else if (tracker) {
-    mask_.follow(commands, model);
+  if (strokes != mask_.list() || places.tracker != mask_.tracker()) {
+    mask_.set(commands, strokes, places);
+    if (mask_.fills()) mask_.fill(commands, model, places.seen);
+  } else if (mask_.moves()) {
+    mask_.follow(commands, model, places.seen);
   }
   const PlanePtr edited = plane_to_edit(layers[Role::intrinsic], planes_);
   commands.dispatch_rows(recolor_,

@@ -20,10 +20,9 @@ class StrokeRecolor {
 
   /// Records the edit of `layers`, which must have Role::intrinsic and Role::model, by strokes that
   /// are all of that kind; null: none. Planes that others hold are not written. Strokes that are
-  /// filled extend by the unedited reflectance. `tracker`: where it has found them in this frame;
-  /// null: as drawn.
+  /// filled extend by the unedited reflectance.
   void record(gpu::Commands& commands, Layers& layers, const StrokesPtr& strokes,
-              const StrokeTracker* tracker);
+              const StrokeMask::Places& places);
   /// Forgets how far they extend.
   void reset() { mask_.forget(); }
 

@@ -163,8 +163,8 @@ void IntrinsicDecomposition::make_plan(const Params& params, const FrameInfo& in
        .cut_fraction = params.anchor.cut_fraction,
        .cycles = params.cycles,
        // What moves begins far from its solution, which strokes must not show.
-       .warm_cycles = strokes_.mask().tracker() ? std::max(params.warm_cycles, params.cycles)
-                                                : params.warm_cycles},
+       .warm_cycles = strokes_.mask().moves() ? std::max(params.warm_cycles, params.cycles)
+                                              : params.warm_cycles},
       {.history = has_history_ && !other_strokes_,
        .warm_start = start_layers_ != nullptr,
        .layers_reusable = last_ != nullptr,
@@ -194,7 +194,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   commands.stage("layers");
   active_.advance(plan_.tiles());
   last_ = plan_.whole() ? nullptr : intrinsic;
-  if (strokes_.mask().unfilled() || (strokes_.mask().fills() && strokes_.mask().tracker()))
+  if (strokes_.mask().unfilled() || (strokes_.mask().fills() && strokes_.mask().moves()))
     before_ = {input, intrinsic};
   has_history_ = true;
   start_layers_.reset();
@@ -208,22 +208,23 @@ void IntrinsicDecomposition::take_strokes(gpu::Commands& commands, const PlanePt
                                           const FrameInfo& info) {
   const StrokeMask& mask = strokes_.mask();
   const StrokeTracker* tracker = info.strokes ? info.tracker : nullptr;
+  const SeenStrokes* seen = info.strokes ? info.seen : nullptr;
   StrokeMask::Reflectance reflectance;
   if (before_.intrinsic) {
     reflectance.reflectance = before_.intrinsic->buffer;
-    if (tracker) {
+    if (mask.moves()) {
       reflectance.frame_before = before_.input->buffer;
       reflectance.frame = input->buffer;
     }
   }
   other_strokes_ = info.strokes != mask.list() || tracker != mask.tracker();
   if (other_strokes_) {
-    strokes_.set(commands, info.strokes, tracker);
+    strokes_.set(commands, info.strokes, {tracker, seen});
   } else if (mask.unfilled()) {
-    strokes_.fill(commands, reflectance);
+    strokes_.fill(commands, reflectance, seen);
     other_strokes_ = true;
-  } else if (tracker && !strokes_.empty()) {
-    strokes_.follow(commands, reflectance);
+  } else if (mask.moves() && !strokes_.empty()) {
+    strokes_.follow(commands, reflectance, seen);
   }
   if (before_.intrinsic) {
     commands.keep(before_.input);

@@ -57,6 +57,7 @@ class IntrinsicDecomposition {
     StrokesPtr strokes = {};      ///< of the user; other ones than before start the solve anew
     /// What follows these strokes, and has found them in this frame; null: they stay as drawn.
     const StrokeTracker* tracker = nullptr;
+    const SeenStrokes* seen = nullptr;        ///< those in the scene; null: they are not seen
     const KnownReflectance* known = nullptr;  ///< null: nothing
   };
   struct Stats {

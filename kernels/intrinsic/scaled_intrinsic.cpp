@@ -135,11 +135,13 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
     past.stats.plan.run.push_back(std::string("full resolution: ") + choice.full_because);
   if (choice.compares) {
     // Without history: the result that it would have by itself.
-    const PlanePtr other =
-        solve(
-            commands, 1 - now, input, params,
-            {.reset = true, .light = info.light, .strokes = info.strokes, .tracker = info.tracker})
-            .intrinsic;
+    const PlanePtr other = solve(commands, 1 - now, input, params,
+                                 {.reset = true,
+                                  .light = info.light,
+                                  .strokes = info.strokes,
+                                  .tracker = info.tracker,
+                                  .seen = info.seen})
+                               .intrinsic;
     if (!distance_) distance_.emplace(device_, extent_);
     distance_->record(commands, input->buffer, intrinsic->buffer, other->buffer, recorded_);
     commands.stage("compare");

@@ -7,7 +7,7 @@
 
 // Places strokes where they have moved to. One stroke an invocation.
 PLANE_IN(0, drawn);  // of strokes, as they were drawn
-#define DRAWN_KIND 0    // kind, whether it is filled, slot, -
+#define DRAWN_KIND 0    // kind, whether it is filled, slot, whether it is in the scene
 #define DRAWN_COLOR 1
 #define DRAWN_PATCH 2   // place of its first texel on the picture, texels along x and y
 #define DRAWN_CENTER 3  // of POSE_PLACE, pixels of the frame; first texel of the patch / 16, -
@@ -50,10 +50,10 @@ void main() {
   vec4 box = clamp(vec4(floor(low / 4.0), ceil(high / 4.0)), vec4(0.0), cells.xyxy);
   visible = visible && box.x < box.z && box.y < box.w;
   vec2 inverse_turn = over(vec2(1.0, 0.0), turn);
-  bool filled = kind.y > 0.0;
+  bool filled = kind.y > 0.0, in_scene = kind.w > 0.0;
   uint to = STROKE_STRIDE * i;
-  STORE(strokes, to + STROKE_BOUNDS, !visible ? vec4(0.0) : filled ? vec4(0.0, 0.0, cells) : box);
-  STORE(strokes, to + STROKE_KIND, vec4(kind.xy, visible ? 1.0 : 0.0, 0.0));
+  STORE(strokes, to + STROKE_BOUNDS, in_scene || (visible && filled) ? vec4(0.0, 0.0, cells) : visible ? box : vec4(0.0));
+  STORE(strokes, to + STROKE_KIND, vec4(kind.xy, visible || in_scene ? 1.0 : 0.0, 0.0));
   STORE(strokes, to + STROKE_COLOR, FETCH(drawn, from + DRAWN_COLOR));
   STORE(strokes, to + STROKE_BOX, visible ? box : vec4(0.0));
   STORE(strokes, to + STROKE_MAP,

@@ -134,7 +134,8 @@ UselessStrokes find_useless(const StrokeList& list) {
   using Kind = Stroke::Kind;
   const uint32_t longer = std::max(list.frame.width, list.frame.height);
   float thinnest = kMaxRadius;
-  for (const Stroke& stroke : list.strokes) thinnest = std::min(thinnest, stroke.radius);
+  for (const Stroke& stroke : list.strokes)
+    if (!stroke.in_scene()) thinnest = std::min(thinnest, stroke.radius);
   const uint32_t factor =
       std::clamp(static_cast<uint32_t>(std::max(thinnest / kTexelsOfRadius, 0.0F)),
                  longer / kFine + 1, longer / kCoarse + 1);
@@ -174,7 +175,9 @@ UselessStrokes find_useless(const StrokeList& list) {
   }
   UselessStrokes useless;
   for (size_t k = 0; k < covered.size(); ++k)
-    if (covered[k] == 0)
+    if (list.strokes[k].in_scene())
+      continue;
+    else if (covered[k] == 0)
       useless.outside.push_back(k);
     else if (taken[k] == covered[k])
       useless.under.push_back(k);

@@ -32,6 +32,7 @@ void StrokeTracker::take(gpu::Commands& commands, const StrokesPtr& list) {
   std::vector<const Stroke*> added;
   for (size_t i = 0; i < count_; ++i) {
     const Stroke& stroke = list->strokes[i];
+    if (stroke.in_scene()) continue;
     const auto known = std::find_if(slots_.begin(), slots_.end(), [&](const auto& slot) {
       return slot && !slot->kept && slot->frame == list->frame && slot->stroke == stroke;
     });
@@ -122,6 +123,7 @@ void StrokeTracker::record(gpu::Commands& commands, const StrokesPtr& list, cons
 }
 
 StrokeTracker::Slot StrokeTracker::slot_of(const Stroke& stroke) const {
+  if (stroke.in_scene()) return {};
   for (uint32_t i = 0; i < slots_.size(); ++i)
     if (slots_[i] && slots_[i]->stroke == stroke) return {i, slots_[i]->samples.center};
   throw Error(ErrorKind::internal, "a stroke is not followed");
@@ -133,6 +135,12 @@ StrokeTracker::Pose StrokeTracker::read(std::span<const float> poses, uint32_t s
   return {{place[0], place[1]},
           {place[2], place[3]},
           static_cast<State>(static_cast<uint8_t>(at[4 * Track::POSE_STATE]))};
+}
+
+Stroke::Point StrokeTracker::Pose::now(Stroke::Point drawn, Stroke::Point center) const {
+  const float x = drawn[0] - center[0], y = drawn[1] - center[1];
+  return {center[0] + shift[0] + turn[0] * x - turn[1] * y,
+          center[1] + shift[1] + turn[1] * x + turn[0] * y};
 }
 
 Stroke::Point StrokeTracker::Pose::as_drawn(Stroke::Point now, Stroke::Point center) const {

@@ -43,7 +43,7 @@ class StrokeTracker {
     uint32_t index = 0;
     Stroke::Point center{};
   };
-  /// Of a stroke of the last list.
+  /// Of a stroke of the last list; of one in the scene Slot{}, as it is not followed.
   Slot slot_of(const Stroke& stroke) const;
   /// poses.glsl.
   const gpu::BufferPtr& poses() const { return poses_; }
@@ -53,6 +53,8 @@ class StrokeTracker {
   struct Pose {
     std::array<float, 2> turn{1, 0}, shift{};
     State state = State::followed;
+    /// Where a point as drawn is now.
+    Stroke::Point now(Stroke::Point drawn, Stroke::Point center) const;
     /// The point as drawn that is now at `now`.
     Stroke::Point as_drawn(Stroke::Point now, Stroke::Point center) const;
   };

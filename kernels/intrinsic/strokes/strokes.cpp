@@ -20,23 +20,26 @@ Strokes::Strokes(const std::shared_ptr<gpu::Device>& device, Extent extent)
       means_(gpu::Buffer::create(device, gpu::Element::vec4, kMaxStrokes)),
       residuals_(gpu::Buffer::create(device, gpu::Element::vec4, kMaxStrokes)) {}
 
-void Strokes::set(gpu::Commands& commands, const StrokesPtr& list, const StrokeTracker* tracker) {
+void Strokes::set(gpu::Commands& commands, const StrokesPtr& list,
+                  const StrokeMask::Places& places) {
   followed_ = false;
-  mask_.set(commands, list, tracker);
+  mask_.set(commands, list, places);
   find_shares(commands);
 }
 
-void Strokes::fill(gpu::Commands& commands, const StrokeMask::Reflectance& of) {
+void Strokes::fill(gpu::Commands& commands, const StrokeMask::Reflectance& of,
+                   const SeenStrokes* seen) {
   followed_ = false;
-  mask_.fill(commands, of);
+  mask_.fill(commands, of, seen);
   find_shares(commands);
 }
 
-void Strokes::follow(gpu::Commands& commands, const StrokeMask::Reflectance& of) {
+void Strokes::follow(gpu::Commands& commands, const StrokeMask::Reflectance& of,
+                     const SeenStrokes* seen) {
   followed_ = true;
-  mask_.follow(commands, of);
+  mask_.follow(commands, of, seen);
   using Moved = shaders::image_strokes_commit;
-  commands.when(mask_.tracker()->moved(), sizeof(uint32_t) * Moved::MOVED_STROKES,
+  commands.when(mask_.moved(), sizeof(uint32_t) * Moved::MOVED_STROKES,
                 [&] { find_shares(commands); });
 }
 

@@ -19,16 +19,15 @@ class Strokes {
  public:
   Strokes(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// Draws these strokes from now on, where `tracker` has found them; null: none, and where they
-  /// were drawn.
-  void set(gpu::Commands& commands, const StrokesPtr& list, const StrokeTracker* tracker);
+  /// Draws these strokes from now on; null: none.
+  void set(gpu::Commands& commands, const StrokesPtr& list, const StrokeMask::Places& places);
   /// Forgets them, also how far they extend.
   void forget() { mask_.forget(); }
   /// What of the picture they cover, and where they are.
   const StrokeMask& mask() const { return mask_; }
   /// As those of the mask.
-  void fill(gpu::Commands& commands, const StrokeMask::Reflectance& of);
-  void follow(gpu::Commands& commands, const StrokeMask::Reflectance& of);
+  void fill(gpu::Commands& commands, const StrokeMask::Reflectance& of, const SeenStrokes* seen);
+  void follow(gpu::Commands& commands, const StrokeMask::Reflectance& of, const SeenStrokes* seen);
   /// Of every tile, whether the mask changed there with `follow` in this frame; null if it did not.
   const gpu::BufferPtr& changed() const { return followed_ ? mask_.changed() : nothing_; }
   bool empty() const { return mask_.empty(); }

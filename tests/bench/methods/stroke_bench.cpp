@@ -116,7 +116,7 @@ Decomposition solve(DeviceSession& session, ThesisDecomposition& method, const I
                                 : ThesisStrokes::Kind::reflectance);
     drawn.draw = [&session, strokes](gpu::Commands& commands, Extent extent) {
       StrokeMask mask(session.device(), extent);
-      mask.set(commands, strokes, nullptr);
+      mask.set(commands, strokes, {});
       return mask.pixels();
     };
   }

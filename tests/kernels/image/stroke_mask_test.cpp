@@ -12,7 +12,7 @@ class StrokeMaskTest : public GpuTest {
   Pixels mask_of(const StrokeList& list, Extent extent) {
     StrokeMask mask(device, extent);
     run([&](gpu::Commands& commands) {
-      mask.set(commands, std::make_shared<StrokeList>(list), nullptr);
+      mask.set(commands, std::make_shared<StrokeList>(list), {});
     });
     bounds_ = download(mask.strokes());
     return download(mask.pixels());

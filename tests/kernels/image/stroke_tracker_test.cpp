@@ -246,9 +246,9 @@ TEST_F(StrokeTrackerTest, OneThatLeavesTheFrameIsNotDrawn) {
     run([&](gpu::Commands& commands) {
       tracker.record(commands, list, *frame);
       if (t == 0)
-        mask.set(commands, list, &tracker);
+        mask.set(commands, list, {&tracker});
       else
-        mask.follow(commands, {});
+        mask.follow(commands, {}, nullptr);
     });
     poses_ = download(tracker.poses());
     const auto state = pose(tracker, stroke).state;
@@ -278,9 +278,9 @@ TEST_F(StrokeTrackerTest, MasksMoveAsTheReferenceDrawsThem) {
       tracker.record(commands, list, *frame);
       for (StrokeMask* mask : {&full_mask, &half_mask})
         if (t == 0)
-          mask->set(commands, list, &tracker);
+          mask->set(commands, list, {&tracker});
         else
-          mask->follow(commands, {});
+          mask->follow(commands, {}, nullptr);
     });
     poses_ = download(tracker.poses());
     for (const auto& [mask, extent] : {std::pair{&full_mask, kFrame}, {&half_mask, half}}) {

@@ -200,9 +200,9 @@ TEST_F(StrokesTest, FillingAgreesWithReference) {
     reference::fill_strokes({true, true, false}, rgb.data(), int(extent.width), expected);
     const gpu::BufferPtr plane = shared_plane(extent, reflectance)->buffer;
     Strokes strokes(device, extent);
-    run([&](gpu::Commands& commands) { strokes.set(commands, list, nullptr); });
+    run([&](gpu::Commands& commands) { strokes.set(commands, list, {}); });
     EXPECT_TRUE(strokes.mask().unfilled());
-    run([&](gpu::Commands& commands) { strokes.fill(commands, {.reflectance = plane}); });
+    run([&](gpu::Commands& commands) { strokes.fill(commands, {.reflectance = plane}, nullptr); });
     EXPECT_FALSE(strokes.mask().unfilled());
     const Pixels mask = download(strokes.mask().pixels());
     size_t filled = 0;
