@@ -8,7 +8,27 @@ namespace {
 
 using Rows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 
+Eigen::Quaternionf rotation_of(const Pose& pose) {
+  const auto& [x, y, z, w] = pose.rotation;
+  return {w, x, y, z};
+}
+Eigen::Vector3f place_of(const Pose& pose) {
+  return Eigen::Map<const Eigen::Vector3f>(pose.place.data());
+}
+
 }  // namespace
+
+std::array<float, 3> to_world(const Pose& pose, const std::array<float, 3>& point) {
+  const Eigen::Vector3f p =
+      rotation_of(pose) * Eigen::Map<const Eigen::Vector3f>(point.data()) + place_of(pose);
+  return {p.x(), p.y(), p.z()};
+}
+
+std::array<float, 3> to_camera(const Pose& pose, const std::array<float, 3>& point) {
+  const Eigen::Vector3f p = rotation_of(pose).conjugate() *
+                            (Eigen::Map<const Eigen::Vector3f>(point.data()) - place_of(pose));
+  return {p.x(), p.y(), p.z()};
+}
 
 Pose pose_of_rows(std::span<const double, 12> rows) {
   const Eigen::Map<const Rows> matrix(rows.data());
@@ -23,10 +43,9 @@ Pose pose_of_rows(std::span<const double, 12> rows) {
 }
 
 std::array<double, 12> rows_of(const Pose& pose) {
-  const auto& [x, y, z, w] = pose.rotation;
   std::array<double, 12> rows;
   Eigen::Map<Rows> matrix(rows.data());
-  matrix.leftCols<3>() = Eigen::Quaternionf(w, x, y, z).cast<double>().toRotationMatrix();
+  matrix.leftCols<3>() = rotation_of(pose).cast<double>().toRotationMatrix();
   for (Eigen::Index c = 0; c < 3; ++c)
     matrix(c, 3) = static_cast<double>(pose.place[static_cast<size_t>(c)]);
   return rows;

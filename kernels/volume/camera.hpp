@@ -22,6 +22,9 @@ struct Pose {
 /// The pose whose matrix, that takes points of the camera to the world, has these first three rows;
 /// the nearest one if its left part is not quite a rotation.
 Pose pose_of_rows(std::span<const double, 12> rows);
+/// A point of the camera in the world, and back; meters.
+std::array<float, 3> to_world(const Pose& pose, const std::array<float, 3>& point);
+std::array<float, 3> to_camera(const Pose& pose, const std::array<float, 3>& point);
 /// These rows of a pose.
 std::array<double, 12> rows_of(const Pose& pose);
 

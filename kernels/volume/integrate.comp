@@ -16,6 +16,7 @@ SCALAR_IN(4, depth);
 PLANE_IN(5, layers);   // rgb: reflectance
 WORD_INOUT(6, voxels);
 WORD_INOUT(7, colors);  // two a voxel
+WORD_INOUT(8, colored);  // of a block: voxels that have one
 layout(push_constant) uniform Push {
   vec4 lens;
   uvec2 size;
@@ -55,7 +56,7 @@ void main() {
   vec3 at = to_camera(rotation, place, (vec3(first) + 0.5) * push.voxel);
   vec3 along = turned(vec4(-rotation.xyz, rotation.w), vec3(0.0, 0.0, push.voxel));
   uint first_index = block * kBlockVoxels + gl_LocalInvocationID.x;
-  uint colored = 0u;  // a bit a voxel
+  uint near_surface = 0u, first_colors = 0u;  // a bit a voxel; voxels
   for (int k = 0; k < kBlockSide; ++k) {
     Sample s = sample_at(at + float(k) * along);
     bool measured = s.known && push.geometry != 0u;
@@ -65,18 +66,20 @@ void main() {
     v.weight = min(v.weight + weight, 255.0);
     if (empty || measured) STORE(voxels, first_index + 64u * uint(k), word_of(v));
     bool near = s.known && push.reflectance != 0u && s.cosine > kMinCosine && abs(s.distance) < kNear;
-    colored |= uint(near) << k;
+    near_surface |= uint(near) << k;
   }
   // Few voxels of a column have a color to take.
-  for (uint left = empty ? 255u : colored; left != 0u; left &= left - 1u) {
+  for (uint left = empty ? 255u : near_surface; left != 0u; left &= left - 1u) {
     uint k = uint(findLSB(left)), index = color_index(block, gl_LocalInvocationID.x + 64u * k);
     Sample s = sample_at(at + float(k) * along);
     vec4 mean = empty ? vec4(0.0) : reflectance_of(uvec2(LOAD(colors, index), LOAD(colors, index + kBlockVoxels)));
     vec3 now = log(max(FETCH(layers, s.pixel).rgb, vec3(1e-3)));
-    float before = mean.w * push.memory, added = (colored >> k & 1u) != 0u ? s.confidence : 0.0;
+    float before = mean.w * push.memory, added = (near_surface >> k & 1u) != 0u ? s.confidence : 0.0;
     mean = vec4(mix(mean.rgb, now, added / max(before + added, 1e-9)), min((before + added) / push.memory, 1.0));
     uvec2 words = words_of(mean);
     STORE(colors, index, words.x);
     STORE(colors, index + kBlockVoxels, words.y);
+    first_colors += before == 0.0 && added > 0.0 ? 1u : 0u;
   }
+  if (first_colors > 0u) atomicAdd(LOAD(colored, block), first_colors);
 }

@@ -40,6 +40,7 @@ Volume::Volume(const std::shared_ptr<gpu::Device>& device, const Params& params)
       keys_(gpu::Buffer::create(device, gpu::Element::word, params.blocks)),
       fresh_(gpu::Buffer::create(device, gpu::Element::word, params.blocks)),
       list_(gpu::Buffer::create(device, gpu::Element::word, params.blocks)),
+      colored_(gpu::Buffer::create(device, gpu::Element::word, params.blocks)),
       voxels_(gpu::Buffer::create(device, gpu::Element::word,
                                   uint64_t{params.blocks} * volume_allocate::kBlockVoxels)),
       colors_(gpu::Buffer::create(device, gpu::Element::word,
@@ -62,6 +63,7 @@ void Volume::record_clear(gpu::Commands& commands) {
   commands.fill(table_, kNoBlock);
   commands.fill(keys_, kNoBlock);
   commands.fill(fresh_);
+  commands.fill(colored_);
   commands.copy(start_, state_, state_->bytes());
 }
 
@@ -114,7 +116,8 @@ void Volume::record_integrate(gpu::Commands& commands, const Frame& frame,
                               .depth = frame.depth,
                               .layers = layers,
                               .voxels = voxels_,
-                              .colors = colors_},
+                              .colors = colors_,
+                              .colored = colored_},
                              {.lens = frame.lens.values(),
                               .size = frame.extent,
                               .voxel = params_.voxel,

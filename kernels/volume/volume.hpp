@@ -71,10 +71,15 @@ class Volume {
   const Params& params() const { return params_; }
   /// Words of state.glsl.
   const gpu::BufferPtr& state() const { return state_; }
-  /// For tests: a word a block; one and two words a voxel.
+  /// The hash table; its entries less one.
+  const gpu::BufferPtr& table() const { return table_; }
+  uint32_t table_mask() const { return entries_ - 1; }
+  /// A word a block; one and two words a voxel.
   const gpu::BufferPtr& keys() const { return keys_; }
   const gpu::BufferPtr& voxels() const { return voxels_; }
   const gpu::BufferPtr& colors() const { return colors_; }
+  /// A word a block: its voxels that have a reflectance.
+  const gpu::BufferPtr& colored() const { return colored_; }
 
  private:
   void record_list(gpu::Commands& commands, const Lens& lens, Extent extent,
@@ -88,7 +93,7 @@ class Volume {
   gpu::Program<shaders::volume_ranges> ranges_;
   gpu::Program<shaders::volume_march> march_;
   gpu::Program<shaders::volume_normals> normals_;
-  gpu::BufferPtr table_, keys_, fresh_, free_, state_, start_, list_, voxels_, colors_;
+  gpu::BufferPtr table_, keys_, fresh_, free_, state_, start_, list_, colored_, voxels_, colors_;
 };
 
 }  // namespace inverse

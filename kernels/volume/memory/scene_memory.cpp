@@ -18,9 +18,22 @@ constexpr uint64_t kPoseBytes = 8 * sizeof(float);
 constexpr uint32_t kCells = shaders::volume_memory_thumbnail::kThumbnailWidth *
                             shaders::volume_memory_thumbnail::kThumbnailHeight;
 constexpr uint64_t kThumbnailBytes = kCells * 4 * sizeof(float);
-// Of what is read back: what tracking found, the volume's state, the pose, the thumbnail.
+constexpr uint64_t kLeftBytes = sizeof(uint32_t);
+// Of what is read back: what tracking found, the volume's state, the pose, the thumbnail, how many
+// voxels strokes are to spread from.
 constexpr uint64_t kStateAt = kFoundBytes, kPoseAt = kStateAt + kStateBytes,
-                   kThumbnailAt = kPoseAt + kPoseBytes, kReadBytes = kThumbnailAt + kThumbnailBytes;
+                   kThumbnailAt = kPoseAt + kPoseBytes, kLeftAt = kThumbnailAt + kThumbnailBytes,
+                   kReadBytes = kLeftAt + kLeftBytes;
+// Additions of frames after which strokes are drawn into what is new.
+constexpr uint32_t kStrokesEvery = 4;
+
+Pose pose_in(const gpu::BufferPtr& read) {
+  const float* values = read->map_as<float>() + kPoseAt / sizeof(float);
+  Pose pose;
+  std::copy_n(values, 4, pose.rotation.begin());
+  std::copy_n(values + 4, 4, pose.place.begin());
+  return pose;
+}
 
 /// For a camera whose pose is only known roughly, and whose light is not.
 Tracker::Params from_afar(Tracker::Params params) {
@@ -76,6 +89,7 @@ void SceneMemory::read(gpu::Commands& commands, uint64_t number, const Depth& de
     frame.pose = gpu::Buffer::create(device_, gpu::Element::vec4, 2, gpu::Memory::upload);
     frame.found = gpu::Buffer::create(device_, gpu::Element::word, kReadBytes / sizeof(uint32_t),
                                       gpu::Memory::readback);
+    std::fill_n(frame.found->map_as<uint32_t>(), kReadBytes / sizeof(uint32_t), 0U);
   }
   auto* to = frame.image->map_as<std::byte>();
   constexpr size_t kPixel = sizeof(uint16_t);
@@ -110,11 +124,7 @@ std::optional<Pose> SceneMemory::learn(uint64_t number) {
   }
   if (numbers[0] > 0) {
     tries_ = 0;
-    Pose pose;
-    const float* values = numbers + kPoseAt / sizeof(float);
-    std::copy_n(values, 4, pose.rotation.begin());
-    std::copy_n(values + 4, 4, pose.place.begin());
-    keyframes_.add(picture, pose);
+    keyframes_.add(picture, pose_in(frames_[number].found));
     return {};
   }
   // Each candidate as long as it takes to hear that it was right.
@@ -131,6 +141,8 @@ std::optional<KnownReflectance> SceneMemory::record_recall(gpu::Commands& comman
   const auto step = static_cast<float>(step_), first = static_cast<float>(middle);
   lens_ = {depth.lens.fx / step, depth.lens.fy / step, (depth.lens.cx - first) / step,
            (depth.lens.cy - first) / step};
+  if (strokes_ && frames_[number].number)
+    strokes_->heard(*(frames_[number].found->map_as<uint32_t>() + kLeftAt / sizeof(uint32_t)));
   const std::optional<Pose> candidate = learn(number);
   read(commands, number, depth);
   tracker_.record_frame(commands, lens_, depth_, resized(commands, picture));
@@ -150,8 +162,14 @@ std::optional<KnownReflectance> SceneMemory::record_recall(gpu::Commands& comman
     tracker_.record_align(commands, params_.tracker);
   }
   commands.stage("camera");
-  if (added_ == 0) return {};
+  viewed_ = added_ > 0;
+  if (!viewed_) return {};
+  if (strokes_ && strokes_->busy()) {
+    strokes_->record(commands, volume_, false);
+    commands.stage("scene-strokes");
+  }
   volume_.record_march(commands, lens_, tracker_.pose(), view_);
+  if (strokes_ && !strokes_->empty()) strokes_->record_close(commands, view_, stroke_ids_);
   commands.stage("view");
   return KnownReflectance{.extent = extent_,
                           .reflectance = view_.reflectance,
@@ -173,6 +191,10 @@ void SceneMemory::record_remember(gpu::Commands& commands, const Plane& layers) 
     commands.stage("fusion");
     if (added_ == 0) volume_.record_march(commands, lens_, tracker_.pose(), view_);
     next_ = number_ + (++added_ < params_.always ? 1 : params_.every);
+    if (strokes_ && !strokes_->empty() && added_ % kStrokesEvery == 0) {
+      strokes_->record(commands, volume_, true);
+      commands.stage("scene-strokes");
+    }
   }
   tracker_.record_target(commands, view_, here);
   const Tracker::Small small = tracker_.small();
@@ -181,13 +203,57 @@ void SceneMemory::record_remember(gpu::Commands& commands, const Plane& layers) 
       {.brightness = small.brightness, .depth = small.depth, .thumbnail = thumbnail_plane_},
       {.size = small.extent}, kCells);
   commands.stage("target");
-  const gpu::Commands::CopyPart parts[] = {
+  std::vector<gpu::Commands::CopyPart> parts{
       {.source = found, .bytes = kFoundBytes},
       {.source = volume_.state(), .bytes = kStateBytes, .target_offset = kStateAt},
       {.source = tracker_.pose(), .bytes = kPoseBytes, .target_offset = kPoseAt},
       {.source = thumbnail_plane_, .bytes = kThumbnailBytes, .target_offset = kThumbnailAt}};
-  commands.copy(parts, frames_[number_].found);
+  InFlight& frame = frames_[number_];
+  if (strokes_)
+    parts.push_back({.source = strokes_->state(),
+                     .bytes = kLeftBytes,
+                     .source_offset = SceneStrokes::kLeftOffset,
+                     .target_offset = kLeftAt});
+  commands.copy(parts, frame.found);
+  frame.lens = lens_;
+  frame.has_depth = keeps_views_ && viewed_;
+  if (frame.has_depth) {
+    if (!frame.depth)
+      frame.depth = gpu::Buffer::create(device_, gpu::Element::scalar, extent_.pixels(),
+                                        gpu::Memory::readback);
+    commands.copy(view_.depth, frame.depth, view_.depth->bytes());
+  }
   frames_[number_].number = number_;
+}
+
+void SceneMemory::set_strokes(const StrokesPtr& strokes) {
+  if (strokes == stroke_list_) return;
+  stroke_list_ = strokes;
+  const bool any = strokes && std::ranges::any_of(strokes->strokes, &Stroke::in_scene);
+  if (!strokes_ && any) {
+    strokes_.emplace(device_, volume_);
+    stroke_ids_ = gpu::Buffer::create(device_, gpu::Element::word, extent_.pixels());
+  }
+  if (strokes_) strokes_->set(strokes);
+}
+
+std::optional<SeenStrokes> SceneMemory::seen_strokes() const {
+  if (!viewed_ || !strokes_ || strokes_->empty()) return {};
+  return SeenStrokes{.extent = extent_,
+                     .ids = stroke_ids_,
+                     .known_depth = view_.depth,
+                     .depth = depth_,
+                     .valid = tracked_ ? tracker_.found() : certain_,
+                     .strokes = strokes_->strokes()};
+}
+
+std::optional<SceneView> SceneMemory::view(uint64_t number) const {
+  const InFlight& frame = frames_[number];
+  const auto found = findings(number);
+  if (!found || !found->found) return {};
+  SceneView view{.extent = extent_, .lens = frame.lens, .pose = pose_in(frame.found), .depth = {}};
+  if (frame.has_depth) view.depth = {frame.depth->map_as<float>(), extent_.pixels()};
+  return view;
 }
 
 std::optional<SceneMemory::Findings> SceneMemory::findings(uint64_t number) const {

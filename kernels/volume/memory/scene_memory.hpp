@@ -7,7 +7,10 @@
 
 #include "kernels/gpu/frame_ring.hpp"
 #include "kernels/image/plane.hpp"
+#include "kernels/image/strokes/seen_strokes.hpp"
 #include "kernels/intrinsic/recall/recall.hpp"
+#include "kernels/volume/strokes/place_stroke.hpp"
+#include "kernels/volume/strokes/scene_strokes.hpp"
 #include "kernels/volume/tracking/tracker.hpp"
 #include "kernels/volume/volume.hpp"
 #include "kernels/volume_memory_keep_found.spv.hpp"
@@ -57,6 +60,16 @@ class SceneMemory {
   /// Records adding the reflectance of that frame's layers (R.rgb, S).
   void record_remember(gpu::Commands& commands, const Plane& layers);
 
+  /// Strokes, of which those in the scene are drawn into it; null: none.
+  void set_strokes(const StrokesPtr& strokes);
+  /// Of the frame of the last `record_recall`: where it sees them. Empty: no stroke is in the
+  /// scene, or nothing is known yet.
+  std::optional<SeenStrokes> seen_strokes() const;
+  /// What the camera of a completed frame saw, as `findings`; without depth unless `keeps_views`
+  /// was set for it. Empty: the camera was not found.
+  std::optional<SceneView> view(uint64_t number) const;
+  void keep_views(bool keeps) { keeps_views_ = keeps; }
+
   /// Of depth images.
   Extent depth_extent() const { return depth_extent_; }
   void set_weight(float weight) { params_.weight = weight; }
@@ -99,9 +112,11 @@ class SceneMemory {
   gpu::Program<shaders::volume_memory_resize> resize_;
   gpu::Program<shaders::volume_memory_retry> retry_;
   gpu::Program<shaders::volume_memory_thumbnail> thumbnail_;
-  gpu::BufferPtr depth_, kept_depth_, resized_, certain_, thumbnail_plane_;
+  gpu::BufferPtr depth_, kept_depth_, stroke_ids_, resized_, certain_, thumbnail_plane_;
   struct InFlight {
-    gpu::BufferPtr image, pose, found;
+    gpu::BufferPtr image, pose, found, depth;
+    bool has_depth = false;  // of the view
+    Lens lens;
     std::optional<uint64_t> number;  // of the frame, once it is recorded
   };
   gpu::FrameRing<InFlight> frames_;
@@ -111,7 +126,11 @@ class SceneMemory {
   uint64_t next_ = 0;     // frame to be added
   bool tracked_ = false;  // this frame
   Keyframes keyframes_;
-  uint32_t tries_ = 0;  // frames since the camera was lost, in a row
+  std::optional<SceneStrokes> strokes_;  // made for the first one in the scene
+  StrokesPtr stroke_list_;
+  bool keeps_views_ = false;
+  bool viewed_ = false;  // this frame
+  uint32_t tries_ = 0;   // frames since the camera was lost, in a row
 };
 
 }  // namespace inverse

@@ -41,11 +41,14 @@ TEST_F(VolumeTest, AgreesWithSpecification) {
     expected.integrate(camera, surface, seen.layers);
   }
   const auto keys = words(volume.keys()), voxels = words(volume.voxels()),
-             colors = words(volume.colors());
+             colors = words(volume.colors()), colored_of = words(volume.colored());
   size_t blocks = 0, missing = 0, count = 0, off = 0, weights = 0, colored = 0, off_color = 0;
   for (size_t b = 0; b < keys.size(); ++b) {
     if (keys[b] == 0xffffffff) continue;
     ++blocks;
+    uint32_t with_color = 0;
+    for (size_t n = 0; n < 512; ++n) with_color += colors[1024 * b + 512 + n] >> 16 > 0;
+    EXPECT_EQ(colored_of[b], with_color);
     const auto found = expected.blocks.find(
         {int(keys[b] & 2047) - 1024, int(keys[b] >> 22) - 512, int(keys[b] >> 11 & 2047) - 1024});
     if (found == expected.blocks.end()) {
