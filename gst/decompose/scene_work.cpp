@@ -104,6 +104,7 @@ void SceneWork::release() {
 
 void SceneWork::reset() {
   memory_.reset();
+  seen_.reset();
   told_.clear();
 }
 
@@ -147,12 +148,21 @@ void SceneWork::warn_of(FrameContext& frame, const SceneMemory::Findings& found)
 }
 
 const KnownReflectance* SceneWork::recall(FrameContext& frame, uint64_t number,
-                                          const SceneParams& params) {
+                                          const SceneParams& params, const StrokesPtr& strokes,
+                                          bool keep_view) {
   remembers_ = false;
-  if (!params.scene_memory) reset();
+  seen_.reset();
+  if (!params.scene_memory && memory_) reset();
   const GstInverseDepthMeta* meta =
       frame.in && params.scene_memory ? gst_buffer_get_inverse_depth_meta(frame.in) : nullptr;
-  if (!meta) return nullptr;
+  if (!meta) {
+    if (strokes && std::ranges::any_of(strokes->strokes, &Stroke::in_scene))
+      warn(
+          frame,
+          "strokes with points of three numbers lie in a remembered scene, but frames come without "
+          "depth or scene-memory is false: these strokes have no effect");
+    return nullptr;
+  }
   if (const std::string wrong = wrong_depth(*meta); !wrong.empty()) {
     warn(frame, wrong);
     return nullptr;
@@ -176,7 +186,10 @@ const KnownReflectance* SceneWork::recall(FrameContext& frame, uint64_t number,
   if (number >= gpu::kFramesInFlight)
     if (const auto found = memory_->findings(number - gpu::kFramesInFlight)) warn_of(frame, *found);
   memory_->set_weight(params.scene_weight);
+  memory_->set_strokes(strokes);
+  memory_->keep_views(keep_view);
   known_ = memory_->record_recall(frame.commands, number, depth, *frame.layers[Role::input]);
+  seen_ = memory_->seen_strokes();
   remembers_ = true;
   return known_ && params.scene_weight > 0 ? &*known_ : nullptr;
 }

@@ -53,8 +53,16 @@ class SceneWork {
   void reset();
 
   /// Before the method decomposes `frame`, as its frame `number`: what is known of it; null:
-  /// nothing. Adds warnings about its depth.
-  const KnownReflectance* recall(FrameContext& frame, uint64_t number, const SceneParams& params);
+  /// nothing. Adds warnings about its depth. `strokes`: those in the scene are drawn into it;
+  /// `keep_view`: `view` has its depth.
+  const KnownReflectance* recall(FrameContext& frame, uint64_t number, const SceneParams& params,
+                                 const StrokesPtr& strokes, bool keep_view);
+  /// Where that frame sees strokes of the scene; null: nowhere.
+  const SeenStrokes* seen() const { return seen_ ? &*seen_ : nullptr; }
+  /// SceneMemory::view.
+  std::optional<SceneView> view(uint64_t number) const {
+    return memory_ ? memory_->view(number) : std::nullopt;
+  }
   /// After the method.
   void remember(FrameContext& frame);
   /// Adds fields about a completed frame of the method that had depth.
@@ -74,6 +82,7 @@ class SceneWork {
   std::optional<SceneMemory> memory_;
   SceneParams made_with_;
   std::optional<KnownReflectance> known_;
+  std::optional<SeenStrokes> seen_;
   bool remembers_ = false;  // this frame
   std::set<std::string> told_;
 };

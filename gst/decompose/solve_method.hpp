@@ -21,6 +21,7 @@ class SolveMethod : public DecompositionMethod {
   DecomposerSettings& settings() override { return settings_; }
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent,
                  const Log& log) override {
+    log_.emplace(log);
     method_.emplace(device, extent);
     stroke_work_.configure(device, extent);
     scene_work_.configure(device);
@@ -41,6 +42,7 @@ class SolveMethod : public DecompositionMethod {
     method_->reset();
     stroke_work_.reset();
     scene_work_.reset();
+    strokes_.forget_scene();
   }
   bool converged(std::optional<uint64_t> completed) const override {
     return completed && method_->converged(*completed, settings_.params());
@@ -52,7 +54,8 @@ class SolveMethod : public DecompositionMethod {
   }
   void flushed() override { strokes_.flush(); }
   void completed(uint64_t number) override {
-    stroke_work_.completed(number, solve_findings(method_->findings(number)).strokes);
+    stroke_work_.completed(*log_, number, solve_findings(method_->findings(number)).strokes,
+                           scene_work_.view(number));
   }
 
  protected:
@@ -67,7 +70,12 @@ class SolveMethod : public DecompositionMethod {
     info.repeated = frame.repeated;
     info.strokes = stroke_work_.solved();
     info.tracker = stroke_work_.tracker();
-    if constexpr (requires { info.known; }) info.known = scene_work_.recall(frame, number, params);
+    if constexpr (requires { info.known; }) {
+      info.known =
+          scene_work_.recall(frame, number, params, stroke_work_.all(), stroke_work_.places());
+      info.seen = scene_work_.seen();
+      stroke_work_.see(number, info.seen);
+    }
     frame.layers = method_->record(frame.commands, frame.layers[Role::input], params, info);
     if constexpr (requires { info.known; }) scene_work_.remember(frame);
     frame.drawn = method_->drawn();
@@ -92,6 +100,7 @@ class SolveMethod : public DecompositionMethod {
       return findings;
   }
 
+  std::optional<Log> log_;
   PriorModels models_;
   StrokeEditor strokes_;
   StrokeWork stroke_work_{strokes_};

@@ -56,11 +56,15 @@ std::string wrong_strokes(const GValue* value) {
   return wrong_text(value, "strokes", read_strokes);
 }
 
-Stroke::Point StrokeEditor::as_drawn(const Stroke& stroke, Stroke::Point now) const {
+bool StrokeEditor::covers_now(const Stroke& stroke, Extent drawn, Stroke::Point point) const {
   const Lock lock(mutex_);
+  if (stroke.in_scene()) return view_ && covers(stroke, point, frame_, *view_);
   for (size_t i = 0; i < places_.size(); ++i)
-    if (checked_->strokes[i] == stroke) return places_[i].pose.as_drawn(now, places_[i].center);
-  return now;
+    if (checked_->strokes[i] == stroke) {
+      point = places_[i].pose.as_drawn(point, places_[i].center);
+      break;
+    }
+  return covers(stroke, scaled(point, frame_, drawn));
 }
 
 void StrokeEditor::mouse(const Log& log, const MouseEvent& event, const StrokeParams& params) {
@@ -103,9 +107,8 @@ void StrokeEditor::mouse(const Log& log, const MouseEvent& event, const StrokePa
   } else if (event.kind == Kind::press && params.stroke_mode == StrokeMode::erase) {
     StrokeList list = strokes_of(text(log), frame);
     const auto last =
-        std::find_if(list.strokes.rbegin(), list.strokes.rend(), [&](const Stroke& stroke) {
-          return covers(stroke, scaled(as_drawn(stroke, point), frame, list.frame));
-        });
+        std::find_if(list.strokes.rbegin(), list.strokes.rend(),
+                     [&](const Stroke& stroke) { return covers_now(stroke, list.frame, point); });
     if (last == list.strokes.rend()) return;
     list.strokes.erase(std::next(last).base());
     set(log, text_of(list));
@@ -162,6 +165,54 @@ void StrokeEditor::flush() {
   const Lock lock(mutex_);
   if (drawing_) drawing_changed_ = true;
   drawing_.reset();
+}
+
+void StrokeEditor::forget_scene() {
+  const Lock lock(mutex_);
+  view_.reset();
+}
+
+bool StrokeEditor::places(const StrokeList& list) {
+  return !std::ranges::all_of(list.strokes, &Stroke::in_scene);
+}
+
+void StrokeEditor::see(const Log& log, const StrokeList& list,
+                       const std::vector<StrokePlace>& places, const SceneView& view) {
+  std::vector<std::pair<Stroke, Stroke>> placed;
+  {
+    const Lock lock(mutex_);
+    view_ = view;
+    view_->depth = {};
+    if (view.depth.empty()) return;
+    for (size_t i = 0; i < list.strokes.size(); ++i) {
+      const Stroke& stroke = list.strokes[i];
+      if (stroke.in_scene() || (drawing_ && i + 1 == list.strokes.size())) continue;
+      Stroke now = stroke;
+      if (i < places.size()) {
+        if (places[i].pose.state != StrokeTracker::State::followed &&
+            places[i].pose.state != StrokeTracker::State::waiting)
+          continue;
+        for (Stroke::Point& point : now.points)
+          point = scaled(places[i].pose.now(scaled(point, list.frame, frame_), places[i].center),
+                         frame_, list.frame);
+      }
+      if (auto there = placed_in_scene(now, list.frame, view))
+        placed.emplace_back(stroke, std::move(*there));
+    }
+  }
+  if (placed.empty()) return;
+  amend(log, [&](const std::string& text) {
+    StrokeList changed = read_strokes(text);
+    bool any = false;
+    for (Stroke& stroke : changed.strokes)
+      for (const auto& [from, to] : placed)
+        if (stroke == from) {
+          stroke = to;
+          any = true;
+          break;
+        }
+    return any ? text_of(changed) : text;
+  });
 }
 
 void StrokeEditor::check(const StrokesPtr& list, const std::vector<float>& rms,

@@ -6,6 +6,7 @@
 
 #include "gst/base/json/list_editor.hpp"
 #include "kernels/image/strokes/stroke_tracker.hpp"
+#include "kernels/volume/strokes/place_stroke.hpp"
 
 namespace inverse {
 
@@ -53,6 +54,16 @@ class StrokeEditor : public ListEditor {
   StrokeLists take(const std::string& strokes, Extent frame, bool mosaic);
   /// Forgets the stroke that is being drawn: its picture is gone.
   void flush();
+  /// Forgets what was seen of a scene.
+  void forget_scene();
+
+  /// Whether some strokes of a list are yet to be put into a remembered scene.
+  static bool places(const StrokeList& list);
+  /// A completed frame with this list saw this of the scene: puts those strokes into it that have
+  /// surfaces under them, and sets the property. `places`: where the others are in that frame;
+  /// empty if they are as drawn.
+  void see(const Log& log, const StrokeList& list, const std::vector<StrokePlace>& places,
+           const SceneView& view);
 
   /// Checks what a completed frame found of each stroke of its list: adds a warning, once, for one
   /// that could not be satisfied or was lost. `places`: empty if they are not followed.
@@ -60,8 +71,8 @@ class StrokeEditor : public ListEditor {
              std::vector<StrokePlace> places);
 
  private:
-  /// The place where a stroke was drawn that is now at `now`, in pixels of the frame.
-  Stroke::Point as_drawn(const Stroke& stroke, Stroke::Point now) const;
+  /// Whether a stroke of a list for frames of size `drawn` is now seen at a point of the frame.
+  bool covers_now(const Stroke& stroke, Extent drawn, Stroke::Point point) const;
 
   bool mosaic_ = false;
   std::optional<Stroke> drawing_;
@@ -71,6 +82,7 @@ class StrokeEditor : public ListEditor {
   StrokesPtr checked_;
   unsigned checked_frames_ = 0;
   std::vector<StrokePlace> places_;  // of `checked_`
+  std::optional<SceneView> view_;    // without depth
   bool lost_ = false;                // some of those, and a warning said so
 };
 

@@ -13,7 +13,8 @@ namespace {
 
 using namespace json_list;
 
-constexpr float kMaxRadius = 1e4F;
+constexpr float kMinRadius = 0.1F, kMaxRadius = 1e4F;  // pixels
+constexpr float kMinBall = 0.001F, kMaxBall = 100;     // meters
 
 /// By Stroke::Kind.
 struct Kind {
@@ -29,6 +30,7 @@ Stroke stroke_of(const Json& json, const std::string& name) {
   if (!json.is_object()) refuse(name + " must be an object with kind, radius and points");
   Stroke stroke;
   bool has_kind = false, has_color = false;
+  const Json* radius = nullptr;
   for (const auto& [key, value] : json.items()) {
     if (key == "kind") {
       has_kind = true;
@@ -40,12 +42,17 @@ Stroke stroke_of(const Json& json, const std::string& name) {
       has_color = true;
       stroke.color = linear_color(color_of(value, name));
     } else if (key == "radius") {
-      stroke.radius = number_of(value, 0.1F, kMaxRadius, "the radius of " + name);
+      radius = &value;
     } else if (key == "fill") {
       if (!value.is_boolean()) refuse("fill of " + name + " must be true or false");
       stroke.fill = value.get<bool>();
     } else if (key == "points") {
-      stroke.points = points_of(value, name);
+      const bool in_scene =
+          value.is_array() && !value.empty() && value[0].is_array() && value[0].size() == 3;
+      if (in_scene)
+        stroke.places = places_of(value, name);
+      else
+        stroke.points = points_of(value, name);
     } else {
       refuse(name + " has the field \"" + key.substr(0, 40) +
              "\", but only kind, color, radius, fill and points are known");
@@ -55,7 +62,13 @@ Stroke stroke_of(const Json& json, const std::string& name) {
   if (has_color != (stroke.kind == Stroke::Kind::recolor))
     refuse(name + (has_color ? " must have no color: only those of kind \"recolor\" have one"
                              : " recolors and must have a color, \"#rrggbb\""));
-  if (stroke.points.empty()) refuse(name + " must have points");
+  if (stroke.points.empty() && !stroke.in_scene()) refuse(name + " must have points");
+  if (radius)
+    stroke.radius = stroke.in_scene()
+                        ? number_of(*radius, kMinBall, kMaxBall, "the radius in meters of " + name)
+                        : number_of(*radius, kMinRadius, kMaxRadius, "the radius of " + name);
+  else if (stroke.in_scene())
+    refuse(name + " lies in the scene and must have a radius, in meters");
   return stroke;
 }
 
@@ -77,9 +90,9 @@ std::string text_of(const StrokeList& list) {
   for (const Stroke& stroke : list.strokes) {
     OrderedJson entry{{"kind", kKinds[static_cast<size_t>(stroke.kind)].name}};
     if (stroke.kind == Stroke::Kind::recolor) entry["color"] = color_text(srgb_color(stroke.color));
-    entry["radius"] = rounded(stroke.radius, 1);
+    entry["radius"] = rounded(stroke.radius, stroke.in_scene() ? kMeterDigits : 1);
     if (stroke.fill) entry["fill"] = true;
-    entry["points"] = points_json(stroke.points);
+    entry["points"] = stroke.in_scene() ? places_json(stroke.places) : points_json(stroke.points);
     strokes.push_back(std::move(entry));
   }
   return json_list::text_of(std::move(strokes), "strokes", list.frame);

@@ -12,7 +12,8 @@ namespace inverse {
 ///     false,
 ///      "points": [[x, y], ...]}
 ///
-/// ("color": sRGB, of "recolor" alone) in pixels of the frame, or {"frame": [width, height],
+/// ("color": sRGB, of "recolor" alone) in pixels of the frame; with points of three numbers, in
+/// meters of the remembered scene; or {"frame": [width, height],
 /// "strokes": [...]} in pixels of a frame of that size. Empty text is no stroke. The frame of the
 /// result is empty if the text has none. Throws Error(unsupported) that says what is wrong and
 /// where.

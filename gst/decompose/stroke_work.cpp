@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "stroke_work.hpp"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
 namespace inverse {
 namespace {
 
-const char* name_of(StrokeTracker::State state) {
-  switch (state) {
+/// `place`: null if no stroke is followed.
+const char* state_of(const Stroke& stroke, bool seen, const StrokePlace* place) {
+  if (stroke.in_scene()) return seen ? "in-scene" : "outside";
+  switch (place ? place->pose.state : StrokeTracker::State::waiting) {
     case StrokeTracker::State::waiting:
       return "waiting";
     case StrokeTracker::State::followed:
@@ -51,12 +54,14 @@ bool StrokeWork::requested(const StrokeParams& params) const {
 void StrokeWork::take(FrameContext& frame, uint64_t number, const StrokeParams& params,
                       bool mosaic) {
   if (frame.fresh) reset();
+  seen_ = nullptr;
   const Extent extent = frame.layers.extent;
   const StrokesPtr before = lists_.all;
   lists_ = editor_.take(params.strokes, extent, mosaic);
   for (std::string& warning : editor_.take_warnings()) frame.warnings.push_back(std::move(warning));
   followed_ = params.stroke_follow;
-  follows_ = followed_ && lists_.all;
+  follows_ =
+      followed_ && lists_.all && !std::ranges::all_of(lists_.all->strokes, &Stroke::in_scene);
   Frame& now = frames_[number];
   now.lists = lists_;
   if (!follows_) {
@@ -76,10 +81,16 @@ void StrokeWork::take(FrameContext& frame, uint64_t number, const StrokeParams& 
     frame.commands.copy(tracker_->poses(), now.poses, now.poses->bytes());
   }
   now.slots = slots_;
+  now.seen = false;
+}
+
+void StrokeWork::see(uint64_t number, const SeenStrokes* seen) {
+  seen_ = seen;
+  frames_[number].seen = seen != nullptr;
 }
 
 void StrokeWork::recolor(FrameContext& frame) {
-  recolor_->record(frame.commands, frame.layers, lists_.recolored, tracker());
+  recolor_->record(frame.commands, frame.layers, lists_.recolored, {tracker(), seen_});
   const bool recolors = lists_.recolored != nullptr;
   if (recolors) frame.commands.stage("recolor-strokes");
   if (recolors || recolored_) frame.drawn = nullptr;
@@ -98,14 +109,23 @@ std::vector<StrokePlace> StrokeWork::places(const Frame& frame) {
   std::vector<StrokePlace> result;
   const std::span poses(frame.poses ? frame.poses->map_as<float>() : nullptr,
                         frame.poses ? 4 * frame.poses->count() : 0);
-  for (const auto& slot : frame.slots)
-    result.push_back({StrokeTracker::read(poses, slot.index), slot.center});
+  for (size_t i = 0; i < frame.slots.size(); ++i) {
+    const auto& slot = frame.slots[i];
+    if (frame.lists.all->strokes[i].in_scene())
+      result.push_back({.pose = {.state = frame.seen ? StrokeTracker::State::followed
+                                                     : StrokeTracker::State::outside}});
+    else
+      result.push_back({StrokeTracker::read(poses, slot.index), slot.center});
+  }
   return result;
 }
 
-void StrokeWork::completed(uint64_t number, const std::vector<float>& rms) {
+void StrokeWork::completed(const Log& log, uint64_t number, const std::vector<float>& rms,
+                           const std::optional<SceneView>& view) {
   const Frame& frame = frames_[number];
-  if (frame.lists.all) editor_.check(frame.lists.all, residuals(frame, rms), places(frame));
+  if (!frame.lists.all) return;
+  editor_.check(frame.lists.all, residuals(frame, rms), places(frame));
+  if (view) editor_.see(log, *frame.lists.all, places(frame), *view);
 }
 
 void StrokeWork::describe(GstStructure* stats, uint64_t number,
@@ -122,12 +142,15 @@ void StrokeWork::describe(GstStructure* stats, uint64_t number,
     gst_value_array_append_and_take_value(&deviations, &entry);
   }
   gst_structure_take_value(stats, "strokes", &deviations);
-  if (frame.slots.empty()) return;
+  const bool in_scene = std::ranges::any_of(frame.lists.all->strokes, &Stroke::in_scene);
+  if (frame.slots.empty() && !in_scene) return;
   gst_value_array_init(&states, count);
-  for (const StrokePlace& place : places(frame)) {
+  const std::vector<StrokePlace> found = places(frame);
+  for (size_t i = 0; i < count; ++i) {
     GValue entry = G_VALUE_INIT;
     g_value_init(&entry, G_TYPE_STRING);
-    g_value_set_static_string(&entry, name_of(place.pose.state));
+    g_value_set_static_string(&entry, state_of(frame.lists.all->strokes[i], frame.seen,
+                                               i < found.size() ? &found[i] : nullptr));
     gst_value_array_append_and_take_value(&states, &entry);
   }
   gst_structure_take_value(stats, "stroke-states", &states);

@@ -34,6 +34,16 @@ class ListEditor {
 
   std::string text(const Log& log) const { return text_property(log, property_.c_str()); }
   void set(const Log& log, const std::string& text);
+  /// Rewrites the list as it is and as undoing would make it; this cannot be undone. `rewritten`
+  /// returns the text that takes the place of one.
+  template <typename Rewritten>
+  void amend(const Log& log, Rewritten rewritten) {
+    {
+      const Lock lock(mutex_);
+      for (std::string& before : undo_) before = rewritten(before);
+    }
+    g_object_set(log.object, property_.c_str(), rewritten(text(log)).c_str(), nullptr);
+  }
   Extent frame() const;
   /// That a list has as many entries as it may.
   std::string full(size_t max) const;

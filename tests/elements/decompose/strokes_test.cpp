@@ -174,6 +174,12 @@ TEST_P(Strokes, MessagesNameThePropertyThePlaceAndTheLimit) {
            {R"([{"kind":"shading","points":[]}])", "strokes: stroke 1 must have points"},
            {R"([{"kind":"shading","radius":0,"points":[[1,2]]}])",
             "strokes: the radius of stroke 1 must be a number from 0.1 to 10000"},
+           {R"([{"kind":"shading","points":[[1,2,3]]}])",
+            "strokes: stroke 1 lies in the scene and must have a radius, in meters"},
+           {R"([{"kind":"shading","radius":0,"points":[[1,2,3]]}])",
+            "strokes: the radius in meters of stroke 1 must be a number from 0.001 to 100"},
+           {R"([{"kind":"shading","radius":1,"points":[[1,2,3],[1,2]]}])",
+            "strokes: the points of stroke 1 must be like this: [[x, y, z], ...]"},
            {"[\n {\"kind\" ]", "strokes: the text is not valid JSON at line 2, column 10"},
            {"[1e999]", "strokes: the text is not valid JSON at character 6"}}) {
     set(text);
