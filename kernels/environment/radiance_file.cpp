@@ -17,8 +17,8 @@
 
 #include "common/error.hpp"
 #include "common/file_extension.hpp"
-#include "common/new_file.hpp"
 #include "common/open_file.hpp"
+#include "common/replace_file.hpp"
 #include "environment.hpp"
 
 // Private to this file, because an application may link its own stb.
@@ -209,22 +209,7 @@ void Environment::save(const std::string& path) const {
     if (!file) fail_to_write(path, "the file is not whole; is the disk full?");
     return;
   }
-  static std::atomic<unsigned> drafts{0};  // others may save to the same file meanwhile
-  NewFile draft(target.string() + "." + std::to_string(getpid()) + "-" + std::to_string(drafts++) +
-                ".new");
-  try {
-    draft.write(0, bytes.data(), bytes.size());
-    draft.close();
-    std::error_code none;
-    if (there)
-      std::filesystem::permissions(draft.path(),
-                                   std::filesystem::status(target, none).permissions(), none);
-    if (std::rename(draft.path().c_str(), target.c_str()) != 0)
-      fail_to_write(path, strerror(errno));
-  } catch (const Error&) {
-    std::remove(draft.path().c_str());
-    throw;
-  }
+  replace_file(target, bytes);
 }
 
 }  // namespace inverse
