@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "volume.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 #include <numeric>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace inverse {
@@ -11,10 +14,17 @@ namespace {
 
 using shaders::volume_allocate;
 
-constexpr uint32_t kNoBlock = 0xffffffff;
+constexpr uint32_t kNoBlock = VolumeData::kNoBlock;
 constexpr uint32_t kColumns = 64;       // of a block, an invocation each
 constexpr uint32_t kEntriesABlock = 4;  // of the hash table, at least two
 constexpr uint32_t kAllocateStep = 2;   // pixels
+
+/// As in blocks.glsl.
+uint32_t hash_of(uint32_t key) {
+  key = (key ^ key >> 16) * 0x85ebca6bU;
+  key = (key ^ key >> 13) * 0xc2b2ae35U;
+  return key ^ key >> 16;
+}
 
 }  // namespace
 
@@ -28,7 +38,8 @@ Volume::View::View(const std::shared_ptr<gpu::Device>& device, Extent size)
       farthest(gpu::Buffer::create(device, gpu::Element::word, tiles().pixels())) {}
 
 Volume::Volume(const std::shared_ptr<gpu::Device>& device, const Params& params)
-    : params_(params),
+    : device_(device),
+      params_(params),
       entries_(std::bit_ceil(kEntriesABlock * params.blocks) / 2),
       allocate_(device),
       list_blocks_(device),
@@ -65,6 +76,65 @@ void Volume::record_clear(gpu::Commands& commands) {
   commands.fill(fresh_);
   commands.fill(colored_);
   commands.copy(start_, state_, state_->bytes());
+}
+
+VolumeData Volume::data() const {
+  gpu::Commands commands(device_);
+  const auto read = [&](const gpu::BufferPtr& buffer, uint64_t words) {
+    const auto to = gpu::Buffer::create(device_, gpu::Element::word, std::max<uint64_t>(words, 1),
+                                        gpu::Memory::readback);
+    commands.begin();
+    if (words > 0) commands.copy(buffer, to, words * sizeof(uint32_t));
+    commands.submit();
+    commands.wait();
+    const auto* from = to->map_as<uint32_t>();
+    return std::vector<uint32_t>(from, from + words);
+  };
+  // Places are taken in order, and none is given back.
+  const uint64_t blocks =
+      params_.blocks - read(state_, volume_allocate::kStateWords)[volume_allocate::kFree];
+  const uint64_t voxels = blocks * volume_allocate::kBlockVoxels;
+  return {params_.voxel, params_.truncation, read(keys_, blocks), read(voxels_, voxels),
+          read(colors_, 2 * voxels)};
+}
+
+void Volume::restore(const VolumeData& data) {
+  const size_t blocks = data.keys.size();
+  if (data.voxel != params_.voxel || data.truncation != params_.truncation)
+    throw Error(ErrorKind::limit, "its voxels have a side of " + std::to_string(data.voxel) +
+                                      " m, and those here " + std::to_string(params_.voxel));
+  if (blocks > params_.blocks)
+    throw Error(ErrorKind::limit, "it has " + std::to_string(blocks) +
+                                      " blocks, and there is memory for " +
+                                      std::to_string(params_.blocks));
+  std::vector<uint32_t> table(2ULL * entries_, kNoBlock), colored(blocks),
+      state(volume_allocate::kStateWords);
+  for (uint32_t block = 0; block < blocks; ++block) {
+    uint32_t entry = hash_of(data.keys[block]) & table_mask();
+    while (table[2ULL * entry] != kNoBlock) entry = (entry + 1) & table_mask();
+    table[2ULL * entry] = data.keys[block];
+    table[2ULL * entry + 1] = block;
+    const uint32_t* sure = &data.colors[(2ULL * block + 1) * volume_allocate::kBlockVoxels];
+    colored[block] = static_cast<uint32_t>(std::count_if(
+        sure, sure + volume_allocate::kBlockVoxels, [](uint32_t word) { return word >> 16 > 0; }));
+  }
+  state[1] = state[2] = 1;
+  state[volume_allocate::kFree] = params_.blocks - static_cast<uint32_t>(blocks);
+  gpu::Commands commands(device_);
+  commands.begin();
+  record_clear(commands);
+  const std::pair<const gpu::BufferPtr&, const std::vector<uint32_t>&> parts[] = {
+      {table_, table},     {state_, state},        {keys_, data.keys},
+      {colored_, colored}, {voxels_, data.voxels}, {colors_, data.colors}};
+  for (const auto& [to, words] : parts) {
+    if (words.empty()) continue;
+    const auto from =
+        gpu::Buffer::create(device_, gpu::Element::word, words.size(), gpu::Memory::upload);
+    std::ranges::copy(words, from->map_as<uint32_t>());
+    commands.copy(from, to, from->bytes());
+  }
+  commands.submit();
+  commands.wait();
 }
 
 void Volume::record_list(gpu::Commands& commands, const Lens& lens, Extent extent,

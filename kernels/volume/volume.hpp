@@ -6,6 +6,7 @@
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
 #include "kernels/volume/camera.hpp"
+#include "kernels/volume/volume_data.hpp"
 #include "kernels/volume_allocate.spv.hpp"
 #include "kernels/volume_integrate.spv.hpp"
 #include "kernels/volume_list.spv.hpp"
@@ -68,6 +69,11 @@ class Volume {
   void record_march(gpu::Commands& commands, const Lens& lens, const gpu::BufferPtr& pose,
                     const View& view);
 
+  /// All that it has, or takes the place of that; waits for the device. `restore` throws
+  /// Error(limit) if it has not enough blocks, or voxels of another size.
+  VolumeData data() const;
+  void restore(const VolumeData& data);
+
   const Params& params() const { return params_; }
   /// Words of state.glsl.
   const gpu::BufferPtr& state() const { return state_; }
@@ -85,6 +91,7 @@ class Volume {
   void record_list(gpu::Commands& commands, const Lens& lens, Extent extent,
                    const gpu::BufferPtr& pose);
 
+  std::shared_ptr<gpu::Device> device_;
   Params params_;
   uint32_t entries_;
   gpu::Program<shaders::volume_allocate> allocate_;

@@ -11,18 +11,19 @@ namespace inverse {
 
 /// A line drawn over the frame: what lies under it has one shading, or one reflectance (thesis,
 /// 4.5), or gets the reflectance `color`. In pixels of the frame, the first one's center at .5; or
-/// the balls around places of a remembered scene, in meters.
+/// balls in a remembered scene.
 struct Stroke {
   enum class Kind : uint8_t { shading, reflectance, recolor };
   using Point = Place;
   Kind kind = Kind::shading;
   std::vector<Point> points;  ///< at least one; may be outside of the frame
-  float radius = 8;           ///< of the round brush, or of a ball, > 0
+  float radius = 8;           ///< of the round brush, > 0
   /// Whether it extends to its connected surroundings of similar reflectance (StrokeFill).
   bool fill = false;
-  std::array<float, 3> color{};                ///< linear RGB, of Kind::recolor
-  std::vector<std::array<float, 3>> places{};  ///< of a stroke in the scene, which has no points
-  bool in_scene() const { return !places.empty(); }
+  std::array<float, 3> color{};  ///< linear RGB, of Kind::recolor
+  /// Of a stroke in the scene, which has no points: center and radius, meters.
+  std::vector<std::array<float, 4>> balls{};
+  bool in_scene() const { return !balls.empty(); }
   bool operator==(const Stroke&) const = default;
 };
 

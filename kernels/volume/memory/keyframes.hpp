@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "kernels/volume/camera.hpp"
@@ -16,6 +17,11 @@ class Keyframes {
   struct Picture {
     std::vector<float> brightness, depth;
   };
+  /// One of those that are remembered.
+  struct Frame {
+    Picture picture;
+    Pose pose;
+  };
   explicit Keyframes(size_t limit) : limit_(limit) {}
 
   /// Remembers a frame if it is unlike all others and there is room.
@@ -23,16 +29,15 @@ class Keyframes {
   /// The poses of the frames most like this one, best first, at most `count`.
   std::vector<Pose> like(const Picture& picture, size_t count) const;
   size_t size() const { return frames_.size(); }
+  const std::vector<Frame>& frames() const { return frames_; }
+  /// Takes the place of all.
+  void set(std::vector<Frame> frames) { frames_ = std::move(frames); }
 
   /// Mean over cells of the differences: of ln brightness without its mean, at most 1; and of
   /// inverse depth in units of .2 per meter, at most 1; 1 where only one of them knows the depth.
   static double distance(const Picture& a, const Picture& b);
 
  private:
-  struct Frame {
-    Picture picture;
-    Pose pose;
-  };
   size_t limit_;
   std::vector<Frame> frames_;
 };

@@ -143,7 +143,12 @@ std::optional<KnownReflectance> SceneMemory::record_recall(gpu::Commands& comman
            (depth.lens.cy - first) / step};
   if (strokes_ && frames_[number].number)
     strokes_->heard(*(frames_[number].found->map_as<uint32_t>() + kLeftAt / sizeof(uint32_t)));
-  const std::optional<Pose> candidate = learn(number);
+  std::optional<Pose> candidate = learn(number);
+  // In a scene from a file the camera is lost at first.
+  if (std::exchange(restored_, false)) {
+    commands.fill(tracker_.found());
+    candidate = keyframes_.size() > 0 ? keyframes_.frames()[0].pose : Pose{};
+  }
   read(commands, number, depth);
   tracker_.record_frame(commands, lens_, depth_, resized(commands, picture));
   tracked_ = added_ > 0 && (params_.track || !depth.pose);
@@ -224,6 +229,16 @@ void SceneMemory::record_remember(gpu::Commands& commands, const Plane& layers) 
     commands.copy(view_.depth, frame.depth, view_.depth->bytes());
   }
   frames_[number_].number = number_;
+}
+
+void SceneMemory::restore(const SceneData& scene) {
+  for (const Keyframes::Frame& frame : scene.keyframes)
+    if (frame.picture.depth.size() != kCells)
+      throw Error(ErrorKind::file, "its keyframes have another size; save it again");
+  volume_.restore(scene.volume);
+  keyframes_.set(scene.keyframes);
+  added_ = params_.always;
+  restored_ = true;
 }
 
 void SceneMemory::set_strokes(const StrokesPtr& strokes) {

@@ -19,6 +19,7 @@
 #include "kernels/volume_memory_retry.spv.hpp"
 #include "kernels/volume_memory_thumbnail.spv.hpp"
 #include "keyframes.hpp"
+#include "scene_file.hpp"
 
 namespace inverse {
 
@@ -59,6 +60,12 @@ class SceneMemory {
                                                 const Depth& depth, const Plane& picture);
   /// Records adding the reflectance of that frame's layers (R.rgb, S).
   void record_remember(gpu::Commands& commands, const Plane& layers);
+
+  /// All that is remembered, of frames whose commands are submitted; waits for the device.
+  SceneData data() const { return {volume_.data(), keyframes_.frames()}; }
+  /// Remembers that instead, before the first frame: the camera is looked for in it. Throws
+  /// Volume::restore's errors.
+  void restore(const SceneData& scene);
 
   /// Strokes, of which those in the scene are drawn into it; null: none.
   void set_strokes(const StrokesPtr& strokes);
@@ -129,8 +136,9 @@ class SceneMemory {
   std::optional<SceneStrokes> strokes_;  // made for the first one in the scene
   StrokesPtr stroke_list_;
   bool keeps_views_ = false;
-  bool viewed_ = false;  // this frame
-  uint32_t tries_ = 0;   // frames since the camera was lost, in a row
+  bool restored_ = false;  // and no frame was shown since
+  bool viewed_ = false;    // this frame
+  uint32_t tries_ = 0;     // frames since the camera was lost, in a row
 };
 
 }  // namespace inverse

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A stroke of the scene: the ball around its balls, center and radius in meters; first ball, balls, their radius in meters, id.
+// A stroke of the scene: the ball around its balls, center and radius in meters; first ball, balls, id, -.
 #define BRUSH_BOUND 0
 #define BRUSH_BALLS 1
 #define BRUSH_STRIDE 2

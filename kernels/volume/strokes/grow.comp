@@ -7,7 +7,8 @@
 #include "brush.glsl"
 
 // Filling (thesis, 4.5.2): voxels of the front mark those of their 26 neighbors that have a reflectance near the mean under the
-// stroke's brush; these are the next front. One voxel of the front an invocation.
+// stroke's brush; these are the next front. Near is as in the thesis, and within a factor: in dark paint the thesis' distance is no
+// limit. One voxel of the front an invocation.
 WORD_IN(0, table);
 WORD_IN(1, keys);
 WORD_IN(2, colors);
@@ -22,6 +23,13 @@ layout(push_constant) uniform Push {
 } push;
 #include "volume/find_block.glsl"
 #include "front.glsl"
+
+const float kFillFactor = 1.5;
+
+bool near(vec3 color, vec3 mean) {
+  vec3 ratio = color / max(mean, 1e-4);
+  return distance(color, mean) < kFillDistance && all(lessThan(ratio, vec3(kFillFactor))) && all(greaterThan(ratio, vec3(1.0 / kFillFactor)));
+}
 
 void main() {
   uint n = gl_WorkGroupID.x * FRONT_GROUP + gl_LocalInvocationIndex;
@@ -43,7 +51,7 @@ void main() {
     if (v.stroke != 0u || !(v.weight > 0.0)) continue;
     int from = int(color_index(in_block, place_in_block(next)));
     vec4 color = reflectance_of(uvec2(FETCH1(colors, from), FETCH1(colors, from + int(kBlockVoxels))));
-    if (!(color.w > 0.0) || !(distance(exp(color.rgb), mean) < kFillDistance)) continue;
+    if (!(color.w > 0.0) || !near(exp(color.rgb), mean)) continue;
     if (atomicCompSwap(LOAD(voxels, to), word, word | stroke << 24) != word) continue;
     STORE(marked, in_block, MARKED_NEW);
     add_to_front(push.pass + 1u, to);

@@ -11,7 +11,7 @@
 WORD_IN(0, list);
 WORD_IN(1, keys);
 PLANE_IN(2, brushes);  // in the order of their list: later ones cover earlier ones
-PLANE_IN(3, balls);    // centers, meters
+PLANE_IN(3, balls);    // centers and radii, meters
 WORD_IN(4, ids);
 WORD_IN(5, colors);
 WORD_INOUT(6, voxels);
@@ -30,8 +30,8 @@ shared uint any_mark;
 
 bool covers(vec4 range, vec3 at) {
   for (int i = 0; i < int(range.y); ++i) {
-    vec3 off = FETCH(balls, int(range.x) + i).xyz - at;
-    if (dot(off, off) < range.z * range.z) return true;
+    vec4 ball = FETCH(balls, int(range.x) + i);
+    if (distance(ball.xyz, at) < ball.w) return true;
   }
   return false;
 }
@@ -59,9 +59,9 @@ void main() {
       for (uint word = 0u; word < 2u; ++word)
         for (uint left = near[word]; left != 0u; left &= left - 1u) {
           vec4 range = FETCH(brushes, BRUSH_STRIDE * int(32u * word + uint(findLSB(left))) + BRUSH_BALLS);
-          bool over = before == 0u || (FETCH1(ids, int(range.w)) & ID_FRESH) != 0u;
+          bool over = before == 0u || (FETCH1(ids, int(range.z)) & ID_FRESH) != 0u;
           if (!over || !covers(range, at)) continue;
-          stroke = uint(range.w);
+          stroke = uint(range.z);
           brushed = true;
         }
     }

@@ -85,7 +85,7 @@ std::optional<Stroke> placed_in_scene(const Stroke& stroke, Extent frame, const 
   const float step = std::max({radius / 2, 0.5F, length / kMaxPlaces});
   Stroke placed = stroke;
   placed.points.clear();
-  std::vector<float> depths;
+  placed.radius = Stroke{}.radius;
   for (const Stroke::Point& p : resampled(line, step)) {
     const auto pixel = [](float at, uint32_t size) {
       return static_cast<size_t>(std::clamp(at + 0.5F, 0.0F, static_cast<float>(size - 1)));
@@ -93,25 +93,22 @@ std::optional<Stroke> placed_in_scene(const Stroke& stroke, Extent frame, const 
     const float z = view.depth[pixel(p[1], view.extent.height) * view.extent.width +
                                pixel(p[0], view.extent.width)];
     if (!(z > 0)) continue;
-    placed.places.push_back(to_world(view.pose, {z * (p[0] - view.lens.cx) / view.lens.fx,
-                                                 z * (p[1] - view.lens.cy) / view.lens.fy, z}));
-    depths.push_back(z);
+    const auto center = to_world(view.pose, {z * (p[0] - view.lens.cx) / view.lens.fx,
+                                             z * (p[1] - view.lens.cy) / view.lens.fy, z});
+    placed.balls.push_back({center[0], center[1], center[2], radius * z / focal_length(view.lens)});
   }
-  if (depths.empty()) return {};
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::ranges::nth_element(depths, middle);
-  placed.radius = radius * *middle / focal_length(view.lens);
+  if (!placed.in_scene()) return {};
   return placed;
 }
 
 bool covers(const Stroke& stroke, Stroke::Point point, Extent frame, const SceneView& view) {
   const Stroke::Point at = in_view(point, frame, view.extent);
-  return std::ranges::any_of(stroke.places, [&](const auto& place) {
-    const auto p = to_camera(view.pose, place);
+  return std::ranges::any_of(stroke.balls, [&](const auto& ball) {
+    const auto p = to_camera(view.pose, {ball[0], ball[1], ball[2]});
     if (!(p[2] > 0)) return false;
     const float x = view.lens.fx * p[0] / p[2] + view.lens.cx,
                 y = view.lens.fy * p[1] / p[2] + view.lens.cy;
-    return std::hypot(at[0] - x, at[1] - y) < stroke.radius * focal_length(view.lens) / p[2];
+    return std::hypot(at[0] - x, at[1] - y) < ball[3] * focal_length(view.lens) / p[2];
   });
 }
 

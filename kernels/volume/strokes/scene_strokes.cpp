@@ -70,19 +70,19 @@ void SceneStrokes::write_tables(gpu::Commands& commands) {
   std::vector<uint32_t> ids(kIds + 1);
   for (const uint32_t id : order_) {
     const Stroke& stroke = *strokes_[id - 1];
-    std::array<float, 3> low = stroke.places[0], high = low;
-    for (const auto& place : stroke.places)
-      for (size_t c = 0; c < 3; ++c) {
-        low[c] = std::min(low[c], place[c]);
-        high[c] = std::max(high[c], place[c]);
+    std::array<float, 4> low = stroke.balls[0], high = low;
+    for (const auto& ball : stroke.balls)
+      for (size_t c = 0; c < 4; ++c) {
+        low[c] = std::min(low[c], ball[c]);
+        high[c] = std::max(high[c], ball[c]);
       }
     float squares = 0;
     for (size_t c = 0; c < 3; ++c) squares += (high[c] - low[c]) * (high[c] - low[c]) / 4;
     brushes.push_back({(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2,
-                       std::sqrt(squares) + stroke.radius});
-    brushes.push_back({static_cast<float>(balls.size()), static_cast<float>(stroke.places.size()),
-                       stroke.radius, static_cast<float>(id)});
-    for (const auto& [x, y, z] : stroke.places) balls.push_back({x, y, z, 0});
+                       std::sqrt(squares) + high[3]});
+    brushes.push_back({static_cast<float>(balls.size()), static_cast<float>(stroke.balls.size()),
+                       static_cast<float>(id), 0});
+    balls.insert(balls.end(), stroke.balls.begin(), stroke.balls.end());
     ids[id] = uint32_t{Shader::ID_KEPT} | (stroke.fill ? Shader::ID_FILLS : 0U) |
               (fresh_[id - 1] ? Shader::ID_FRESH : 0U);
   }

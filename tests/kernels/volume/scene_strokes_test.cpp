@@ -18,12 +18,10 @@ using Shader = shaders::volume_strokes_grow;
 
 constexpr Volume::Params kParams{.voxel = 0.02F, .blocks = 8192};
 
-Stroke stroke_at(std::vector<std::array<float, 3>> places, float radius, bool fill) {
-  return {.kind = Kind::reflectance,
-          .points = {},
-          .radius = radius,
-          .fill = fill,
-          .places = std::move(places)};
+Stroke stroke_at(const std::vector<std::array<float, 3>>& places, float radius, bool fill) {
+  Stroke stroke{.kind = Kind::reflectance, .points = {}, .fill = fill};
+  for (const auto& [x, y, z] : places) stroke.balls.push_back({x, y, z, radius});
+  return stroke;
 }
 // On the ball, the wall to the left, the wall behind and the floor of the scene.
 Stroke on_ball(bool fill) { return stroke_at({{0.3F, 0.6F, 1.35F}}, 0.08F, fill); }
@@ -90,10 +88,10 @@ class SceneStrokesTest : public VolumeFixture {
     std::vector<reference::SceneStroke> meant;
     const SeenStrokes seen{{}, {}, {}, {}, {}, strokes.strokes()};
     for (const Stroke& stroke : list->strokes) {
-      meant.push_back({{}, double{stroke.radius}, stroke.fill, seen.id_of(stroke)});
+      meant.push_back({{}, stroke.fill, seen.id_of(stroke)});
       EXPECT_GT(meant.back().id, 0U);
-      for (const auto& [x, y, z] : stroke.places)
-        meant.back().balls.push_back({double{x}, double{y}, double{z}});
+      for (const auto& [x, y, z, r] : stroke.balls)
+        meant.back().balls.push_back({double{x}, double{y}, double{z}, double{r}});
     }
     reference::MarkedVoxels expected = found;
     reference::mark(expected, double{kParams.voxel}, meant);
@@ -159,7 +157,7 @@ TEST_F(SceneStrokesTest, ExtremeStrokesEnd) {
     many.push_back(stroke_at({{0.3F, 0.6F, 1.35F}}, 0.05F + 0.002F * float(i), i % 2 == 0));
   auto list = list_of(many);
   strokes.set(list);
-  for (Stroke& stroke : many) stroke.radius += 0.0005F;
+  for (Stroke& stroke : many) stroke.balls[0][3] += 0.0005F;
   list = list_of(many);
   strokes.set(list);
   settle(strokes, volume);
@@ -286,17 +284,16 @@ TEST(PlaceStrokeTest, PutsStrokesOntoSurfaces) {
   EXPECT_TRUE(placed->fill);
   EXPECT_TRUE(placed->points.empty());
   size_t far = 0;
-  for (const auto& [x, y, z] : placed->places) {
+  for (const auto& [x, y, z, radius] : placed->balls) {
     EXPECT_NEAR(y, 2, 1e-4);  // at the height of the camera
     far += x > 4;
     EXPECT_TRUE(std::abs(x - 3) < 1e-4F || std::abs(x - 5) < 1e-4F);
     // To the right of the camera is -z.
     EXPECT_TRUE(x <= 4 || z < 3.1F);
+    EXPECT_NEAR(radius, x > 4 ? 0.2 : 0.1, 1e-4) << "two pixels of the view";
   }
   EXPECT_GT(far, 5U);
-  EXPECT_LT(far, placed->places.size());
-  // Two pixels of the view at 2 or 4 m.
-  EXPECT_TRUE(std::abs(placed->radius - 0.1F) < 1e-4F || std::abs(placed->radius - 0.2F) < 1e-4F);
+  EXPECT_LT(far, placed->balls.size());
   EXPECT_TRUE(covers(*placed, {30, 30}, frame, view));
   EXPECT_TRUE(covers(*placed, {50, 31}, frame, view));
   EXPECT_FALSE(covers(*placed, {30, 45}, frame, view));
@@ -305,7 +302,7 @@ TEST(PlaceStrokeTest, PutsStrokesOntoSurfaces) {
   EXPECT_FALSE(placed_in_scene({Kind::shading, {{1e6F, -1e6F}}, 4}, frame, view));
   const auto endless =
       placed_in_scene({Kind::shading, {{-1e6F, 30}, {1e6F, 30}}, 0.1F}, frame, view);
-  EXPECT_TRUE(!endless || endless->places.size() <= 1100U);
+  EXPECT_TRUE(!endless || endless->balls.size() <= 1100U);
 }
 
 }  // namespace

@@ -13,10 +13,10 @@ void mark(MarkedVoxels& voxels, double voxel, const std::vector<SceneStroke>& st
     v.stroke = 0;
     if (!(std::abs(v.distance) < 1)) continue;
     for (const SceneStroke& stroke : strokes)
-      for (const Vec3& ball : stroke.balls) {
+      for (const Vec4& ball : stroke.balls) {
         double squares = 0;
         for (size_t c = 0; c < 3; ++c) squares += std::pow((cell[c] + 0.5) * voxel - ball[c], 2);
-        if (squares < stroke.radius * stroke.radius) v.stroke = stroke.id;
+        if (std::sqrt(squares) < ball[3]) v.stroke = stroke.id;
       }
     if (v.stroke) brushed[v.stroke].push_back(cell);
   }
@@ -39,10 +39,13 @@ void mark(MarkedVoxels& voxels, double voxel, const std::vector<SceneStroke>& st
                         front.front()[2] + i / 9 - 1};
         const auto found = voxels.find(next);
         if (found == voxels.end() || found->second.stroke || !found->second.colored) continue;
-        double squares = 0;
-        for (size_t c = 0; c < 3; ++c)
-          squares += std::pow(std::exp(found->second.color[c]) - mean[c], 2);
-        if (!(std::sqrt(squares) < 0.1)) continue;
+        double squares = 0, factor = 1;
+        for (size_t c = 0; c < 3; ++c) {
+          const double color = std::exp(found->second.color[c]);
+          squares += std::pow(color - mean[c], 2);
+          factor = std::max({factor, color / mean[c], mean[c] / color});
+        }
+        if (!(std::sqrt(squares) < 0.1 && factor < 1.5)) continue;
         found->second.stroke = stroke.id;
         front.push_back(next);
       }

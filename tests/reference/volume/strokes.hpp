@@ -20,15 +20,15 @@ struct MarkedVoxel {
 using MarkedVoxels = std::map<Cell, MarkedVoxel>;
 
 struct SceneStroke {
-  std::vector<Vec3> balls;  ///< centers, meters
-  double radius = 0;
+  std::vector<Vec4> balls;  ///< center and radius, meters
   bool fill = false;
   uint32_t id = 0;
 };
 
 /// Marks voxels within the truncation that are in a ball; later strokes cover earlier ones. Then
 /// those that fill extend, in turn, to all colored voxels without a mark that are connected to them
-/// by 26 neighbors and whose R is within .1 of the mean under their brush.
+/// by 26 neighbors and whose R is within .1 of the mean under their brush, and within a factor
+/// of 1.5.
 void mark(MarkedVoxels& voxels, double voxel, const std::vector<SceneStroke>& strokes);
 
 /// A mask's number and half of the weight at a place of the image of `ids` (pixels; centers at

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "scene_file.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <type_traits>
+#include <unordered_set>
+
+#include "common/open_file.hpp"
+#include "common/replace_file.hpp"
+#include "kernels/volume/mesh.hpp"
+
+namespace inverse {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "files are little endian");
+
+constexpr std::string_view kMagic = "gst-inverse scene 1\n";
+constexpr uint64_t kMaxBytes = uint64_t{64} << 30;
+
+[[noreturn]] void fail(const std::string& path, const std::string& why) {
+  throw Error(ErrorKind::file, "scene " + path + " " + why);
+}
+
+/// FNV-1a.
+uint64_t checksum(std::string_view bytes) {
+  uint64_t sum = 0xcbf29ce484222325;
+  for (const char c : bytes) sum = (sum ^ static_cast<uint8_t>(c)) * 0x100000001b3;
+  return sum;
+}
+
+class Writer {
+ public:
+  template <typename T>
+  void put(const T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  template <typename T>
+  void put(const std::vector<T>& values) {
+    put(uint64_t{values.size()});
+    bytes.append(reinterpret_cast<const char*>(values.data()), sizeof(T) * values.size());
+  }
+  std::string bytes;
+};
+
+class Reader {
+ public:
+  Reader(std::string_view bytes, const std::string& path) : left_(bytes), path_(path) {}
+  template <typename T>
+  T get() {
+    T value;
+    take(&value, sizeof value);
+    return value;
+  }
+  template <typename T>
+  std::vector<T> list() {
+    const auto count = get<uint64_t>();
+    if (count > left_.size() / sizeof(T)) fail(path_, "ends too early; it was not copied whole");
+    std::vector<T> values(count);
+    take(values.data(), sizeof(T) * count);
+    return values;
+  }
+
+ private:
+  void take(void* to, size_t bytes) {
+    if (bytes > left_.size()) fail(path_, "ends too early; it was not copied whole");
+    if (bytes > 0) std::memcpy(to, left_.data(), bytes);
+    left_.remove_prefix(bytes);
+  }
+  std::string_view left_;
+  const std::string& path_;
+};
+
+std::string text_of(const SceneData& scene) {
+  Writer writer;
+  writer.put(scene.volume.voxel);
+  writer.put(scene.volume.truncation);
+  writer.put(scene.volume.keys);
+  writer.put(scene.volume.voxels);
+  writer.put(scene.volume.colors);
+  writer.put(uint64_t{scene.keyframes.size()});
+  for (const Keyframes::Frame& frame : scene.keyframes) {
+    writer.put(frame.pose);
+    writer.put(frame.picture.brightness);
+    writer.put(frame.picture.depth);
+  }
+  const uint64_t sum = checksum(writer.bytes);
+  std::string text(kMagic);
+  text.append(reinterpret_cast<const char*>(&sum), sizeof sum);
+  return text + writer.bytes;
+}
+
+bool ends_with(const std::string& path, std::string_view end) { return path.ends_with(end); }
+
+}  // namespace
+
+void check_scene_target(const std::string& path) {
+  if (!ends_with(path, ".ply") && !ends_with(path, ".scene"))
+    throw Error(ErrorKind::output, "scene " + path +
+                                       " cannot be written: name it .ply for a mesh, or .scene to "
+                                       "load it again");
+}
+
+void save_scene(const SceneData& scene, const std::string& path) {
+  check_scene_target(path);
+  replace_file(path, ends_with(path, ".ply") ? ply_of(mesh_of(scene.volume)) : text_of(scene));
+}
+
+SceneData load_scene(const std::string& path) {
+  std::string fault;
+  const std::string bytes = read_file(path, kMaxBytes, fault);
+  if (!fault.empty()) fail(path, fault);
+  if (!std::string_view(bytes).starts_with(kMagic))
+    fail(path, "is no scene of this version; save it again with save-scene");
+  std::string_view content = std::string_view(bytes).substr(kMagic.size());
+  uint64_t sum = 0;
+  if (content.size() < sizeof sum) fail(path, "ends too early; it was not copied whole");
+  std::memcpy(&sum, content.data(), sizeof sum);
+  content.remove_prefix(sizeof sum);
+  if (checksum(content) != sum)
+    fail(path, "is damaged: its checksum is another; copy or save it again");
+  Reader reader(content, path);
+  SceneData scene;
+  VolumeData& volume = scene.volume;
+  volume.voxel = reader.get<float>();
+  volume.truncation = reader.get<float>();
+  volume.keys = reader.list<uint32_t>();
+  volume.voxels = reader.list<uint32_t>();
+  volume.colors = reader.list<uint32_t>();
+  const size_t blocks = volume.keys.size();
+  const std::unordered_set<uint32_t> distinct(volume.keys.begin(), volume.keys.end());
+  if (!(volume.voxel > 0 && volume.voxel < 1 && volume.truncation >= 1) ||
+      volume.voxels.size() != blocks * VolumeData::kBlockVoxels ||
+      volume.colors.size() != 2 * volume.voxels.size() || distinct.size() != blocks ||
+      distinct.contains(VolumeData::kNoBlock))
+    fail(path, "contradicts itself; save it again");
+  for (auto left = reader.get<uint64_t>(); left > 0; --left) {
+    Keyframes::Frame frame{.picture = {}, .pose = reader.get<Pose>()};
+    frame.picture.brightness = reader.list<float>();
+    frame.picture.depth = reader.list<float>();
+    if (frame.picture.brightness.size() != frame.picture.depth.size() ||
+        !std::ranges::all_of(frame.pose.rotation, [](float v) { return std::isfinite(v); }) ||
+        !std::ranges::all_of(frame.pose.place, [](float v) { return std::isfinite(v); }))
+      fail(path, "contradicts itself; save it again");
+    scene.keyframes.push_back(std::move(frame));
+  }
+  return scene;
+}
+
+}  // namespace inverse

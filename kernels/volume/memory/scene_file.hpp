@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+#include "kernels/volume/volume_data.hpp"
+#include "keyframes.hpp"
+
+namespace inverse {
+
+/// A remembered scene, on the host.
+struct SceneData {
+  VolumeData volume;
+  std::vector<Keyframes::Frame> keyframes;
+};
+
+/// Writes a scene: as a mesh (ply_of) if the name ends in .ply, else as a file for `load_scene`,
+/// which ends in .scene. Throws Error(output) if it ends in something else or cannot be written.
+void save_scene(const SceneData& scene, const std::string& path);
+/// Throws Error(output) if `save_scene` would not take the name.
+void check_scene_target(const std::string& path);
+
+/// Reads such a file. Throws Error(file) if it is missing, damaged or of another version.
+SceneData load_scene(const std::string& path);
+
+}  // namespace inverse
