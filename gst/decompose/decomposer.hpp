@@ -39,6 +39,7 @@ class Decomposer final : public Filter {
   void describe(GstStructure* stats, uint64_t number) const override;
   std::vector<Setting> navigate(const MouseEvent& event) override;
   void flushed() override { method_->flushed(); }
+  void ended() override { method_->ended(); }
 
  private:
   RepeatPlanner::Decision decide(const FrameContext& frame, const FrameSettings& settings);

@@ -54,7 +54,11 @@ const ElementInfo kIntrinsicDecomp{
     []() -> std::unique_ptr<Filter> {
       return std::make_unique<Decomposer>(std::make_unique<IntrinsicMethod>());
     },
-    stroke_actions(),
+    [] {
+      std::vector<Action> actions = stroke_actions();
+      actions.push_back(scene_action());
+      return actions;
+    }(),
     true};
 
 }  // namespace inverse

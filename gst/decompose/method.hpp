@@ -15,6 +15,7 @@
 
 namespace inverse {
 
+class SceneWork;
 class StrokeEditor;
 
 /// The parameters that every decomposer has.
@@ -81,7 +82,10 @@ class DecompositionMethod {
   virtual bool requested() const { return false; }
   /// The strokes that users draw; null if the method takes none.
   virtual StrokeEditor* strokes() { return nullptr; }
+  /// The memory of the scene; null if the method has none.
+  virtual SceneWork* scene() { return nullptr; }
   /// As in Filter.
+  virtual void ended() {}
   virtual void navigate(const Log& /*log*/, const MouseEvent& /*event*/) {}
   virtual void flushed() {}
 };

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "decomposer.hpp"
 #include "gst/rgbd/meta/inverse_depth_meta.h"
 
 namespace inverse {
@@ -60,7 +61,8 @@ Looked look_at(const SceneMemory::Depth& depth) {
 
 bool alike(const SceneParams& a, const SceneParams& b) {
   return a.scene_track == b.scene_track && a.voxel_size == b.voxel_size &&
-         a.scene_depth == b.scene_depth && a.scene_memory_limit == b.scene_memory_limit;
+         a.scene_depth == b.scene_depth && a.scene_load == b.scene_load &&
+         a.scene_memory_limit == b.scene_memory_limit;
 }
 
 SceneMemory::Params memory_params(const SceneParams& params) {
@@ -103,6 +105,7 @@ void SceneWork::release() {
 }
 
 void SceneWork::reset() {
+  has_scene_ = false;
   memory_.reset();
   seen_.reset();
   told_.clear();
@@ -134,7 +137,61 @@ bool SceneWork::begin(FrameContext& frame, const SceneMemory::Depth& depth,
     return false;
   }
   made_with_ = params;
+  has_scene_ = true;
+  if (!params.scene_load.empty()) load(frame, params.scene_load);
   return true;
+}
+
+void SceneWork::load(FrameContext& frame, const std::string& path) {
+  try {
+    const SceneData scene = load_scene(path);
+    try {
+      memory_->restore(scene);
+    } catch (const Error& error) {
+      throw Error(error.kind(), "scene " + path + ": " + error.what());
+    }
+  } catch (const Error& error) {
+    warn(frame, std::string("the scene is remembered anew: ") + error.what());
+  }
+}
+
+void SceneWork::write_wanted(FrameContext& frame) {
+  std::vector<std::string> files;
+  {
+    const std::lock_guard lock(mutex_);
+    files.swap(wanted_);
+  }
+  for (const std::string& file : files) {
+    try {
+      save_scene(memory_->data(), file);
+      frame.messages.emplace_back(
+          gst_structure_new("scene-saved", "location", G_TYPE_STRING, file.c_str(), nullptr));
+    } catch (const Error& error) {
+      frame.warnings.emplace_back(error.what());
+    }
+  }
+}
+
+void SceneWork::save(const std::string& path) {
+  check_scene_target(path);
+  if (!has_scene_)
+    throw Error(ErrorKind::output,
+                "no scene is remembered yet; save it once frames with depth came");
+  const std::lock_guard lock(mutex_);
+  wanted_.push_back(path);
+}
+
+void SceneWork::ended(const std::string& location) {
+  if (!memory_ || std::exchange(written_, true)) return;
+  std::vector<std::string> files;
+  {
+    const std::lock_guard lock(mutex_);
+    files.swap(wanted_);
+  }
+  if (!location.empty()) files.push_back(location);
+  if (files.empty()) return;
+  const SceneData scene = memory_->data();
+  for (const std::string& file : files) save_scene(scene, file);
 }
 
 void SceneWork::warn_of(FrameContext& frame, const SceneMemory::Findings& found) {
@@ -157,10 +214,9 @@ const KnownReflectance* SceneWork::recall(FrameContext& frame, uint64_t number,
       frame.in && params.scene_memory ? gst_buffer_get_inverse_depth_meta(frame.in) : nullptr;
   if (!meta) {
     if (strokes && std::ranges::any_of(strokes->strokes, &Stroke::in_scene))
-      warn(
-          frame,
-          "strokes with points of three numbers lie in a remembered scene, but frames come without "
-          "depth or scene-memory is false: these strokes have no effect");
+      warn(frame,
+           "strokes with balls lie in a remembered scene, but frames come without "
+           "depth or scene-memory is false: these strokes have no effect");
     return nullptr;
   }
   if (const std::string wrong = wrong_depth(*meta); !wrong.empty()) {
@@ -186,6 +242,8 @@ const KnownReflectance* SceneWork::recall(FrameContext& frame, uint64_t number,
   if (number >= gpu::kFramesInFlight)
     if (const auto found = memory_->findings(number - gpu::kFramesInFlight)) warn_of(frame, *found);
   memory_->set_weight(params.scene_weight);
+  written_ = false;
+  write_wanted(frame);
   memory_->set_strokes(strokes);
   memory_->keep_views(keep_view);
   known_ = memory_->record_recall(frame.commands, number, depth, *frame.layers[Role::input]);
@@ -210,6 +268,16 @@ void SceneWork::describe(GstStructure* stats, uint64_t number) const {
                     "scene-blocks-refused", G_TYPE_UINT, found.blocks_refused, "scene-memory-mib",
                     G_TYPE_DOUBLE, found.blocks * double{Volume::kBlockBytes} / kMiB,
                     "scene-keyframes", G_TYPE_UINT, found.keyframes, nullptr);
+}
+
+Action scene_action() {
+  return {"save-scene",
+          {G_TYPE_STRING},
+          [](Filter& filter, const GValue* argument) {
+            const char* path = g_value_get_string(argument);
+            static_cast<Decomposer&>(filter).method().scene()->save(path ? path : "");
+          },
+          true};
 }
 
 }  // namespace inverse

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <atomic>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "gst/base/filter.hpp"
 #include "kernels/volume/memory/scene_memory.hpp"
@@ -18,6 +21,7 @@ struct SceneParams {
   float voxel_size = 0.01F;      ///< meters
   float scene_depth = 5;         ///< meters from the camera that are remembered
   int scene_memory_limit = 192;  ///< MiB
+  std::string scene_load, scene_location;
 };
 
 /// The properties of SceneParams.
@@ -40,6 +44,13 @@ PropertyTable<P> scene_properties() {
                 "forgets it"),
       number<P>("scene-memory-limit", &P::scene_memory_limit, 8, 65536,
                 "Memory of the device for the remembered scene, MiB; a change forgets it"),
+      text<P>("scene-load", &P::scene_load,
+              "File of a scene (.scene) that is known from the start; the camera is looked for in "
+              "it",
+              Mutable::ready),
+      text<P>("scene-location", &P::scene_location,
+              "File that the remembered scene is written to when the stream ends: .ply for a mesh "
+              "with reflectance, .scene for scene-load"),
   };
 }
 
@@ -65,6 +76,11 @@ class SceneWork {
   }
   /// After the method.
   void remember(FrameContext& frame);
+  /// Writes the scene to a file at the next frame or the end (save_scene). From any thread. Throws
+  /// Error(output) if there is none, or the name is not one.
+  void save(const std::string& path);
+  /// The stream ended: writes it to `location`, if that is not empty. Throws as save_scene.
+  void ended(const std::string& location);
   /// Adds fields about a completed frame of the method that had depth.
   void describe(GstStructure* stats, uint64_t number) const;
 
@@ -75,6 +91,10 @@ class SceneWork {
   /// Adds a warning that was not given since the last reset.
   void warn(FrameContext& frame, const std::string& text);
   void warn_of(FrameContext& frame, const SceneMemory::Findings& found);
+  /// Reads a scene into the memory; a warning if it cannot.
+  void load(FrameContext& frame, const std::string& path);
+  /// Writes the files that were asked for.
+  void write_wanted(FrameContext& frame);
   /// Makes the memory for frames like this one; false, with a warning, if it cannot.
   bool begin(FrameContext& frame, const SceneMemory::Depth& depth, const SceneParams& params);
 
@@ -85,6 +105,13 @@ class SceneWork {
   std::optional<SeenStrokes> seen_;
   bool remembers_ = false;  // this frame
   std::set<std::string> told_;
+  bool written_ = false;  // since the last frame
+  std::atomic<bool> has_scene_ = false;
+  std::mutex mutex_;
+  std::vector<std::string> wanted_;  // files
 };
+
+/// The action signal save-scene of a decomposer whose method has DecompositionMethod::scene.
+Action scene_action();
 
 }  // namespace inverse

@@ -2,6 +2,7 @@
 #pragma once
 #include <optional>
 
+#include "scene_work.hpp"
 #include "solve_properties.hpp"
 #include "stroke_work.hpp"
 
@@ -53,6 +54,11 @@ class SolveMethod : public DecompositionMethod {
     strokes_.mouse(log, event, settings_.properties());
   }
   void flushed() override { strokes_.flush(); }
+  void ended() override {
+    if constexpr (requires(typename Method::FrameInfo info) { info.known; })
+      scene_work_.ended(settings_.properties().scene_location);
+  }
+  SceneWork* scene() override { return &scene_work_; }
   void completed(uint64_t number) override {
     stroke_work_.completed(*log_, number, solve_findings(method_->findings(number)).strokes,
                            scene_work_.view(number));

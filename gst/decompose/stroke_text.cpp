@@ -13,8 +13,10 @@ namespace {
 
 using namespace json_list;
 
-constexpr float kMinRadius = 0.1F, kMaxRadius = 1e4F;  // pixels
-constexpr float kMinBall = 0.001F, kMaxBall = 100;     // meters
+constexpr float kMaxRadius = 1e4F;  // pixels
+constexpr float kMaxMeters = 1e4F, kMinBall = 1e-3F,
+                kMaxBall = 100;  // of a ball's place, its radius
+constexpr int kBallDigits = 4;
 
 /// By Stroke::Kind.
 struct Kind {
@@ -26,11 +28,36 @@ constexpr std::array<Kind, 3> kKinds{{{"shading", Stroke::Kind::shading},
                                       {"recolor", Stroke::Kind::recolor}}};
 const char* const kWrongKind = " must have the kind \"shading\", \"reflectance\" or \"recolor\"";
 
+std::vector<std::array<float, 4>> balls_of(const Json& json, const std::string& name) {
+  if (!json.is_array() || json.empty() || json.size() > kMaxPoints)
+    refuse("the balls of " + name + " must be a list of at most " + std::to_string(kMaxPoints) +
+           ", [[x, y, z, radius], ...], in meters");
+  std::vector<std::array<float, 4>> balls;
+  for (const Json& ball : json) {
+    if (!ball.is_array() || ball.size() != 4)
+      refuse("the balls of " + name + " must be like this: [[x, y, z, radius], ...], in meters");
+    const auto place = [&](size_t axis) {
+      return number_of(ball[axis], -kMaxMeters, kMaxMeters, "the place of a ball of " + name);
+    };
+    balls.push_back({place(0), place(1), place(2),
+                     number_of(ball[3], kMinBall, kMaxBall, "the radius of a ball of " + name)});
+  }
+  return balls;
+}
+
+OrderedJson balls_json(const std::vector<std::array<float, 4>>& balls) {
+  OrderedJson json = OrderedJson::array();
+  for (const auto& ball : balls) {
+    OrderedJson& entry = json.emplace_back(OrderedJson::array());
+    for (const float number : ball) entry.push_back(rounded(number, kBallDigits));
+  }
+  return json;
+}
+
 Stroke stroke_of(const Json& json, const std::string& name) {
   if (!json.is_object()) refuse(name + " must be an object with kind, radius and points");
   Stroke stroke;
-  bool has_kind = false, has_color = false;
-  const Json* radius = nullptr;
+  bool has_kind = false, has_color = false, has_radius = false;
   for (const auto& [key, value] : json.items()) {
     if (key == "kind") {
       has_kind = true;
@@ -42,20 +69,18 @@ Stroke stroke_of(const Json& json, const std::string& name) {
       has_color = true;
       stroke.color = linear_color(color_of(value, name));
     } else if (key == "radius") {
-      radius = &value;
+      has_radius = true;
+      stroke.radius = number_of(value, 0.1F, kMaxRadius, "the radius of " + name);
     } else if (key == "fill") {
       if (!value.is_boolean()) refuse("fill of " + name + " must be true or false");
       stroke.fill = value.get<bool>();
     } else if (key == "points") {
-      const bool in_scene =
-          value.is_array() && !value.empty() && value[0].is_array() && value[0].size() == 3;
-      if (in_scene)
-        stroke.places = places_of(value, name);
-      else
-        stroke.points = points_of(value, name);
+      stroke.points = points_of(value, name);
+    } else if (key == "balls") {
+      stroke.balls = balls_of(value, name);
     } else {
       refuse(name + " has the field \"" + key.substr(0, 40) +
-             "\", but only kind, color, radius, fill and points are known");
+             "\", but only kind, color, radius, fill, points and balls are known");
     }
   }
   if (!has_kind) refuse(name + kWrongKind);
@@ -63,12 +88,8 @@ Stroke stroke_of(const Json& json, const std::string& name) {
     refuse(name + (has_color ? " must have no color: only those of kind \"recolor\" have one"
                              : " recolors and must have a color, \"#rrggbb\""));
   if (stroke.points.empty() && !stroke.in_scene()) refuse(name + " must have points");
-  if (radius)
-    stroke.radius = stroke.in_scene()
-                        ? number_of(*radius, kMinBall, kMaxBall, "the radius in meters of " + name)
-                        : number_of(*radius, kMinRadius, kMaxRadius, "the radius of " + name);
-  else if (stroke.in_scene())
-    refuse(name + " lies in the scene and must have a radius, in meters");
+  if (stroke.in_scene() && (has_radius || !stroke.points.empty()))
+    refuse(name + " lies in the scene by its balls; leave out points and radius");
   return stroke;
 }
 
@@ -90,9 +111,12 @@ std::string text_of(const StrokeList& list) {
   for (const Stroke& stroke : list.strokes) {
     OrderedJson entry{{"kind", kKinds[static_cast<size_t>(stroke.kind)].name}};
     if (stroke.kind == Stroke::Kind::recolor) entry["color"] = color_text(srgb_color(stroke.color));
-    entry["radius"] = rounded(stroke.radius, stroke.in_scene() ? kMeterDigits : 1);
+    if (!stroke.in_scene()) entry["radius"] = rounded(stroke.radius, 1);
     if (stroke.fill) entry["fill"] = true;
-    entry["points"] = stroke.in_scene() ? places_json(stroke.places) : points_json(stroke.points);
+    if (stroke.in_scene())
+      entry["balls"] = balls_json(stroke.balls);
+    else
+      entry["points"] = points_json(stroke.points);
     strokes.push_back(std::move(entry));
   }
   return json_list::text_of(std::move(strokes), "strokes", list.frame);

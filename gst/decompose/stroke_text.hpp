@@ -12,11 +12,11 @@ namespace inverse {
 ///     false,
 ///      "points": [[x, y], ...]}
 ///
-/// ("color": sRGB, of "recolor" alone) in pixels of the frame; with points of three numbers, in
-/// meters of the remembered scene; or {"frame": [width, height],
-/// "strokes": [...]} in pixels of a frame of that size. Empty text is no stroke. The frame of the
-/// result is empty if the text has none. Throws Error(unsupported) that says what is wrong and
-/// where.
+/// ("color": sRGB, of "recolor" alone) in pixels of the frame; with "balls": [[x, y, z, radius],
+/// ...] in place of points and radius, in meters of the remembered scene; or {"frame": [width,
+/// height], "strokes": [...]} in pixels of a frame of that size. Empty text is no stroke. The frame
+/// of the result is empty if the text has none. Throws Error(unsupported) that says what is wrong
+/// and where.
 StrokeList read_strokes(const std::string& text);
 
 /// A single stroke, as one of such a list.

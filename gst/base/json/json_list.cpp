@@ -39,48 +39,25 @@ uint32_t color_of(const Json& json, const std::string& name) {
   return rgb;
 }
 
-namespace {
-
-/// `form`: how a list of them looks.
-template <size_t kAxes>
-std::vector<std::array<float, kAxes>> points_in(const Json& json, const std::string& name,
-                                                float max, const char* form) {
-  if (!json.is_array()) refuse("the points of " + name + " must be a list, " + form);
+std::vector<std::array<float, 2>> points_of(const Json& json, const std::string& name) {
+  if (!json.is_array()) refuse("the points of " + name + " must be a list, [[x, y], ...]");
   if (json.size() > kMaxPoints)
     refuse(name + " has " + std::to_string(json.size()) + " points; at most " +
            std::to_string(kMaxPoints) + " are possible: leave out some, or divide it in two");
-  std::vector<std::array<float, kAxes>> points;
+  std::vector<std::array<float, 2>> points;
   for (const Json& point : json) {
-    if (!point.is_array() || point.size() != kAxes)
-      refuse("the points of " + name + " must be like this: " + form);
-    auto& to = points.emplace_back();
-    for (size_t axis = 0; axis < kAxes; ++axis)
-      to[axis] =
-          number_of(point[axis], -max, max, std::string(1, "xyz"[axis]) + " of a point of " + name);
+    if (!point.is_array() || point.size() != 2)
+      refuse("the points of " + name + " must be pairs, [[x, y], ...]");
+    points.push_back(
+        {number_of(point[0], -kMaxCoordinate, kMaxCoordinate, "x of a point of " + name),
+         number_of(point[1], -kMaxCoordinate, kMaxCoordinate, "y of a point of " + name)});
   }
   return points;
-}
-
-}  // namespace
-
-std::vector<std::array<float, 2>> points_of(const Json& json, const std::string& name) {
-  return points_in<2>(json, name, kMaxCoordinate, "[[x, y], ...]");
-}
-
-std::vector<std::array<float, 3>> places_of(const Json& json, const std::string& name) {
-  return points_in<3>(json, name, kMaxMeters, "[[x, y, z], ...]");
 }
 
 OrderedJson points_json(const std::vector<std::array<float, 2>>& points) {
   OrderedJson json = OrderedJson::array();
   for (const auto& [x, y] : points) json.push_back({rounded(x, 1), rounded(y, 1)});
-  return json;
-}
-
-OrderedJson places_json(const std::vector<std::array<float, 3>>& places) {
-  OrderedJson json = OrderedJson::array();
-  for (const auto& [x, y, z] : places)
-    json.push_back({rounded(x, kMeterDigits), rounded(y, kMeterDigits), rounded(z, kMeterDigits)});
   return json;
 }
 

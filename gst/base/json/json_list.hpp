@@ -16,8 +16,6 @@ using OrderedJson = nlohmann::ordered_json;
 
 /// Pixels that a coordinate may be away from the frame's corner.
 inline constexpr float kMaxCoordinate = 1e6F;
-/// Meters that a place of a scene may be away from its origin, along each axis.
-inline constexpr float kMaxMeters = 1e4F;
 /// Points that a line may have.
 inline constexpr size_t kMaxPoints = 4096;
 
@@ -34,11 +32,6 @@ uint32_t color_of(const Json& json, const std::string& name);
 /// Of [[x, y], ...] the points, at most kMaxPoints; `name` is of what they belong to.
 std::vector<std::array<float, 2>> points_of(const Json& json, const std::string& name);
 
-/// Of [[x, y, z], ...] the places in meters, at most kMaxPoints; `name` as above.
-std::vector<std::array<float, 3>> places_of(const Json& json, const std::string& name);
-
-/// What `places_of` reads, rounded to a tenth of a millimeter.
-OrderedJson places_json(const std::vector<std::array<float, 3>>& places);
 /// What `points_of` reads, rounded to a tenth of a pixel.
 OrderedJson points_json(const std::vector<std::array<float, 2>>& points);
 
@@ -51,8 +44,6 @@ std::vector<Json> entries_of(const std::string& text, const std::string& what, s
 std::string text_of(OrderedJson entries, const std::string& what, Extent frame);
 /// "#rrggbb"; alpha is ignored.
 std::string color_text(uint32_t argb);
-/// Digits behind the point of a length in meters.
-inline constexpr int kMeterDigits = 4;
 /// Rounded to so many digits behind the point.
 double rounded(float value, int digits);
 

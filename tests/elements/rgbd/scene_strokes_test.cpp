@@ -71,8 +71,8 @@ std::vector<std::array<double, 3>> places_of(const std::string& strokes) {
   if (json.is_discarded()) return {};
   const auto& list = json.is_object() ? json["strokes"] : json;
   std::vector<std::array<double, 3>> places;
-  for (const auto& point : list[0]["points"])
-    if (point.size() == 3) places.push_back({point[0], point[1], point[2]});
+  if (list.empty() || !list[0].contains("balls")) return {};
+  for (const auto& ball : list[0]["balls"]) places.push_back({ball[0], ball[1], ball[2]});
   return places;
 }
 
@@ -198,8 +198,7 @@ TEST(SceneStrokes, AreErasedWhereTheyAreSeen) {
 // Without depth they have no effect, which is said once.
 TEST(SceneStrokes, NeedAScene) {
   const Line line("", "show=reflectance scene-memory=false", 6, [](GstElement* element, int n) {
-    if (n == 0)
-      set(element, R"([{"kind":"shading","radius":0.1,"fill":true,"points":[[0,0,1.5]]}])");
+    if (n == 0) set(element, R"([{"kind":"shading","fill":true,"balls":[[0,0,1.5,0.1]]}])");
   });
   EXPECT_EQ(line.result.frames.size(), 6U) << line.result.first_error();
   ASSERT_EQ(line.result.warnings.size(), 1U);

@@ -2,11 +2,13 @@
 // Decomposers that remember the scene, by whole lines.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
 #include "gst/rgbd/meta/depth_meta.hpp"
 #include "tests/elements/element_test.hpp"
 #include "tests/pipeline.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -125,6 +127,83 @@ TEST(Scene, SaysThatItsMemoryIsFull) {
   EXPECT_EQ(line.frames.size(), 8U) << line.first_error();
   ASSERT_EQ(line.warnings.size(), 1U);
   EXPECT_NE(line.warnings[0].find("scene-memory-limit"), std::string::npos) << line.warnings[0];
+}
+
+/// Runs `frames` frames with a scene file; what `stats` say last.
+struct Found {
+  LineResult line;
+  guint blocks = 0;
+  gboolean camera = FALSE;
+};
+Found with_file(const std::string& source, const std::string& settings) {
+  GstStructure* stats = nullptr;
+  Found found{decompose(source, settings, {}, &stats)};
+  if (!stats) return found;
+  gst_structure_get(stats, "scene-blocks", G_TYPE_UINT, &found.blocks, "scene-camera-found",
+                    G_TYPE_BOOLEAN, &found.camera, nullptr);
+  gst_structure_free(stats);
+  return found;
+}
+
+TEST(Scene, IsWrittenAndKnownFromAFile) {
+  const TemporaryFolder folder;
+  const Found made = with_file("num-buffers=12", "scene-location=" + folder / "room.scene");
+  ASSERT_EQ(made.line.frames.size(), 12U) << made.line.first_error();
+  EXPECT_TRUE(made.line.warnings.empty()) << made.line.warnings.front();
+  // Where the camera was before; its place is found in the scene.
+  const Found known = with_file("num-buffers=14", "scene-load=" + folder / "room.scene");
+  EXPECT_TRUE(known.line.warnings.empty()) << known.line.warnings.front();
+  EXPECT_TRUE(known.camera);
+  EXPECT_GE(known.blocks, made.blocks);
+  const Found mesh = with_file("num-buffers=4", "scene-location=" + folder / "room.ply");
+  EXPECT_TRUE(mesh.line.warnings.empty()) << mesh.line.warnings.front();
+  EXPECT_GT(std::filesystem::file_size(folder / "room.ply"), 100'000U);
+  // Faults are one warning each, and lose no frame.
+  folder.write("bad.scene", "no scene");
+  for (const auto& [settings, said] : std::initializer_list<std::pair<std::string, const char*>>{
+           {"scene-load=" + folder / "missing.scene", "missing.scene cannot be read"},
+           {"scene-load=" + folder / "bad.scene", "no scene of this version"},
+           {"voxel-size=0.02 scene-load=" + folder / "room.scene", "voxels have a side of"},
+           {"scene-memory-limit=8 scene-load=" + folder / "room.scene", "there is memory for"},
+           {"scene-location=" + folder / "room.txt", "name it .ply"},
+           {"scene-location=" + folder / "no/room.ply", "cannot write"}}) {
+    const Found bad = with_file("num-buffers=4", settings);
+    EXPECT_EQ(bad.line.frames.size(), 4U) << settings << bad.line.first_error();
+    EXPECT_EQ(std::count_if(bad.line.warnings.begin(), bad.line.warnings.end(),
+                            [said = said](const std::string& warning) {
+                              return warning.find(said) != std::string::npos;
+                            }),
+              1)
+        << settings;
+  }
+}
+
+TEST(Scene, IsSavedOnRequest) {
+  const TemporaryFolder folder;
+  int n = 0;
+  gboolean early = TRUE, other = TRUE, now = FALSE;
+  const LineResult line = run_line(
+      std::string("rgbdtestsrc is-live=false samples=1 num-buffers=12 ! ") + kSize +
+          " ! identity name=before ! intrinsicdecomp name=decomposer show=reflectance ! " + kShown,
+      240, [&](GstElement* pipeline) {
+        watch_buffers(find_element(pipeline, "before"), "src", [&, pipeline](GstBuffer*) {
+          GstElement* decomposer = find_element(pipeline, "decomposer");
+          const auto save = [&](const std::string& name, gboolean* done) {
+            g_signal_emit_by_name(decomposer, "save-scene", (folder / name).c_str(), done);
+          };
+          if (n == 0) save("early.ply", &early);
+          if (n == 6) save("room.doc", &other);
+          if (n == 6) save("room.ply", &now);
+          ++n;
+        });
+      });
+  EXPECT_EQ(line.frames.size(), 12U) << line.first_error();
+  EXPECT_FALSE(early) << "nothing is remembered yet";
+  EXPECT_FALSE(other);
+  EXPECT_TRUE(now);
+  EXPECT_EQ(line.warnings.size(), 2U);
+  EXPECT_EQ(std::count(line.messages.begin(), line.messages.end(), "scene-saved"), 1);
+  EXPECT_GT(std::filesystem::file_size(folder / "room.ply"), 100'000U);
 }
 
 // Sizes and settings that change while it runs forget the scene and lose no frame.
