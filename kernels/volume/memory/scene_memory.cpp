@@ -2,6 +2,7 @@
 #include "scene_memory.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <utility>
 #include <vector>
@@ -11,6 +12,7 @@ namespace {
 
 using shaders::volume_list;
 using shaders::volume_memory_keep_found;
+using shaders::volume_tracking_move;
 
 constexpr uint64_t kFoundBytes = volume_memory_keep_found::kFoundStride * 4 * sizeof(float);
 constexpr uint64_t kStateBytes = volume_list::kStateWords * sizeof(uint32_t);
@@ -113,6 +115,17 @@ const gpu::BufferPtr& SceneMemory::upload(uint64_t number, const Pose& pose) {
   return from;
 }
 
+bool SceneMemory::stands(const Pose& pose, float matched) const {
+  constexpr float kTurn = 0.0044F, kMatched = 0.05F;  // radians; share of the depth image
+  float squares = 0, along = 0;
+  for (size_t c = 0; c < 3; ++c)
+    squares += (pose.place[c] - still_.pose.place[c]) * (pose.place[c] - still_.pose.place[c]);
+  for (size_t c = 0; c < 4; ++c) along += pose.rotation[c] * still_.pose.rotation[c];
+  return std::sqrt(squares) < params_.volume.voxel / 2 &&
+         2 * std::acos(std::min(std::abs(along), 1.0F)) < kTurn &&
+         std::abs(matched - still_.matched) < kMatched;
+}
+
 std::optional<Pose> SceneMemory::learn(uint64_t number) {
   if (!std::exchange(frames_[number].number, {})) return {};
   const auto* numbers = frames_[number].found->map_as<float>();
@@ -124,7 +137,10 @@ std::optional<Pose> SceneMemory::learn(uint64_t number) {
   }
   if (numbers[0] > 0) {
     tries_ = 0;
-    keyframes_.add(picture, pose_in(frames_[number].found));
+    const Pose pose = pose_in(frames_[number].found);
+    const float matched = numbers[4 * volume_tracking_move::kFit + 1];
+    if (!stands(pose, matched)) still_ = {pose, matched, 0};
+    keyframes_.add(picture, pose);
     return {};
   }
   // Each candidate as long as it takes to hear that it was right.
@@ -188,7 +204,9 @@ void SceneMemory::record_remember(gpu::Commands& commands, const Plane& layers) 
   const auto pixels = static_cast<uint32_t>(extent_.pixels());
   const gpu::BufferPtr& found = tracked_ ? tracker_.found() : certain_;
   const gpu::BufferPtr& here = resized(commands, layers);
-  if (number_ >= next_) {
+  const bool adds = number_ >= next_ && still_.added < params_.still;
+  if (adds) {
+    ++still_.added;
     commands.dispatch(keep_found_, {.depth = depth_, .found = found, .kept = kept_depth_},
                       {.pixels = pixels}, pixels);
     volume_.record_integrate(
@@ -214,6 +232,7 @@ void SceneMemory::record_remember(gpu::Commands& commands, const Plane& layers) 
       {.source = tracker_.pose(), .bytes = kPoseBytes, .target_offset = kPoseAt},
       {.source = thumbnail_plane_, .bytes = kThumbnailBytes, .target_offset = kThumbnailAt}};
   InFlight& frame = frames_[number_];
+  frame.added = adds;
   if (strokes_)
     parts.push_back({.source = strokes_->state(),
                      .bytes = kLeftBytes,
@@ -274,7 +293,6 @@ std::optional<SceneView> SceneMemory::view(uint64_t number) const {
 std::optional<SceneMemory::Findings> SceneMemory::findings(uint64_t number) const {
   const InFlight& frame = frames_[number];
   if (frame.number != number) return {};
-  using shaders::volume_tracking_move;
   const auto* numbers = frame.found->map_as<float>();
   const auto* state = frame.found->map_as<uint32_t>() + kStateAt / sizeof(uint32_t);
   const float* fit = numbers + size_t{4} * volume_tracking_move::kFit;
@@ -286,7 +304,8 @@ std::optional<SceneMemory::Findings> SceneMemory::findings(uint64_t number) cons
                   .blocks_visible = state[volume_list::kListed],
                   .blocks_refused = state[volume_list::kRefused],
                   .blocks_outside = state[volume_list::kOutside],
-                  .keyframes = static_cast<uint32_t>(keyframes_.size())};
+                  .keyframes = static_cast<uint32_t>(keyframes_.size()),
+                  .added = frame.added};
 }
 
 }  // namespace inverse

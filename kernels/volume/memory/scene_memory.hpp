@@ -36,6 +36,9 @@ class SceneMemory {
     /// Once it has `always` frames, only each `every`-th one is added: what most of a frame shows
     /// is known by then.
     uint32_t always = 8, every = 3;
+    /// Frames that are added from one place; then none until the camera has moved by half a voxel
+    /// or a quarter of a degree, or `matched` has changed by .05.
+    uint32_t still = 24;
     /// Larger depth images are thinned out: voxels are coarser than their pixels.
     uint32_t max_width = 320;
     /// Frames that a lost camera is looked for at, and how many of them, by likeness.
@@ -92,6 +95,7 @@ class SceneMemory {
     uint32_t blocks_refused = 0;  ///< for which the frame found no memory
     uint32_t blocks_outside = 0;  ///< too far from where the camera began
     uint32_t keyframes = 0;       ///< so far
+    bool added = false;           ///< it was to be added; it was not if the camera was not found
   };
   /// Of one of the last kFramesInFlight frames, once its Commands have been waited for; empty: it
   /// was not shown to this memory.
@@ -100,6 +104,8 @@ class SceneMemory {
  private:
   const gpu::BufferPtr& resized(gpu::Commands& commands, const Plane& plane);
   void read(gpu::Commands& commands, uint64_t number, const Depth& depth);
+  /// Whether the camera was at `still_` in a frame that was found there.
+  bool stands(const Pose& pose, float matched) const;
   /// Learns from frame `number` - kFramesInFlight, if there is one: a keyframe; or, if the camera
   /// was lost, where it may be.
   std::optional<Pose> learn(uint64_t number);
@@ -123,13 +129,20 @@ class SceneMemory {
   struct InFlight {
     gpu::BufferPtr image, pose, found, depth;
     bool has_depth = false;  // of the view
+    bool added = false;
     Lens lens;
     std::optional<uint64_t> number;  // of the frame, once it is recorded
   };
   gpu::FrameRing<InFlight> frames_;
   std::shared_ptr<gpu::Device> device_;
   uint64_t number_ = 0;
-  uint32_t added_ = 0;    // frames
+  uint32_t added_ = 0;  // frames
+  struct Still {
+    Pose pose;
+    float matched = 0;
+    uint32_t added = 0;  // frames from there
+  };
+  Still still_;
   uint64_t next_ = 0;     // frame to be added
   bool tracked_ = false;  // this frame
   Keyframes keyframes_;

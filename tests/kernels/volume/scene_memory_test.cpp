@@ -213,6 +213,45 @@ TEST_F(SceneMemoryTest, FindsALostCameraByItsKeyframes) {
   }
 }
 
+// What a camera that stands still sees is known after a while; what changes, or comes into sight,
+// is added again.
+TEST_F(SceneMemoryTest, AStillCameraAddsNoMore) {
+  SceneMemory::Params with = params();
+  with.still = 6;
+  SceneMemory memory(device, extent_of(around(0)), with);
+  const Frame frame = seen_by(around(0));
+  int added = 0;
+  for (int i = 0; i < 40; ++i) {
+    show(memory, frame, frame.depth());
+    added += found(memory).added;
+  }
+  EXPECT_GE(added, 6);
+  // The first frame has nothing to match, which the host hears some frames later.
+  EXPECT_LE(added, 7 + int(gpu::kFramesInFlight));
+  EXPECT_FALSE(found(memory).added);
+  // A thing in front of a quarter of the picture.
+  std::vector<uint16_t> steps = frame.steps;
+  for (size_t i = 0; i < steps.size(); ++i)
+    if (i % 160 < 40) steps[i] = uint16_t(0.7F / kUnit);
+  SceneMemory::Depth changed = frame.depth();
+  changed.rows = reinterpret_cast<const std::byte*>(steps.data());
+  added = 0;
+  for (int i = 0; i < 12; ++i) {
+    show(memory, frame, changed);
+    added += found(memory).added;
+  }
+  EXPECT_GT(added, 1);
+  for (int i = 0; i < 30; ++i) show(memory, frame, changed);
+  EXPECT_FALSE(found(memory).added);
+  added = 0;
+  for (int i = 1; i < 16; ++i) {
+    const Frame next = seen_by(around(0.04 * i));
+    show(memory, next, next.depth());
+    added += found(memory).added;
+  }
+  EXPECT_GT(added, 3);
+}
+
 TEST_F(SceneMemoryTest, KernelsAgreeWithReference) {
   gpu::Program<shaders::volume_memory_read_depth> read(device);
   gpu::Program<shaders::volume_memory_resize> resize(device);
