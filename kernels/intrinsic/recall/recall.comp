@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "intrinsic/energy/energy.glsl"
 #include "intrinsic/guide/guide.glsl"
-#include "volume/noise.glsl"
+#include "volume/same_surface.glsl"
 
 // Adds to the cells of the prior that their reflectance is known (Eq. 4.8 on cells): with the weight t, V = m' - r' + ln c, r' the
 // mean ln reflectance of the points that are known in the cell. t is less where few are, where they are uncertain, and where the
@@ -24,10 +24,6 @@ layout(push_constant) uniform Push {
   float weight; // for each pixel of the frame
 } push;
 
-const float kMargin = 0.02;  // meters that the depth of the same surface may differ by, ...
-const float kSteps = 4.0;    // ... and standard deviations of the sensor
-const float kColor = 0.4;    // distance of chroma that halves t
-
 // Sum of ln R of the known points of a cell, and of their confidence.
 vec4 known_of(uvec2 cell) {
   vec4 sum = vec4(0.0);
@@ -36,10 +32,8 @@ vec4 known_of(uvec2 cell) {
       uvec2 pixel = min(4u * cell + uvec2(x, y), push.frame - 1u);
       uvec2 from = (2u * pixel + 1u) * push.known / (2u * push.frame);
       int at = int(from.y * push.known.x + from.x);
-      float here = FETCH1(depth, at), there = FETCH1(known_depth, at);
-      bool same = here > 0.0 && there > 0.0 && abs(here - there) < kMargin + kSteps * noise_at(here);
       vec4 r = FETCH(reflectance, at);
-      float confidence = same ? r.w : 0.0;
+      float confidence = same_surface(FETCH1(depth, at), FETCH1(known_depth, at)) ? r.w : 0.0;
       sum += vec4(confidence > 0.0 ? confidence * r.rgb : vec3(0.0), confidence);
     }
   return sum;

@@ -4,19 +4,9 @@
 
 #include "kernels/intrinsic/guide/guide.hpp"
 #include "kernels/intrinsic_recall_recall.spv.hpp"
+#include "kernels/volume/known_reflectance.hpp"
 
 namespace inverse {
-
-/// What is known of a frame's surfaces before it is decomposed. Of the size `extent`, it shows what
-/// the frame shows, if that has another size.
-struct KnownReflectance {
-  Extent extent;
-  gpu::BufferPtr reflectance;  ///< vec4 a pixel: ln R; w: confidence, 0…1
-  gpu::BufferPtr known_depth;  ///< a scalar a pixel, meters: of these surfaces; 0: nothing is known
-  gpu::BufferPtr depth;        ///< the same of the frame
-  gpu::BufferPtr valid;        ///< a vec4, x: 0 if none of it counts
-  float weight = 0;            ///< of each pixel, against those of the prior
-};
 
 /// The stabilization of a frame's reflectance by what is known (Eq. 4.8), on cells of 4 x 4 pixels.
 class Recall {

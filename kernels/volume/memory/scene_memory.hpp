@@ -8,7 +8,7 @@
 #include "kernels/gpu/frame_ring.hpp"
 #include "kernels/image/plane.hpp"
 #include "kernels/image/strokes/seen_strokes.hpp"
-#include "kernels/intrinsic/recall/recall.hpp"
+#include "kernels/volume/known_reflectance.hpp"
 #include "kernels/volume/strokes/place_stroke.hpp"
 #include "kernels/volume/strokes/scene_strokes.hpp"
 #include "kernels/volume/tracking/tracker.hpp"
