@@ -15,7 +15,7 @@ PLANE_OUT(5, directions);
 PLANE_OUT(6, products);
 PLANE_OUT(7, partials);
 #define STROKE_BINDING 8
-#include "strokes.glsl"
+#include "thesis/chapter4/strokes.glsl"
 
 const int kStrip = 8;
 

@@ -10,7 +10,7 @@ PLANE_IN(1, solution);
 PLANE_IN(2, links);
 PLANE_OUT(3, partials);
 #define STROKE_BINDING 4
-#include "strokes.glsl"
+#include "thesis/chapter4/strokes.glsl"
 
 vec2 across(vec2 link, vec4 difference) {
   float squared = dot(difference.rgb, difference.rgb) + push.epsilon2;

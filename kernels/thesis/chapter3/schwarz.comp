@@ -14,7 +14,7 @@ PLANE_IN(2, edges);
 PLANE_IN(3, nodes);
 PLANE_OUT(4, result);
 #define STROKE_BINDING 5
-#include "strokes.glsl"
+#include "thesis/chapter4/strokes.glsl"
 
 const int kStrip = 4;
 const int kPitch = 18;

@@ -10,6 +10,7 @@
 #include "kernels/image/plane.hpp"
 #include "kernels/palette/palette.hpp"
 #include "kernels/solve/scale_normalization.hpp"
+#include "kernels/thesis/chapter4/thesis_strokes.hpp"
 #include "kernels/thesis_chapter3_direction.spv.hpp"
 #include "kernels/thesis_chapter3_downsample.spv.hpp"
 #include "kernels/thesis_chapter3_energy.spv.hpp"
@@ -30,7 +31,6 @@
 #include "kernels/thesis_shared_scalars.spv.hpp"
 #include "thesis_params.hpp"
 #include "thesis_plan.hpp"
-#include "thesis_strokes.hpp"
 
 namespace inverse {
 

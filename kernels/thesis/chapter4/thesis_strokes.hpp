@@ -7,7 +7,7 @@
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
-#include "kernels/thesis_chapter3_stroke_means.spv.hpp"
+#include "kernels/thesis_chapter4_stroke_means.spv.hpp"
 
 namespace inverse {
 
@@ -43,7 +43,7 @@ class ThesisStrokeTerm {
  private:
   std::shared_ptr<gpu::Device> device_;
   ThesisStrokes strokes_;
-  gpu::Program<shaders::thesis_chapter3_stroke_means> average_;
+  gpu::Program<shaders::thesis_chapter4_stroke_means> average_;
   std::vector<gpu::BufferPtr> masks_;  // by level; null: to be drawn
   gpu::BufferPtr kinds_, means_;
 };
