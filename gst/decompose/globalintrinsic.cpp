@@ -48,6 +48,7 @@ const PropertyTable<Params>& table() {
     PropertyTable<Params> all = light_properties();
     std::ranges::copy(solve_properties<Params>(), std::back_inserter(all));
     std::ranges::copy(stroke_properties<Params>(), std::back_inserter(all));
+    std::ranges::copy(scene_properties<Params>(), std::back_inserter(all));
     return decomposer_properties<Params>({kSolveSets}, all, Makes::global);
   }();
   return table;
@@ -85,6 +86,7 @@ class GlobalMethod final : public SolveMethod<GlobalIntrinsic> {
     const GlobalIntrinsic::Stats& method = method_->stats(number);
     describe_solve(stats, method.solve, found.solve);
     describe_strokes(stats, number);
+    describe_scene(stats, number);
     gst_structure_set(stats, "amount", G_TYPE_DOUBLE, static_cast<double>(found.amount),
                       "confidence", G_TYPE_DOUBLE, static_cast<double>(found.confidence), "colors",
                       G_TYPE_UINT, found.colors, "tint", G_TYPE_DOUBLE,
@@ -113,7 +115,7 @@ const ElementInfo kGlobalIntrinsic{
     []() -> std::unique_ptr<Filter> {
       return std::make_unique<Decomposer>(std::make_unique<GlobalMethod>());
     },
-    stroke_actions(),
+    scene_actions(),
     true};
 
 }  // namespace inverse

@@ -54,11 +54,7 @@ const ElementInfo kIntrinsicDecomp{
     []() -> std::unique_ptr<Filter> {
       return std::make_unique<Decomposer>(std::make_unique<IntrinsicMethod>());
     },
-    [] {
-      std::vector<Action> actions = stroke_actions();
-      actions.push_back(scene_action());
-      return actions;
-    }(),
+    scene_actions(),
     true};
 
 }  // namespace inverse

@@ -1,20 +1,41 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// intrinsicdecompthesis: chapter 3 of the thesis.
+// intrinsicdecompthesis: chapters 3 and 4 of the thesis.
+#include <algorithm>
+#include <iterator>
+
 #include "decomposer.hpp"
+#include "kernels/image/strokes/stroke_mask.hpp"
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
 #include "kernels/thesis/chapter3/thesis_levels.hpp"
-#include "solve_properties.hpp"
+#include "scene_work.hpp"
+#include "stroke_properties.hpp"
+#include "stroke_work.hpp"
 
 namespace inverse {
 namespace {
 
-struct Params : ThesisParams, DecomposerParams {
+struct Params : ThesisParams, DecomposerParams, StrokeParams, SceneParams {
   bool adaptive = true;
+  Params() {
+    scene_memory = false;
+    scene_weight = 10;  // w_s (4.3)
+  }
+  void take_defaults(const Params& set) {
+    if (set.formulation != Formulation::chapter4) return;
+    set_chapter4(*this);
+    scene_memory = true;
+  }
 };
 
 PropertyTable<Params> own_properties() {
   using P = Params;
-  return {
+  PropertyTable<P> own{
+      choice<P>("formulation", &P::formulation, "GstIntrinsicDecompThesisFormulation",
+                {{static_cast<int>(P::Formulation::chapter3), "chapter3",
+                  "Weights of channels and intensities, clusters of reflectance (3.3)"},
+                 {static_cast<int>(P::Formulation::chapter4), "chapter4",
+                  "None of these; by default remembers the scene of frames with depth (4.3)"}},
+                "Chapter of the thesis whose energy is minimized, with its iterations and levels"),
       number<P>(
           "seed", &P::seed, 0u, G_MAXUINT,
           "Seed of sample positions and of the first clusters; equal seeds give equal layers"),
@@ -83,6 +104,9 @@ PropertyTable<Params> own_properties() {
                      "Draw new sample positions for every frame instead of keeping them")),
       tuning(flag<P>("energy", &P::energy, "Evaluate the energy of every frame for stats")),
   };
+  std::ranges::copy(stroke_properties<P>(), std::back_inserter(own));
+  std::ranges::copy(scene_properties<P>(), std::back_inserter(own));
+  return own;
 }
 
 const PropertyTable<Params>& table() {
@@ -90,9 +114,9 @@ const PropertyTable<Params>& table() {
       {"Sets iterations as a group; what is set explicitly wins",
        "GstIntrinsicDecompThesisQuality",
        {"Half of the thesis' iterations, in 60 % of the time",
-        "As in the thesis: 4 reweightings of 8 iterations a level (3.6.5)",
-        "7 x 8 iterations, with which the thesis shows convergence",
-        "16 x 16 iterations, for reference"}},
+        "As in the thesis: 4 reweightings of 8 iterations a level (3.6.5); chapter4: 7 of 7 (4.7)",
+        "7 x 8 iterations, with which the thesis shows convergence; chapter4: 12 x 7",
+        "16 x 16 iterations, for reference; chapter4: 28 x 14"}},
       own_properties());
   return table;
 }
@@ -100,22 +124,65 @@ const PropertyTable<Params>& table() {
 class ThesisMethod final : public DecompositionMethod {
  public:
   DecomposerSettings& settings() override { return settings_; }
-  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent, const Log&) override {
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent,
+                 const Log& log) override {
+    log_.emplace(log);
     method_.emplace(device, extent);
+    mask_.emplace(device, extent);
+    stroke_work_.configure(device, extent);
+    scene_work_.configure(device);
   }
-  void release() override { method_.reset(); }
-  void reset() override { method_->reset(); }
+  void release() override {
+    method_.reset();
+    mask_.reset();
+    before_ = {};
+    stroke_work_.release();
+    scene_work_.release();
+  }
+  void reset() override {
+    method_->reset();
+    method_->set_strokes({});
+    mask_->forget();
+    before_ = {};
+    stroke_work_.reset();
+    scene_work_.reset();
+    strokes_.forget_scene();
+  }
 
   uint64_t decompose(FrameContext& frame) override {
-    ThesisParams params = settings_.params();
-    if (!settings_.params().adaptive) params.residual_tolerance = 0;
+    const Params& set = settings_.params();
+    ThesisParams params = set;
+    if (!set.adaptive) params.residual_tolerance = 0;
     method_->set_params(params);
-    return method_->record(frame.commands, *frame.layers[Role::input], frame.layers);
+    const uint64_t number = method_->recorded();
+    stroke_work_.take(frame, number, set, frame.draw && set.show == Show::mosaic);
+    const KnownReflectance* known =
+        scene_work_.recall(frame, number, set, stroke_work_.all(), stroke_work_.places());
+    stroke_work_.see(number, scene_work_.seen());
+    take_strokes(frame);
+    const PlanePtr input = frame.layers[Role::input];
+    method_->record(frame.commands, *input, frame.layers, known);
+    scene_work_.remember(frame);
+    if (mask_->unfilled() || (mask_->fills() && mask_->moves()))
+      before_ = {input, frame.layers[Role::intrinsic]};
+    stroke_work_.recolor(frame);
+    return number;
   }
 
   // It does not start from the frame before: the same picture again would only add another keyframe
   // and another vote of the clusters.
-  bool converged(std::optional<uint64_t>) const override { return true; }
+  bool converged(std::optional<uint64_t>) const override { return !mask_->unfilled(); }
+  bool requested() const override { return stroke_work_.requested(settings_.params()); }
+  StrokeEditor* strokes() override { return &strokes_; }
+  void navigate(const Log& log, const MouseEvent& event) override {
+    strokes_.mouse(log, event, settings_.properties());
+  }
+  void flushed() override { strokes_.flush(); }
+  void ended() override { scene_work_.ended(settings_.properties().scene_location); }
+  SceneWork* scene() override { return &scene_work_; }
+  void completed(uint64_t number) override {
+    stroke_work_.completed(*log_, number, method_->stats(number).strokes, scene_work_.view(number));
+  }
 
   Work work(uint64_t number) const override { return {method_->stats(number).skipped, {}}; }
   void describe(GstStructure* stats, uint64_t number) const override {
@@ -128,11 +195,53 @@ class ThesisMethod final : public DecompositionMethod {
         static_cast<double>(method.scale), "clusters", G_TYPE_INT, method.cluster_count, nullptr);
     if (!method.energy.empty())
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
+    stroke_work_.describe(stats, number, method.strokes);
+    scene_work_.describe(stats, number);
   }
 
  private:
+  /// Draws the strokes of `frame` and extends them, by the reflectance of the frame before.
+  void take_strokes(FrameContext& frame) {
+    const StrokesPtr& list = stroke_work_.solved();
+    const StrokeTracker* tracker = list ? stroke_work_.tracker() : nullptr;
+    const SeenStrokes* seen = list ? scene_work_.seen() : nullptr;
+    StrokeMask::Reflectance reflectance;
+    if (before_.intrinsic) {
+      reflectance.reflectance = before_.intrinsic->buffer;
+      if (mask_->moves()) {
+        reflectance.frame_before = before_.input->buffer;
+        reflectance.frame = frame.layers[Role::input]->buffer;
+      }
+      frame.commands.keep(before_.input);
+      frame.commands.keep(before_.intrinsic);
+    }
+    if (list != mask_->list() || tracker != mask_->tracker()) {
+      mask_->set(frame.commands, list, {tracker, seen});
+      ThesisStrokes strokes{{}, mask_->pixels()};
+      for (uint32_t k = 0; k < mask_->count(); ++k)
+        strokes.kinds.push_back(list->strokes[k].kind == Stroke::Kind::shading
+                                    ? ThesisStrokes::Kind::shading
+                                    : ThesisStrokes::Kind::reflectance);
+      method_->set_strokes(strokes);
+    } else if (mask_->unfilled()) {
+      mask_->fill(frame.commands, reflectance, seen);
+    } else if (mask_->moves() && !mask_->empty()) {
+      mask_->follow(frame.commands, reflectance, seen);
+    }
+    before_ = {};
+    if (!mask_->empty()) frame.commands.stage("strokes");
+  }
+
   MethodSettings<Params, ThesisParams> settings_{table(), thesis_levels()};
   std::optional<ThesisDecomposition> method_;
+  std::optional<Log> log_;
+  StrokeEditor strokes_;
+  StrokeWork stroke_work_{strokes_};
+  SceneWork scene_work_;
+  std::optional<StrokeMask> mask_;
+  struct {
+    PlanePtr input, intrinsic;
+  } before_;  // the frame before, if it is needed to fill strokes
 };
 
 }  // namespace
@@ -143,15 +252,16 @@ const ElementInfo kIntrinsicDecompThesis{
     "GstIntrinsicDecompThesis",
     "Intrinsic decomposition (thesis)",
     "Filter/Effect/Video",
-    "Decomposes video into reflectance and shading as in chapter 3 of Meka, Live Inverse "
-    "Rendering; intrinsicdecomp is "
-    "faster and more accurate",
+    "Decomposes video into reflectance and shading as in chapters 3 and 4 of Meka, Live Inverse "
+    "Rendering; intrinsicdecomp is faster and more accurate",
     Flow::pixels,
     Flow::pixels_or_layers,
     kIntrinsicLayers,
     nullptr,
     []() -> std::unique_ptr<Filter> {
       return std::make_unique<Decomposer>(std::make_unique<ThesisMethod>());
-    }};
+    },
+    scene_actions(),
+    true};
 
 }  // namespace inverse

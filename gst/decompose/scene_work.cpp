@@ -11,6 +11,7 @@
 
 #include "decomposer.hpp"
 #include "gst/rgbd/meta/inverse_depth_meta.h"
+#include "stroke_editor.hpp"
 
 namespace inverse {
 namespace {
@@ -270,14 +271,16 @@ void SceneWork::describe(GstStructure* stats, uint64_t number) const {
       found.keyframes, "scene-added", G_TYPE_BOOLEAN, found.added, nullptr);
 }
 
-Action scene_action() {
-  return {"save-scene",
-          {G_TYPE_STRING},
-          [](Filter& filter, const GValue* argument) {
-            const char* path = g_value_get_string(argument);
-            static_cast<Decomposer&>(filter).method().scene()->save(path ? path : "");
-          },
-          true};
+std::vector<Action> scene_actions() {
+  std::vector<Action> actions = stroke_actions();
+  actions.push_back({"save-scene",
+                     {G_TYPE_STRING},
+                     [](Filter& filter, const GValue* argument) {
+                       const char* path = g_value_get_string(argument);
+                       static_cast<Decomposer&>(filter).method().scene()->save(path ? path : "");
+                     },
+                     true});
+  return actions;
 }
 
 }  // namespace inverse

@@ -111,7 +111,8 @@ class SceneWork {
   std::vector<std::string> wanted_;  // files
 };
 
-/// The action signal save-scene of a decomposer whose method has DecompositionMethod::scene.
-Action scene_action();
+/// The action signals of a decomposer whose method has DecompositionMethod::scene: those of
+/// strokes, and save-scene.
+std::vector<Action> scene_actions();
 
 }  // namespace inverse

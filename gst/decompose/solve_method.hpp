@@ -54,10 +54,7 @@ class SolveMethod : public DecompositionMethod {
     strokes_.mouse(log, event, settings_.properties());
   }
   void flushed() override { strokes_.flush(); }
-  void ended() override {
-    if constexpr (requires(typename Method::FrameInfo info) { info.known; })
-      scene_work_.ended(settings_.properties().scene_location);
-  }
+  void ended() override { scene_work_.ended(settings_.properties().scene_location); }
   SceneWork* scene() override { return &scene_work_; }
   void completed(uint64_t number) override {
     stroke_work_.completed(*log_, number, solve_findings(method_->findings(number)).strokes,
@@ -76,14 +73,12 @@ class SolveMethod : public DecompositionMethod {
     info.repeated = frame.repeated;
     info.strokes = stroke_work_.solved();
     info.tracker = stroke_work_.tracker();
-    if constexpr (requires { info.known; }) {
-      info.known =
-          scene_work_.recall(frame, number, params, stroke_work_.all(), stroke_work_.places());
-      info.seen = scene_work_.seen();
-      stroke_work_.see(number, info.seen);
-    }
+    info.known =
+        scene_work_.recall(frame, number, params, stroke_work_.all(), stroke_work_.places());
+    info.seen = scene_work_.seen();
+    stroke_work_.see(number, info.seen);
     frame.layers = method_->record(frame.commands, frame.layers[Role::input], params, info);
-    if constexpr (requires { info.known; }) scene_work_.remember(frame);
+    scene_work_.remember(frame);
     frame.drawn = method_->drawn();
     stroke_work_.recolor(frame);
     return number;

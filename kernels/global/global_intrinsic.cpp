@@ -268,7 +268,9 @@ Layers GlobalIntrinsic::record_gray(gpu::Commands& commands, const PlanePtr& inp
                                  .repeated = info.repeated,
                                  .light = colored_light(),
                                  .strokes = info.strokes,
-                                 .tracker = info.tracker});
+                                 .tracker = info.tracker,
+                                 .seen = info.seen,
+                                 .known = info.known});
   layers[Role::light] = layers[Role::model_light] = white_light(commands);
   drawn_ = was_gray ? solve_.drawn() : nullptr;
   return layers;
@@ -371,7 +373,9 @@ Layers GlobalIntrinsic::record_light(gpu::Commands& commands, const PlanePtr& in
   ScaledIntrinsic::FrameInfo solve{.repeated = info.repeated,
                                    .light = colored_light(),
                                    .strokes = info.strokes,
-                                   .tracker = info.tracker};
+                                   .tracker = info.tracker,
+                                   .seen = info.seen,
+                                   .known = info.known};
   if (plan_.reused()) solve.changed = planner_.tiles();
   Layers layers = solve_.record(commands, neutral_input, params, solve);
   const PlanePtr light = record_direct(commands, neutral_input, tau, layers);

@@ -83,6 +83,8 @@ class GlobalIntrinsic {
     bool repeated = false;
     StrokesPtr strokes = {};
     const StrokeTracker* tracker = nullptr;
+    const SeenStrokes* seen = nullptr;
+    const KnownReflectance* known = nullptr;
   };
   struct Stats {
     ScaledIntrinsic::Stats solve;

@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "image/pack4.glsl"
 #include "strokes.glsl"
-#include "volume/noise.glsl"
+#include "volume/same_surface.glsl"
 
 // Adds strokes of a remembered scene to the mask, where no other is drawn. One pack of pixels an invocation.
 WORD_IN(0, ids);
@@ -18,9 +18,6 @@ layout(push_constant) uniform Push {
   uvec2 seen;  // pixels of the images of the scene, which show the same
 } push;
 
-const float kMargin = 0.02;  // meters that the depth of the same surface may differ by, ...
-const float kSteps = 4.0;    // ... and standard deviations of the sensor
-
 // Number and half of the weight at a place of those images, in their pixels. The weight is the square of 2 s - 1, limited to 0…1, s
 // the share of the surroundings that has the same stroke: a tent 4 pixels across.
 float stroke_at(vec2 place) {
@@ -29,7 +26,7 @@ float stroke_at(vec2 place) {
   uint id = FETCH1(ids, at), number = FETCH1(numbers, int(id));
   float here = FETCH1(depth, at), there = FETCH1(known_depth, at);
   // Where the frame has no depth, nothing says that something else is in front.
-  bool same = here == 0.0 || abs(here - there) < kMargin + kSteps * noise_at(here);
+  bool same = here == 0.0 || same_surface(here, there);
   if (number == 0u || !same) return 0.0;
   ivec2 first = ivec2(floor(place)) - 1;
   float sum = 0.0, total = 0.0;

@@ -25,7 +25,7 @@ void main() {
   vec3 difference = log_light(here) - value.rgb;
   vec3 residual = difference - value.a;
   vec3 chroma = difference - mean3(difference);
-  float local = intensity_weight(here) * (push.w_data * dot(kChannelWeight, residual * residual) +
+  float local = local_weight(here) * (push.w_data * dot(channel_weight(), residual * residual) +
                                           push.w_chromaticity * dot(chroma, chroma));
   vec4 link = FETCH(links, n);
   vec2 edges = across(link.xz, value - FETCH(solution, at.x + 1 < push.size.x ? n + 1 : n)) +

@@ -53,7 +53,7 @@ void main() {
     vec4 held = target.weight * (target.reflectance ? vec4(1.0, 1.0, 1.0, 0.0) : vec4(0.0, 0.0, 0.0, 1.0));
     vec3 light = FETCH(image, n).rgb;
     vec2 total = edge_right + edge_down + edge_left + edge_up;
-    vec4 node = vec4(intensity_weight(light), source.w + held.r, total + vec2(0.0, held.a));
+    vec4 node = vec4(local_weight(light), source.w + held.r, total + vec2(0.0, held.a));
     // All of differences: what rounding leaves is small against what is left to do, not against b or A x.
     vec4 residual = node_residual(node, log_light(light), here) + vec4(source.rgb - source.w * here.rgb, 0.0) +
                     held * (target.value.rgbr - here) -

@@ -42,20 +42,15 @@ ThesisDecomposition::ThesisDecomposition(const std::shared_ptr<gpu::Device>& dev
       pool_(device, extent),
       sanitize_(device),
       downsample_(device),
-      setup_(device),
       start_(device),
       prolong_(device),
       pack_(device),
-      reweight_(device),
-      direction_(device),
-      update_(device),
       scalars_kernel_(device, {}, gpu::kOneGroup),
-      schwarz_(device, {}, kBlockGroup),
-      energy_(device),
       total_(device, {}, gpu::kOneGroup),
       layers_(device),
       scale_cells_(device),
       strokes_(device),
+      known_(device),
       target_scale_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {
   const auto plane = [&] {
     return gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels());
@@ -64,8 +59,10 @@ ThesisDecomposition::ThesisDecomposition(const std::shared_ptr<gpu::Device>& dev
                        &products_, &clusters_, &directions_[0], &directions_[1]}) {
     *buffer = plane();
   }
-  partials_ = gpu::Buffer::create(device, gpu::Element::vec4,
-                                  gpu::partial_count(*direction_.kernel(), strips_of(extent)));
+  make_solvers();
+  partials_ =
+      gpu::Buffer::create(device, gpu::Element::vec4,
+                          gpu::partial_count(*solver().direction.kernel(), strips_of(extent)));
   scalars_ = gpu::Buffer::create(device, gpu::Element::scalar, Scalars::CG_SIZE);
   set_params({});
 }
@@ -90,9 +87,11 @@ void ThesisDecomposition::set_params(const Params& params) {
   p.samples = std::clamp(p.samples, 0, 64);
   p.keyframes = std::clamp(p.keyframes, 0, 5);
   p.keyframe_spacing = std::clamp(p.keyframe_spacing, 1, 1000);
+  const bool other = p.formulation != params_.formulation;
   const bool rebuild = levels_.empty() || p.keyframes != params_.keyframes ||
                        thesis_levels(extent_, p.levels) != levels();
   params_ = p;
+  if (other) make_solvers();
   Palette::Params palette = palette_.params();
   palette.tau_cc = p.tau_cc;
   palette.chroma_floor = p.chroma_floor;
@@ -102,19 +101,22 @@ void ThesisDecomposition::set_params(const Params& params) {
   build_readback();
 }
 
-void ThesisDecomposition::set_strokes(ThesisStrokes strokes) {
-  const bool before = !strokes_.empty(), now = !strokes.kinds.empty();
-  strokes_.set(std::move(strokes));
-  if (now == before) return;
-  reweight_ = {device_, {.strokes = now}};
-  direction_ = {device_, {.strokes = now}};
-  schwarz_ = {device_, {.strokes = now}, kBlockGroup};
-  energy_ = {device_, {.strokes = now}};
+void ThesisDecomposition::make_solvers() {
+  const int chapter = params_.formulation == Params::Formulation::chapter4 ? 4 : 3;
+  for (const bool strokes : {false, true})
+    solvers_[strokes] = {
+        .setup = {device_, {.chapter = chapter}},
+        .reweight = {device_, {.strokes = strokes, .chapter = chapter}},
+        .direction = {device_, {.strokes = strokes, .chapter = chapter}},
+        .update = {device_, {.chapter = chapter}},
+        .schwarz = {device_, {.strokes = strokes, .chapter = chapter}, kBlockGroup},
+        .energy = {device_, {.strokes = strokes, .chapter = chapter}}};
 }
+
+void ThesisDecomposition::set_strokes(ThesisStrokes strokes) { strokes_.set(std::move(strokes)); }
 
 void ThesisDecomposition::build_levels() {
   levels_.clear();
-  strokes_.forget_levels();
   reset();
   Extent extent = extent_;
   for (int n = thesis_levels(extent_, params_.levels); n > 0; --n, extent = half_of(extent)) {
@@ -136,6 +138,10 @@ void ThesisDecomposition::build_levels() {
     level.energy_samples = {device_, {.slots = level.slots}};
     levels_.push_back(std::move(level));
   }
+  std::vector<Extent> extents;
+  for (const Level& level : levels_) extents.push_back(level.extent);
+  strokes_.set_levels(extents);
+  known_.set_levels(extents);
 }
 
 void ThesisDecomposition::reset() {
@@ -152,7 +158,6 @@ ThesisDecomposition::Push ThesisDecomposition::push_for(size_t level) const {
           .other_size = {0, 0},
           .shift = {0, 0},
           .count = 0,
-          .clustered = level == 0 && current_->clustered,
           .samples = p.w_non_local > 0 ? p.samples : 0,
           .frames = 1 + std::min(stored_keyframes_, p.keyframes),
           .ring_start = stored_keyframes_ > p.keyframes ? stored_keyframes_ % ring_capacity : 0,
@@ -166,7 +171,8 @@ ThesisDecomposition::Push ThesisDecomposition::push_for(size_t level) const {
           .w_shading = p.w_shading,
           .w_chromaticity = p.w_chromaticity,
           .w_non_local = p.w_non_local,
-          .w_clustering = p.w_clustering,
+          .w_clustering = level == 0 && current_->clustered ? p.w_clustering : 0,
+          .w_known = known_.weight(),
           .w_cs = p.w_cs,
           .alpha_cs = p.alpha_cs,
           .alpha_clustering = p.alpha_clustering,
@@ -197,7 +203,7 @@ Plane ThesisDecomposition::sample_frame(int level) const {
 void ThesisDecomposition::evaluate(gpu::Commands& commands, size_t level, int step) {
   const Level& at = levels_[level];
   Push push = push_for(level);
-  commands.dispatch(energy_,
+  commands.dispatch(solver().energy,
                     {.image = at.image,
                      .solution = at.solution,
                      .links = links_,
@@ -209,9 +215,11 @@ void ThesisDecomposition::evaluate(gpu::Commands& commands, size_t level, int st
                        {.image = at.image,
                         .clusters = clusters_,
                         .solution = at.solution,
-                        .partials = sample_partials_},
+                        .partials = sample_partials_,
+                        .known_targets = known_.targets(level)},
                        push, pixels_of(at.extent));
-  push.count = static_cast<int32_t>(gpu::partial_count(*energy_.kernel(), pixels_of(at.extent)));
+  push.count =
+      static_cast<int32_t>(gpu::partial_count(*solver().energy.kernel(), pixels_of(at.extent)));
   push.slot = static_cast<int32_t>(current_->energy.size());
   commands.dispatch(total_,
                     {.local = energy_partials_, .samples = sample_partials_, .trace = trace_}, push,
@@ -226,7 +234,7 @@ void ThesisDecomposition::conjugate_gradients(gpu::Commands& commands, size_t le
   const auto reduce = [&](int32_t mode) {
     commands.dispatch(
         scalars_kernel_, {.partials = partials_, .scalars = scalars_},
-        {.count = static_cast<int32_t>(gpu::partial_count(*direction_.kernel(), strips)),
+        {.count = static_cast<int32_t>(gpu::partial_count(*solver().direction.kernel(), strips)),
          .mode = mode,
          .first = first,
          .tolerance = params_.residual_tolerance},
@@ -236,7 +244,7 @@ void ThesisDecomposition::conjugate_gradients(gpu::Commands& commands, size_t le
   const auto iterate = [&](int k) {
     const auto& previous = directions_[static_cast<size_t>(k + 1) % 2];
     const auto& direction = directions_[static_cast<size_t>(k) % 2];
-    commands.dispatch(direction_,
+    commands.dispatch(solver().direction,
                       {.preconditioned = preconditioned_,
                        .previous = previous,
                        .edges = edges_,
@@ -249,7 +257,7 @@ void ThesisDecomposition::conjugate_gradients(gpu::Commands& commands, size_t le
                        .stroke_means = strokes_.means()},
                       push, strips);
     reduce(Scalars::kAlpha);
-    commands.dispatch(update_,
+    commands.dispatch(solver().update,
                       {.solution = gpu::aliased(at.solution),
                        .preconditioned = gpu::aliased(preconditioned_),
                        .directions = direction,
@@ -280,7 +288,7 @@ void ThesisDecomposition::schwarz(gpu::Commands& commands, size_t level, int ste
     return static_cast<uint32_t>((size + shift - 1) / kBlock + 1);
   };
   commands.dispatch(
-      schwarz_,
+      solver().schwarz,
       {.solution = at.solution,
        .preconditioned = preconditioned_,
        .edges = edges_,
@@ -297,14 +305,16 @@ void ThesisDecomposition::solve(gpu::Commands& commands, size_t level) {
   const Level& at = levels_[level];
   const Push push = push_for(level);
   const gpu::Items pixels = pixels_of(at.extent);
-  commands.dispatch(setup_, {.image = at.image, .links = links_}, push, pixels);
-  strokes_.draw(commands, level, at.extent);
-  const bool sources = push.clustered || push.samples > 0;
+  commands.dispatch(solver().setup, {.image = at.image, .links = links_}, push, pixels);
+  const bool sources = push.w_clustering > 0 || push.w_known > 0 || push.samples > 0;
   if (sources) {
     Push past = push;
-    if (push.frames == 1) past.samples = 0;  // nothing but clusters
+    if (push.frames == 1) past.samples = 0;  // nothing but clusters and what is known
     dispatch_with_frames(commands, at.sample_past, at.frames,
-                         {.image = at.image, .clusters = clusters_, .sources = constant_sources_},
+                         {.image = at.image,
+                          .clusters = clusters_,
+                          .sources = constant_sources_,
+                          .known_targets = known_.targets(level)},
                          past, pixels);
   } else {
     commands.fill(sources_);
@@ -314,7 +324,7 @@ void ThesisDecomposition::solve(gpu::Commands& commands, size_t level) {
     const bool evaluated = params_.trace || (last && level == 0 && params_.energy);
     if (last && !evaluated) break;
     if (sources || evaluated) pack(commands, level, 0);
-    strokes_.record_means(commands, level, at.extent, at.solution);
+    strokes_.record_means(commands, level, at.solution);
     if (evaluated) evaluate(commands, level, step - 1);
     if (last) break;
     if (sources)
@@ -322,7 +332,7 @@ void ThesisDecomposition::solve(gpu::Commands& commands, size_t level) {
           commands, at.sample, at.frames,
           {.image = at.image, .constant_sources = constant_sources_, .sources = sources_}, push,
           pixels);
-    commands.dispatch(reweight_,
+    commands.dispatch(solver().reweight,
                       {.solution = at.solution,
                        .links = links_,
                        .sources = sources_,
@@ -358,16 +368,32 @@ void ThesisDecomposition::begin(gpu::Commands& commands) {
   current_->pcg_iterations = params_.pcg_iterations;
 }
 
-void ThesisDecomposition::build_pyramid(gpu::Commands& commands, const Plane& frame) {
+void ThesisDecomposition::downsample(gpu::Commands& commands, size_t level,
+                                     const gpu::BufferPtr& fine, const gpu::BufferPtr& coarse) {
+  Push push = push_for(level);
+  push.other_size = levels_[level - 1].extent;
+  commands.dispatch(downsample_, {.fine = fine, .coarse = coarse}, push,
+                    pixels_of(levels_[level].extent));
+}
+
+void ThesisDecomposition::build_pyramid(gpu::Commands& commands, const Plane& frame,
+                                        const KnownReflectance* known) {
   commands.dispatch(sanitize_, {.frame = frame.buffer, .image = levels_[0].image}, push_for(0),
                     pixels_of(extent_));
-  for (size_t n = 1; n < levels_.size(); ++n) {
-    Push push = push_for(n);
-    push.other_size = levels_[n - 1].extent;
-    commands.dispatch(downsample_, {.fine = levels_[n - 1].image, .coarse = levels_[n].image}, push,
-                      pixels_of(levels_[n].extent));
-  }
+  for (size_t n = 1; n < levels_.size(); ++n)
+    downsample(commands, n, levels_[n - 1].image, levels_[n].image);
+  strokes_.record_levels(commands);
   commands.stage("pyramid");
+  // The scale of the frame before is that of what is known.
+  known_.record(commands, recorded_ > 1 ? known : nullptr,
+                {.image = levels_[0].image,
+                 .scale = scale_.value(),
+                 .log_floor = params_.log_floor,
+                 .chroma_floor = params_.chroma_floor});
+  if (known_.weight() == 0) return;
+  for (size_t n = 1; n < levels_.size(); ++n)
+    downsample(commands, n, known_.targets(n - 1), known_.targets(n));
+  commands.stage("recall");
 }
 
 /// The start of the coarsest level, or of a finer one.
@@ -375,8 +401,10 @@ void ThesisDecomposition::start(gpu::Commands& commands, size_t level) {
   const Level& at = levels_[level];
   Push push = push_for(level);
   if (level + 1 == levels_.size()) {
-    commands.dispatch(start_, {.image = at.image, .solution = at.solution}, push,
-                      pixels_of(at.extent));
+    commands.dispatch(
+        start_,
+        {.image = at.image, .known_targets = known_.targets(level), .solution = at.solution}, push,
+        pixels_of(at.extent));
     return;
   }
   const Level& coarse = levels_[level + 1];
@@ -418,12 +446,13 @@ void ThesisDecomposition::write_layers(gpu::Commands& commands, Layers& layers) 
   commands.stage("layers");
 }
 
-uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame, Layers& layers) {
+uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame, Layers& layers,
+                                     const KnownReflectance* known) {
   if (frame.extent != extent_)
     throw Error(ErrorKind::internal, "the decomposition was made for another frame size");
   const uint64_t number = recorded_;
   begin(commands);
-  build_pyramid(commands, frame);
+  build_pyramid(commands, frame, known);
   for (size_t n = levels_.size(); n-- > 0;) {
     start(commands, n);
     if (n == 0 && current_->clustered) find_clusters(commands);

@@ -10,6 +10,7 @@
 #include "kernels/image/plane.hpp"
 #include "kernels/palette/palette.hpp"
 #include "kernels/solve/scale_normalization.hpp"
+#include "kernels/thesis/chapter4/thesis_known.hpp"
 #include "kernels/thesis/chapter4/thesis_strokes.hpp"
 #include "kernels/thesis_chapter3_direction.spv.hpp"
 #include "kernels/thesis_chapter3_downsample.spv.hpp"
@@ -34,8 +35,9 @@
 
 namespace inverse {
 
-/// The intrinsic video decomposition of the thesis, chapter 3, for frames of one size. The energy
-/// and the systems are in energy.glsl. Keeps keyframes and the palette from frame to frame.
+/// The intrinsic video decomposition of the thesis, chapters 3 and 4, for frames of one size. The
+/// energies and the systems are in energy.glsl. Keeps keyframes and the palette from frame to
+/// frame.
 class ThesisDecomposition {
  public:
   using Params = ThesisParams;
@@ -44,10 +46,10 @@ class ThesisDecomposition {
   struct Energy {
     int level;  ///< 0 is the finest
     int step;   ///< IRLS step after which it was taken; −1 is the start
-    float data_and_chromaticity, sparsity, smoothness, samples_clusters_strokes;
+    float data_and_chromaticity, sparsity, smoothness;
+    float targets;  ///< of samples, clusters, strokes, and what is known
     double total() const {
-      return static_cast<double>(data_and_chromaticity) + sparsity + smoothness +
-             samples_clusters_strokes;
+      return static_cast<double>(data_and_chromaticity) + sparsity + smoothness + targets;
     }
   };
 
@@ -61,6 +63,8 @@ class ThesisDecomposition {
     std::vector<Energy> energy;  ///< as Params::energy and Params::trace ask for
     std::vector<Palette::Cluster> clusters;
     int cluster_count = 0;  ///< of them that have pixels and are not merged into another
+    /// Of each stroke, rms ln shading or ln reflectance from its mean.
+    std::vector<float> strokes;
   };
 
   /// Throws Error(limit, out_of_memory).
@@ -73,11 +77,15 @@ class ThesisDecomposition {
   void set_strokes(ThesisStrokes strokes);
   int levels() const { return static_cast<int>(levels_.size()); }
 
-  /// Decomposes `frame` (linear RGB, full scale 1, any values; w is ignored) into
+  /// Decomposes `frame` (linear RGB, full scale 1, any values; w is ignored), of which `known` is
+  /// known (null: nothing; of the first frame nothing is), into
   /// layers[Role::intrinsic] = layers[Role::model] = (R.rgb, S). The first frame's R is scaled so
   /// that its 99.5 % quantile is near 0.95; later frames keep the scale of what stays in view.
   /// Returns the frame's number for `stats`.
-  uint64_t record(gpu::Commands& commands, const Plane& frame, Layers& layers);
+  uint64_t record(gpu::Commands& commands, const Plane& frame, Layers& layers,
+                  const KnownReflectance* known = nullptr);
+  /// Frames recorded since construction.
+  uint64_t recorded() const { return recorded_; }
 
   /// Forgets keyframes and palette: at a flush, a discontinuity or a scene cut.
   void reset();
@@ -109,13 +117,16 @@ class ThesisDecomposition {
     Stats stats;
   };
 
+  void make_solvers();
   void build_levels();
   void build_readback();
   using Push = shaders::thesis_chapter3_setup::Push;  // that of nearly all
   Push push_for(size_t level) const;
   void pack(gpu::Commands& commands, size_t level, int slot);
   void begin(gpu::Commands& commands);
-  void build_pyramid(gpu::Commands& commands, const Plane& frame);
+  void build_pyramid(gpu::Commands& commands, const Plane& frame, const KnownReflectance* known);
+  void downsample(gpu::Commands& commands, size_t level, const gpu::BufferPtr& fine,
+                  const gpu::BufferPtr& coarse);
   void start(gpu::Commands& commands, size_t level);
   void find_clusters(gpu::Commands& commands);
   void solve(gpu::Commands& commands, size_t level);
@@ -134,20 +145,26 @@ class ThesisDecomposition {
   PlanePool pool_;
   gpu::Program<shaders::thesis_chapter3_sanitize> sanitize_;
   gpu::Program<shaders::thesis_chapter3_downsample> downsample_;
-  gpu::Program<shaders::thesis_chapter3_setup> setup_;
   gpu::Program<shaders::thesis_chapter3_start> start_;
   gpu::Program<shaders::thesis_chapter3_prolong> prolong_;
   gpu::Program<shaders::thesis_chapter3_pack> pack_;
-  gpu::Program<shaders::thesis_chapter3_reweight> reweight_;
-  gpu::Program<shaders::thesis_chapter3_direction> direction_;
-  gpu::Program<shaders::thesis_chapter3_update> update_;
   gpu::Program<shaders::thesis_shared_scalars> scalars_kernel_;
-  gpu::Program<shaders::thesis_chapter3_schwarz> schwarz_;
-  gpu::Program<shaders::thesis_chapter3_energy> energy_;
   gpu::Program<shaders::thesis_chapter3_total> total_;
   gpu::Program<shaders::thesis_chapter3_layers> layers_;
   gpu::Program<shaders::thesis_chapter3_scale_cells> scale_cells_;
+  /// The kernels of a formulation.
+  struct Solver {
+    gpu::Program<shaders::thesis_chapter3_setup> setup;
+    gpu::Program<shaders::thesis_chapter3_reweight> reweight;
+    gpu::Program<shaders::thesis_chapter3_direction> direction;
+    gpu::Program<shaders::thesis_chapter3_update> update;
+    gpu::Program<shaders::thesis_chapter3_schwarz> schwarz;
+    gpu::Program<shaders::thesis_chapter3_energy> energy;
+  };
+  std::array<Solver, 2> solvers_;  // without strokes, with
+  const Solver& solver() const { return solvers_[strokes_.empty() ? 0 : 1]; }
   ThesisStrokeTerm strokes_;
+  ThesisKnownTerm known_;
   // Shared by all levels, of the finest level's size.
   gpu::BufferPtr links_, sources_, constant_sources_, edges_, nodes_, preconditioned_, products_,
       clusters_, target_scale_;

@@ -5,8 +5,13 @@
 namespace inverse {
 
 /// Parameters of the thesis' intrinsic decomposition. Defaults are those of section 3.6 where it
-/// gives them. Values outside their range are clamped. Equation numbers are the thesis'.
+/// gives them; set_chapter4 changes them. Values outside their range are clamped. Equation numbers
+/// are the thesis'.
 struct ThesisParams {
+  enum class Formulation : uint8_t {
+    chapter3,  ///< perceptual weights of channels and intensities (3.5, 3.6, 3.11)
+    chapter4,  ///< none in the data term (4.4) and in sums of priors (4.5)
+  };
   enum class Irls : uint8_t {
     consistent,  ///< weight (p/2)(|d|² + ε²)^(p/2−1): each step minimizes a bound of the energy
     printed,     ///< (3.19) as printed, without p/2: in effect a sparsity weight 2/p times larger
@@ -16,6 +21,7 @@ struct ThesisParams {
     schwarz,  ///< additive Schwarz on 16×16 blocks, shifted by a Halton sequence (3.5.2)
   };
 
+  Formulation formulation = Formulation::chapter3;
   float w_data = 10.0f;          ///< weight of the data term (3.5), 0…1e6
   float w_intensity = 0.8f;      ///< how much less dark pixels count (3.6), 0…1
   float w_reflectance = 0.5f;    ///< weight of reflectance sparsity (3.8), 0…1e6
@@ -50,5 +56,17 @@ struct ThesisParams {
   uint32_t seed = 1;         ///< of samples and clusters
   bool operator==(const ThesisParams&) const = default;
 };
+
+/// Turns chapter 3's defaults into chapter 4's: the energy (4.3) to (4.6), without clusters, and
+/// five levels. 4 reweightings of 8 steps become 7 of 7 (sections 4.6.2 and 4.7), and others in
+/// proportion.
+inline void set_chapter4(ThesisParams& params) {
+  params.formulation = ThesisParams::Formulation::chapter4;
+  params.w_data = 1;
+  params.w_clustering = 0;
+  params.levels = 5;
+  params.irls_iterations = params.irls_iterations * 7 / 4;
+  params.pcg_iterations = params.pcg_iterations * 7 / 8;
+}
 
 }  // namespace inverse

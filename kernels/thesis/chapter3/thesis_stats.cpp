@@ -10,9 +10,9 @@ namespace {
 
 using Scalars = shaders::thesis_shared_scalars;
 constexpr uint64_t kColors = 2 * Palette::kMaxClusters;
-// Layout of a readback buffer, in vec4: scale, scalars, palette, trace.
+// Layout of a readback buffer, in vec4: scale, scalars, palette, strokes, trace.
 constexpr uint64_t kScalarsAt = 1, kColorsAt = kScalarsAt + (Scalars::CG_SIZE + 3) / 4,
-                   kTraceAt = kColorsAt + kColors;
+                   kStrokesAt = kColorsAt + kColors, kTraceAt = kStrokesAt + ThesisStrokes::kMax;
 
 }  // namespace
 
@@ -23,8 +23,9 @@ void ThesisDecomposition::build_readback() {
   }
   if ((params_.energy || params_.trace) && !energy_partials_) {
     for (auto* buffer : {&energy_partials_, &sample_partials_}) {
-      *buffer = gpu::Buffer::create(device_, gpu::Element::vec4,
-                                    gpu::partial_count(*energy_.kernel(), {extent_.width, extent_.height}));
+      *buffer = gpu::Buffer::create(
+          device_, gpu::Element::vec4,
+          gpu::partial_count(*solver().energy.kernel(), {extent_.width, extent_.height}));
     }
     cleared_ = false;
   }
@@ -39,9 +40,13 @@ void ThesisDecomposition::build_readback() {
 
 /// What `stats` reads.
 void ThesisDecomposition::read_back(gpu::Commands& commands, const gpu::BufferPtr& target) {
+  strokes_.record_means(commands, 0, levels_[0].solution);
+  current_->strokes.resize(strokes_.count());
   commands.copy(scale_.value(), target, sizeof(float));
   commands.copy(scalars_, target, Scalars::CG_SIZE * sizeof(float), 0, 16 * kScalarsAt);
   commands.copy(palette_.colors(), target, 16 * kColors, 0, 16 * kColorsAt);
+  if (!strokes_.empty())
+    commands.copy(strokes_.spreads(), target, 16 * strokes_.count(), 0, 16 * kStrokesAt);
   if (!current_->energy.empty())
     commands.copy(trace_, target, 16 * current_->energy.size(), 0, 16 * kTraceAt);
 }
@@ -62,6 +67,7 @@ ThesisDecomposition::Stats ThesisDecomposition::stats(uint64_t frame) const {
   stats.clusters = Palette::read(values + 4 * kColorsAt, palette_.params().clusters);
   for (size_t k = 0; k < stats.clusters.size(); ++k)
     if (stats.clusters[k].index == static_cast<int>(k)) ++stats.cluster_count;
+  for (size_t k = 0; k < stats.strokes.size(); ++k) stats.strokes[k] = values[4 * (kStrokesAt + k)];
   for (size_t n = 0; n < stats.energy.size(); ++n)
     std::memcpy(&stats.energy[n].data_and_chromaticity, values + 4 * (kTraceAt + n),
                 4 * sizeof(float));

@@ -109,23 +109,22 @@ Decomposition solve(DeviceSession& session, ScaledIntrinsic& method, const Image
 Decomposition solve(DeviceSession& session, ThesisDecomposition& method, const Image& frame,
                     const StrokesPtr& strokes) {
   ThesisStrokes drawn;
-  if (strokes) {
+  if (strokes)
     for (const Stroke& stroke : strokes->strokes)
       drawn.kinds.push_back(stroke.kind == Stroke::Kind::shading
                                 ? ThesisStrokes::Kind::shading
                                 : ThesisStrokes::Kind::reflectance);
-    drawn.draw = [&session, strokes](gpu::Commands& commands, Extent extent) {
-      StrokeMask mask(session.device(), extent);
-      mask.set(commands, strokes, {});
-      return mask.pixels();
-    };
-  }
-  method.set_strokes(std::move(drawn));
   method.reset();
   Cost cost;
   return session.run(
       frame,
       [&](gpu::Commands& commands, const PlanePtr& input) {
+        if (strokes) {
+          StrokeMask mask(session.device(), input->extent);
+          mask.set(commands, strokes, nullptr);
+          drawn.mask = mask.pixels();
+        }
+        method.set_strokes(drawn);
         Layers layers;
         method.record(commands, *input, layers);
         return layers;

@@ -28,18 +28,31 @@ double deviation(double sum, double squares, double count) {
   return std::sqrt(std::max(0.0, squares / count - sum * sum / (count * count)));
 }
 
-/// Bilinear, clamped to the image.
-double sample(const Image& image, double x, double y) {
+constexpr std::size_t kMinPoints = 15;
+
+bool seen(const Track& track, std::size_t frame) {
+  return frame < track.size() && !std::isnan(track[frame][0] + track[frame][1]);
+}
+
+/// Every channel, bilinear, clamped to the image.
+std::vector<double> channels_at(const Image& image, double x, double y) {
   const double u = std::clamp(x, 0.0, image.width - 1.0),
                v = std::clamp(y, 0.0, image.height - 1.0);
   const int x0 = int(u), y0 = int(v), x1 = std::min(x0 + 1, image.width - 1),
             y1 = std::min(y0 + 1, image.height - 1);
   const double fx = u - x0, fy = v - y0;
-  double mean = 0;
+  std::vector<double> values;
   for (int c = 0; c < image.channels; ++c)
-    mean += (1 - fy) * ((1 - fx) * image.at(x0, y0, c) + fx * image.at(x1, y0, c)) +
-            fy * ((1 - fx) * image.at(x0, y1, c) + fx * image.at(x1, y1, c));
-  return std::log(std::max(mean / image.channels, detail::kLogFloor));
+    values.push_back((1 - fy) * ((1 - fx) * image.at(x0, y0, c) + fx * image.at(x1, y0, c)) +
+                     fy * ((1 - fx) * image.at(x0, y1, c) + fx * image.at(x1, y1, c)));
+  return values;
+}
+
+/// Logarithm of the mean channel.
+double sample(const Image& image, double x, double y) {
+  double mean = 0;
+  for (const double value : channels_at(image, x, y)) mean += value / image.channels;
+  return std::log(std::max(mean, detail::kLogFloor));
 }
 
 }  // namespace
@@ -94,7 +107,6 @@ double flicker_along(const std::vector<Image>& reflectance, const std::vector<Tr
 
 double common_drift(const std::vector<Image>& reflectance, const std::vector<Track>& tracks,
                     std::size_t span) {
-  constexpr std::size_t kMinPoints = 15;
   double total = 0, count = 0;
   for (std::size_t k = 0; k + span < reflectance.size(); ++k) {
     std::vector<double> changes;
@@ -112,6 +124,52 @@ double common_drift(const std::vector<Image>& reflectance, const std::vector<Tra
     count += 1;
   }
   return count > 0 ? total / count : 0.0;
+}
+
+PatchVariation patch_variation(const std::vector<Image>& reflectance,
+                               const std::vector<Track>& patch) {
+  if (reflectance.empty()) return {};
+  using Values = std::vector<double>;  // of the channels
+  const Values zero(std::size_t(reflectance.front().channels), 0.0);
+  std::vector<std::vector<Values>> seen_values;  // by point and frame; empty: not seen
+  std::vector<Values> means;
+  for (const Track& track : patch) {
+    std::vector<Values> values(reflectance.size());
+    Values mean = zero;
+    double count = 0;
+    for (std::size_t k = 0; k < reflectance.size(); ++k) {
+      if (!seen(track, k)) continue;
+      values[k] = channels_at(reflectance[k], track[k][0], track[k][1]);
+      for (std::size_t c = 0; c < mean.size(); ++c) mean[c] += values[k][c];
+      ++count;
+    }
+    for (double& channel : mean) channel /= std::max(count, 1.0);
+    seen_values.push_back(values);
+    means.push_back(mean);
+  }
+  // The mean of the norm over frames, of frame k against `other(point, k)`.
+  const auto norm = [&](std::size_t first, auto other) {
+    double total = 0, frames = 0;
+    for (std::size_t k = first; k < reflectance.size(); ++k) {
+      Values sum = zero;
+      std::size_t points = 0;
+      for (std::size_t p = 0; p < patch.size(); ++p) {
+        const Values &now = seen_values[p][k], &before = other(p, k);
+        if (now.empty() || before.empty()) continue;
+        for (std::size_t c = 0; c < sum.size(); ++c) sum[c] += now[c] - before[c];
+        ++points;
+      }
+      if (points < kMinPoints) continue;
+      double squares = 0;
+      for (const double s : sum) squares += s * s;
+      total += std::sqrt(squares) / double(points);
+      ++frames;
+    }
+    return frames > 0 ? total / frames : 0.0;
+  };
+  return {
+      norm(1, [&](std::size_t p, std::size_t k) -> const Values& { return seen_values[p][k - 1]; }),
+      norm(0, [&](std::size_t p, std::size_t) -> const Values& { return means[p]; })};
 }
 
 double jitter(const std::vector<Image>& reflectance, const Image& mask) {

@@ -99,6 +99,16 @@ double flicker_along(const std::vector<Image>& reflectance, const std::vector<Tr
 double common_drift(const std::vector<Image>& reflectance, const std::vector<Track>& tracks,
                     std::size_t span);
 
+/// How much the mean reflectance of a patch of a surface changes, whose points have these tracks:
+/// linear units, Euclidean norm over channels. Means are over points that are seen in what is
+/// compared; fewer than 15 do not count.
+struct PatchVariation {
+  double step = 0;    ///< from frame to frame, mean over frames
+  double spread = 0;  ///< from its points' means over time, mean over frames
+};
+PatchVariation patch_variation(const std::vector<Image>& reflectance,
+                               const std::vector<Track>& patch);
+
 /// As flicker without the scale, of changes from frame to frame: the root mean square of successive
 /// differences over the square root of 2, which is the standard deviation where frames are
 /// independent. Slow, invisible drift hardly counts.

@@ -275,6 +275,28 @@ TEST(Flicker, FollowsMotion) {
   EXPECT_NEAR(flicker_along(frames, tracks, true), 0, kNear);
 }
 
+// A patch that grows brighter by .02 in red a frame, seen through holes; a texture does not count.
+TEST(Flicker, OfAPatchIsThatOfItsMean) {
+  constexpr int kFrames = 4;
+  std::vector<Image> frames;
+  std::vector<Track> patch(20);
+  for (int k = 0; k < kFrames; ++k) {
+    Image frame(20, 1, 3);
+    for (int x = 0; x < 20; ++x) {
+      frame.at(x, 0, 0) = 0.1F + 0.02F * float(k) + (x % 2 ? 0.05F : 0);
+      frame.at(x, 0, 1) = (x + k) % 2 ? 0.3F : 0.2F;  // flickers by point, not as a patch
+      patch[size_t(x)].push_back({x == k ? std::nan("") : double(x), 0});
+    }
+    frames.push_back(frame);
+  }
+  const PatchVariation found = patch_variation(frames, patch);
+  EXPECT_NEAR(found.step, 0.02, 2e-3);
+  EXPECT_NEAR(found.spread, 0.02, 3e-3);  // (.03 + .01 + .01 + .03) / 4
+  patch.resize(14);
+  EXPECT_EQ(patch_variation(frames, patch).spread, 0);
+  EXPECT_EQ(patch_variation({}, {}).step, 0);
+}
+
 TEST(Flicker, StaticPixelsAreThoseWhoseTruthStays) {
   Image first(3, 1, 3, 0.5F), second = first;
   second.at(1, 0, 2) = 0.6F;

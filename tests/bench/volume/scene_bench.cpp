@@ -2,16 +2,22 @@
 // What the memory of a scene brings to the decomposition of frames with depth.
 //
 //   scene-bench [--frames N] [--size WxH] [--rate FPS] [--noise N] [--voxel M] [--weight W]…
-//               [--every K] [--max-width PIXELS]
+//               [--every K] [--max-width PIXELS] [--method intrinsicdecomp|chapter4|chapter3]…
 //               orbit|wall|FOLDER…
 //
 // Sources are those of tracking-bench (rgbd_source.hpp); FOLDER has true reflectance (R) and
-// shading (Sdir, Sind). Runs intrinsicdecomp at its defaults without memory and with each weight (1
-// if none is given). Prints a table: LMSE (k = 20, mean of reflectance and shading) over all frames
-// and of the last one; flicker of ln R along true motion, and without a common scale; drift of the
-// scale over 30 frames; LMSE of the reflectance that the volume has where the last frame looks, and
-// of a volume of colors in its place (flat light is then part of it); device time, ms, of the solve
-// (median) and of all that the memory takes (mean, as not every frame is added).
+// shading (Sdir, Sind). Runs each method (intrinsicdecomp if none is given; the others are the
+// formulations of intrinsicdecompthesis) at its defaults, without memory and with each weight (that
+// of the element if none is given). Prints a table: LMSE (k = 20, mean of reflectance and shading)
+// over all frames and of the last one; flicker of ln R along true motion, and without a common
+// scale; variation of the mean R of patches, from frame to frame and from the patch's mean over
+// time; drift of the scale over 30 frames; LMSE of the reflectance that the volume has where the
+// last frame looks, and of a volume of colors in its place (flat light is then part of it); device
+// time, ms, of the solve (median) and of all that the memory takes (mean, as not every frame is
+// added).
+//
+// Patches are five of the 8 x 6 rectangles of the middle frame: those whose points are seen in most
+// frames. They are followed by the true geometry.
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -20,6 +26,7 @@
 #include <vector>
 
 #include "kernels/intrinsic/intrinsic_levels.hpp"
+#include "kernels/thesis/chapter3/thesis_decomposition.hpp"
 #include "kernels/volume/memory/scene_memory.hpp"
 #include "rgbd_source.hpp"
 #include "tests/bench/metrics/metrics.hpp"
@@ -33,6 +40,7 @@ struct Settings : RgbdSettings {
   double voxel = 0.01;
   int every = int(SceneMemory::Params{}.every), max_width = int(SceneMemory::Params{}.max_width);
   std::vector<double> weights;
+  std::vector<std::string> methods;
 };
 
 /// A frame and its truth.
@@ -89,45 +97,88 @@ bool even_at(const Image& reflectance, long x, long y) {
   return true;
 }
 
-/// Where the points of every 8th pixel of some frames are in all frames, as far as they are seen on
-/// surfaces of one color.
-std::vector<Track> tracks_of(const std::vector<Taken>& frames, const Lens& lens, Extent extent) {
-  constexpr double kSame = 0.01;  // meters
-  std::vector<Track> tracks;
-  std::vector<std::array<double, 12>> rows;
-  for (const Taken& taken : frames) rows.push_back(rows_of(taken.frame.pose));
-  const auto depth_at = [&](size_t n, long x, long y) {
-    return double{frames[n].frame.true_depth[size_t(y) * extent.width + size_t(x)]};
-  };
-  for (size_t from = 0; from < frames.size(); from += std::max<size_t>(frames.size() / 3, 1))
-    for (long y = 4; y < long(extent.height); y += 8)
-      for (long x = 4; x < long(extent.width); x += 8) {
+/// Follows points by the true geometry.
+class Follower {
+ public:
+  Follower(const std::vector<Taken>& frames, const Lens& lens, Extent extent)
+      : frames_(frames), lens_(lens), extent_(extent) {
+    for (const Taken& taken : frames) rows_.push_back(rows_of(taken.frame.pose));
+  }
+
+  /// Where the points of every `step`-th pixel of a part of a frame are in all frames, as far as
+  /// they are seen on surfaces of one color.
+  void add_tracks(std::vector<Track>& tracks, size_t from, long left, long top, long right,
+                  long bottom, long step) const {
+    for (long y = top; y < bottom; y += step)
+      for (long x = left; x < right; x += step) {
         const double z = depth_at(from, x, y);
         if (!(z > 0 && z < 10)) continue;
-        const double p[] = {(double(x) - double{lens.cx}) / double{lens.fx} * z,
-                            (double(y) - double{lens.cy}) / double{lens.fy} * z, z};
-        double world[3];
+        const double p[] = {(double(x) - double{lens_.cx}) / double{lens_.fx} * z,
+                            (double(y) - double{lens_.cy}) / double{lens_.fy} * z, z};
+        std::array<double, 3> world;
         for (size_t r = 0; r < 3; ++r)
-          world[r] = rows[from][4 * r] * p[0] + rows[from][4 * r + 1] * p[1] +
-                     rows[from][4 * r + 2] * p[2] + rows[from][4 * r + 3];
+          world[r] = rows_[from][4 * r] * p[0] + rows_[from][4 * r + 1] * p[1] +
+                     rows_[from][4 * r + 2] * p[2] + rows_[from][4 * r + 3];
         Track track;
-        for (size_t n = 0; n < frames.size(); ++n) {
-          double q[3] = {};
-          for (size_t r = 0; r < 3; ++r)
-            for (size_t c = 0; c < 3; ++c)
-              q[c] += rows[n][4 * r + c] * (world[r] - rows[n][4 * r + 3]);
-          const double u = double{lens.fx} * q[0] / q[2] + double{lens.cx},
-                       v = double{lens.fy} * q[1] / q[2] + double{lens.cy};
-          const bool inside =
-              q[2] > 0 && u >= 1 && v >= 1 && u < extent.width - 2 && v < extent.height - 2;
-          const bool seen = inside &&
-                            std::abs(depth_at(n, std::lround(u), std::lround(v)) - q[2]) < kSame &&
-                            even_at(frames[n].reflectance, std::lround(u), std::lround(v));
-          track.push_back(seen ? std::array{u, v} : std::array{std::nan(""), std::nan("")});
-        }
+        for (size_t n = 0; n < frames_.size(); ++n) track.push_back(seen_at(world, n));
         tracks.push_back(std::move(track));
       }
-  return tracks;
+  }
+
+ private:
+  double depth_at(size_t n, long x, long y) const {
+    return double{frames_[n].frame.true_depth[size_t(y) * extent_.width + size_t(x)]};
+  }
+  std::array<double, 2> seen_at(const std::array<double, 3>& world, size_t n) const {
+    constexpr double kSame = 0.01;  // meters
+    double q[3] = {};
+    for (size_t r = 0; r < 3; ++r)
+      for (size_t c = 0; c < 3; ++c) q[c] += rows_[n][4 * r + c] * (world[r] - rows_[n][4 * r + 3]);
+    const double u = double{lens_.fx} * q[0] / q[2] + double{lens_.cx},
+                 v = double{lens_.fy} * q[1] / q[2] + double{lens_.cy};
+    const bool inside =
+        q[2] > 0 && u >= 1 && v >= 1 && u < extent_.width - 2 && v < extent_.height - 2;
+    const bool seen = inside &&
+                      std::abs(depth_at(n, std::lround(u), std::lround(v)) - q[2]) < kSame &&
+                      even_at(frames_[n].reflectance, std::lround(u), std::lround(v));
+    return seen ? std::array{u, v} : std::array{std::nan(""), std::nan("")};
+  }
+
+  const std::vector<Taken>& frames_;
+  Lens lens_;
+  Extent extent_;
+  std::vector<std::array<double, 12>> rows_;
+};
+
+/// What is followed of a source.
+struct Followed {
+  std::vector<Track> points;                ///< of every 8th pixel of some frames
+  std::vector<std::vector<Track>> patches;  ///< of every second one of five rectangles
+};
+
+Followed follow(const std::vector<Taken>& frames, const Lens& lens, Extent extent) {
+  constexpr size_t kPatches = 5;
+  constexpr long kAcross = 8, kDown = 6;
+  const Follower follower(frames, lens, extent);
+  const long width = extent.width, height = extent.height;
+  Followed followed;
+  for (size_t from = 0; from < frames.size(); from += std::max<size_t>(frames.size() / 3, 1))
+    follower.add_tracks(followed.points, from, 4, 4, width, height, 8);
+  const auto seen = [](const std::vector<Track>& patch) {
+    long count = 0;
+    for (const Track& track : patch)
+      count += std::count_if(track.begin(), track.end(),
+                             [](const auto& at) { return !std::isnan(at[0]); });
+    return count;
+  };
+  for (long k = 0; k < kAcross * kDown; ++k) {
+    const long x = k % kAcross, y = k / kAcross;
+    follower.add_tracks(followed.patches.emplace_back(), frames.size() / 2, x * width / kAcross,
+                        y * height / kDown, (x + 1) * width / kAcross, (y + 1) * height / kDown, 2);
+  }
+  std::ranges::stable_sort(followed.patches, std::ranges::greater{}, seen);
+  followed.patches.resize(kPatches);
+  return followed;
 }
 
 SceneMemory::Depth depth_of(const Taken& taken, const Lens& lens, Extent extent) {
@@ -156,15 +207,41 @@ double known_error(const Lab& lab, const KnownReflectance& known, const Image& t
   return lmse(estimate, truth, mask);
 }
 
+/// A decomposer: records a frame's work, and returns its layers.
+using Solver = std::function<PlanePtr(gpu::Commands&, size_t frame, const PlanePtr& input,
+                                      const KnownReflectance* known)>;
+
+Solver solver_of(const Lab& lab, const std::string& method, Extent extent) {
+  if (method == "intrinsicdecomp") {
+    ScaledIntrinsic::Params params;
+    const auto& levels = intrinsic_levels();
+    levels.levels[levels.top(Quality::medium)].set(params);
+    const auto made = std::make_shared<ScaledIntrinsic>(lab.device(), extent);
+    return [=](gpu::Commands& commands, size_t frame, const PlanePtr& input,
+               const KnownReflectance* known) {
+      return made->record(commands, input, params,
+                          {.reset = frame == 0, .known = known})[Role::intrinsic];
+    };
+  }
+  ThesisParams params;
+  if (method == "chapter4") set_chapter4(params);
+  const auto made = std::make_shared<ThesisDecomposition>(lab.device(), extent);
+  made->set_params(params);
+  return
+      [=](gpu::Commands& commands, size_t, const PlanePtr& input, const KnownReflectance* known) {
+        Layers layers;
+        made->record(commands, *input, layers, known);
+        commands.keep(input);
+        return layers[Role::intrinsic];
+      };
+}
+
 /// One row. `weight` below 0: without memory.
-void run_one(const Lab& lab, const std::string& name, const std::vector<Taken>& frames,
-             const std::vector<Track>& tracks, const RgbdSource& source, const Settings& settings,
-             double weight) {
+void run_one(const Lab& lab, const std::string& name, const std::string& method,
+             const std::vector<Taken>& frames, const Followed& followed, const RgbdSource& source,
+             const Settings& settings, double weight) {
   const Extent extent = source.extent();
-  ScaledIntrinsic::Params params;
-  const auto& levels = intrinsic_levels();
-  levels.levels[levels.top(Quality::medium)].set(params);
-  ScaledIntrinsic method(lab.device(), extent);
+  const Solver solver = solver_of(lab, method, extent);
   SceneMemory::Params made;
   made.volume.voxel = float(settings.voxel);
   made.every = uint32_t(settings.every);
@@ -184,10 +261,8 @@ void run_one(const Lab& lab, const std::string& name, const std::vector<Taken>& 
     std::optional<KnownReflectance> known;
     if (memory)
       known = memory->record_recall(commands, n, depth_of(taken, source.lens(), extent), *input);
-    const Layers layers =
-        method.record(commands, input, params,
-                      {.reset = n == 0, .known = known && weight > 0 ? &*known : nullptr});
-    if (memory) memory->record_remember(commands, *layers[Role::intrinsic]);
+    const PlanePtr layers = solver(commands, n, input, known && weight > 0 ? &*known : nullptr);
+    if (memory) memory->record_remember(commands, *layers);
     commands.submit();
     commands.wait();
     double all = 0, of_scene = 0;
@@ -199,7 +274,7 @@ void run_one(const Lab& lab, const std::string& name, const std::vector<Taken>& 
     }
     solve.push_back(all - of_scene);
     scene.push_back(of_scene);
-    const Pixels pixels = lab.download(layers[Role::intrinsic]->buffer);
+    const Pixels pixels = lab.download(layers->buffer);
     reflectance.push_back(image_of(pixels, extent, 0, 3));
     last = score_lmse(reflectance.back(), image_of(pixels, extent, 3, 1), taken.reflectance,
                       taken.shading, {});
@@ -212,14 +287,22 @@ void run_one(const Lab& lab, const std::string& name, const std::vector<Taken>& 
       });
     if (known && n + 1 == frames.size()) fused_colors = known_error(lab, *known, taken.reflectance);
   }
-  printf("| %s | %s | %.4f | %.4f | %.4f | %.4f | %.4f | %.4f | %.4f | %.1f | %.1f |\n",
-         std::filesystem::path(name).filename().c_str(),
-         weight < 0 ? "none" : std::to_string(weight).substr(0, 6).c_str(),
-         errors / double(frames.size()), last, flicker_along(reflectance, tracks, false),
-         flicker_along(reflectance, tracks, true),
-         common_drift(reflectance, tracks, std::min<size_t>(30, frames.size() / 2)), fused,
-         fused_colors, median(solve),
-         std::accumulate(scene.begin(), scene.end(), 0.0) / double(scene.size()));
+  PatchVariation patches;
+  for (const std::vector<Track>& patch : followed.patches) {
+    const PatchVariation found = patch_variation(reflectance, patch);
+    patches.step += found.step / double(followed.patches.size());
+    patches.spread += found.spread / double(followed.patches.size());
+  }
+  printf(
+      "| %s | %s | %s | %.4f | %.4f | %.4f | %.4f | %.4f | %.4f | %.4f | %.4f | %.4f | %.1f | %.1f "
+      "|\n",
+      std::filesystem::path(name).filename().c_str(), method.c_str(),
+      weight < 0 ? "none" : std::to_string(weight).substr(0, 6).c_str(),
+      errors / double(frames.size()), last, flicker_along(reflectance, followed.points, false),
+      flicker_along(reflectance, followed.points, true), patches.step, patches.spread,
+      common_drift(reflectance, followed.points, std::min<size_t>(30, frames.size() / 2)), fused,
+      fused_colors, median(solve),
+      std::accumulate(scene.begin(), scene.end(), 0.0) / double(scene.size()));
   fflush(stdout);
 }
 
@@ -230,24 +313,38 @@ int run(int count, char** arguments) {
       rgbd_options(settings, {{"--voxel", number(settings.voxel)},
                               {"--every", integer(settings.every)},
                               {"--max-width", integer(settings.max_width)},
+                              {"--method",
+                               {true,
+                                [&](const char* value) {
+                                  settings.methods.emplace_back(value);
+                                  return settings.methods.back() == "intrinsicdecomp" ||
+                                         settings.methods.back() == "chapter3" ||
+                                         settings.methods.back() == "chapter4";
+                                }}},
                               {"--weight", {true, [&](const char* value) {
                                               settings.weights.push_back(std::stod(value));
                                               return true;
                                             }}}});
   if (!read(options, count, arguments, __FILE__, &names)) return 1;
   if (names.empty()) throw std::runtime_error("usage: scene-bench [options] orbit|wall|FOLDER…");
-  if (settings.weights.empty()) settings.weights = {double{SceneMemory::Params{}.weight}};
+  if (settings.methods.empty()) settings.methods = {"intrinsicdecomp"};
   const Lab lab;
   printf(
-      "| | weight | LMSE | last | flicker | without scale | drift | fused R | fused color | solve "
-      "ms | memory ms |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "| | method | weight | LMSE | last | flicker | without scale | patches, step | spread | "
+      "drift "
+      "| fused R | fused color | solve ms | memory ms |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const std::string& name : names) {
     const auto source = open_rgbd(lab, name, settings);
     const std::vector<Taken> frames = take(lab, name, *source);
-    const std::vector<Track> tracks = tracks_of(frames, source->lens(), source->extent());
-    run_one(lab, name, frames, tracks, *source, settings, -1);
-    for (const double weight : settings.weights)
-      run_one(lab, name, frames, tracks, *source, settings, weight);
+    const Followed followed = follow(frames, source->lens(), source->extent());
+    for (const std::string& method : settings.methods) {
+      std::vector<double> weights = settings.weights;
+      if (weights.empty()) weights = {method == "intrinsicdecomp" ? 1.0 : 10.0};
+      weights.insert(weights.begin(), -1);
+      for (const double weight : weights)
+        run_one(lab, name, method, frames, followed, *source, settings, weight);
+    }
   }
   return 0;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Strokes that recolor, and strokes on things that move, in intrinsicdecomp and globalintrinsic.
+// Strokes that recolor, strokes on things that move, and strokes that fill a surface.
 #include <gst/video/navigation.h>
 
 #include <cmath>
@@ -154,6 +154,40 @@ TEST_P(MovingStrokes, TheEraserFindsThem) {
 
 INSTANTIATE_TEST_SUITE_P(Elements, MovingStrokes,
                          ::testing::Values("intrinsicdecomp", "globalintrinsic"));
+
+/// The baseline starts each frame anew, so that what others need a history for is not asked of it.
+class ThesisStrokes : public MovingStrokes {};
+
+TEST_P(ThesisStrokes, MoveWithWhatTheyLieOn) {
+  const auto moving = [&] {
+    double sum = 0;
+    for (int t = 0; t < 12; ++t) sum += spread(harness_.process(board_at(20 + 4 * t)), 20 + 4 * t);
+    return sum / 12;
+  };
+  const double without = moving();
+  ASSERT_GT(without, 3) << "the picture must be one that is got wrong";
+  harness_.flush();
+  set(kOnTheBoard);
+  EXPECT_LT(moving(), .2 * without);
+  EXPECT_EQ(states(), std::vector<std::string>{"followed"});
+  EXPECT_TRUE(harness_.warnings().empty());
+}
+
+TEST_P(ThesisStrokes, FillTheirSurface) {
+  // The ripple of light on one paint, far from the dot.
+  const auto ripple = [&](const char* strokes) {
+    harness_.flush();
+    set(strokes);
+    return spread(harness_.process(paints(), 3), 10);
+  };
+  const double dot = ripple(R"([{"kind":"shading","radius":5,"points":[[100,60]]}])"),
+               filled =
+                   ripple(R"([{"kind":"shading","radius":5,"fill":true,"points":[[100,60]]}])");
+  EXPECT_GT(dot, 1);
+  EXPECT_LT(filled, .3 * dot);
+}
+
+INSTANTIATE_TEST_SUITE_P(Elements, ThesisStrokes, ::testing::Values("intrinsicdecompthesis"));
 
 class RecolorStrokes : public MovingStrokes {
  protected:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Strokes of intrinsicdecomp and globalintrinsic: by property, signals and mouse.
+// Strokes of decomposers: by property, signals and mouse.
 #include <gst/video/navigation.h>
 
 #include <cmath>
@@ -252,6 +252,8 @@ TEST_P(Strokes, TheMouseDrawsNoMoreThanThereIsRoomFor) {
 }
 
 TEST_P(Strokes, OneThatIsCutInPartsIsAWarning) {
+  if (std::string(GetParam()) == "intrinsicdecompthesis")
+    GTEST_SKIP() << "one mean holds all parts of a stroke (4.7), so that it is satisfied";
   const auto halves = [](int t) {
     return draw(kWidth, kHeight,
                 [t](int x, int y, int) { return (x < 80 ? 40.0 : 220.0) + (x + y + t) % 3; });
@@ -296,7 +298,8 @@ TEST_P(Strokes, KeepTheirPlaceInAnotherSize) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, Strokes,
-                         ::testing::Values("intrinsicdecomp", "globalintrinsic"));
+                         ::testing::Values("intrinsicdecomp", "globalintrinsic",
+                                           "intrinsicdecompthesis"));
 
 }  // namespace
 }  // namespace inverse::testing

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Decomposers that remember the scene, by whole lines.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -19,12 +20,12 @@ constexpr const char* kShown = "video/x-raw,format=RGBA ! appsink name=out sync=
 /// `change` may change the depth of the frames before the decomposer.
 LineResult decompose(const std::string& source, const std::string& settings,
                      const std::function<void(GstInverseDepthMeta&, int)>& change = {},
-                     GstStructure** stats = nullptr) {
+                     GstStructure** stats = nullptr,
+                     const std::string& element = "intrinsicdecomp") {
   int n = 0;
   const std::string line = "rgbdtestsrc is-live=false samples=1 " + source + " ! " + kSize +
-                           " ! identity name=before ! intrinsicdecomp name=decomposer "
-                           "show=reflectance " +
-                           settings + " ! " + kShown;
+                           " ! identity name=before ! " + element +
+                           " name=decomposer show=reflectance " + settings + " ! " + kShown;
   return run_line(line, 240, [&](GstElement* pipeline) {
     if (change)
       watch_buffers(find_element(pipeline, "before"), "src", [&, change](GstBuffer* buffer) {
@@ -50,10 +51,96 @@ void set_depth(GstInverseDepthMeta& meta, const std::function<uint16_t(uint16_t)
   meta.depth = image;
 }
 
-TEST(Scene, IsRememberedWhereFramesHaveDepth) {
+/// Where a frame was taken from, and what its camera saw.
+struct View {
+  std::vector<double> depth;  // meters, row by row
+  std::array<double, 12> pose;
+  double fx, fy, cx, cy;
+  int width, height;
+  static View of(const GstInverseDepthMeta& meta) {
+    View view{{}, {}, meta.fx, meta.fy, meta.cx, meta.cy, int(meta.width), int(meta.height)};
+    std::copy_n(meta.pose, 12, view.pose.begin());
+    GstMapInfo map;
+    if (!gst_buffer_map(meta.depth, &map, GST_MAP_READ)) return view;
+    for (int y = 0; y < view.height; ++y)
+      for (int x = 0; x < view.width; ++x)
+        view.depth.push_back(meta.unit * GST_READ_UINT16_LE(map.data + size_t(y) * meta.stride +
+                                                            size_t(2) * size_t(x)));
+    gst_buffer_unmap(meta.depth, &map);
+    return view;
+  }
+};
+
+/// Mean over points and frames of how much ln of a shown surface point differs from the frame
+/// before, by the true motion.
+double flicker(const LineResult& line, const std::vector<View>& views, size_t first) {
+  double sum = 0, count = 0;
+  const auto shown = [&](size_t n, long x, long y) {
+    const uint8_t* pixel = pixel_at(line.frames[n], int(x), int(y), views[n].width);
+    return std::log(double(pixel[0] + pixel[1] + pixel[2] + 1));
+  };
+  for (size_t n = first; n < views.size(); ++n) {
+    const View &a = views[n - 1], &b = views[n];
+    for (int i = 0; i < a.width * a.height; i += 3) {
+      const double z = a.depth[size_t(i)];
+      if (!(z > 0)) continue;
+      const int x = i % a.width, y = i / a.width;
+      const double p[] = {(x - a.cx) / a.fx * z, (y - a.cy) / a.fy * z, z};
+      double world[3], q[3] = {};
+      for (size_t r = 0; r < 3; ++r)
+        world[r] = a.pose[4 * r] * p[0] + a.pose[4 * r + 1] * p[1] + a.pose[4 * r + 2] * p[2] +
+                   a.pose[4 * r + 3];
+      for (size_t r = 0; r < 3; ++r)
+        for (size_t c = 0; c < 3; ++c) q[c] += b.pose[4 * r + c] * (world[r] - b.pose[4 * r + 3]);
+      const long u = std::lround(b.fx * q[0] / q[2] + b.cx),
+                 v = std::lround(b.fy * q[1] / q[2] + b.cy);
+      if (q[2] <= 0 || u < 0 || v < 0 || u >= b.width || v >= b.height) continue;
+      if (std::abs(b.depth[size_t(v) * size_t(b.width) + size_t(u)] - q[2]) > 0.03) continue;
+      sum += std::abs(shown(n, u, v) - shown(n - 1, x, y));
+      ++count;
+    }
+  }
+  return sum / count;
+}
+
+constexpr const char* kChapter4 = "intrinsicdecompthesis formulation=chapter4";
+
+class RememberedScene : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Elements, RememberedScene,
+                         ::testing::Values("intrinsicdecomp", "globalintrinsic", kChapter4));
+
+TEST(Scene, FlickersLessWithChapter4OfTheThesis) {
+  const auto run = [&](const char* settings) {
+    std::vector<View> views;
+    const LineResult line = decompose(
+        "num-buffers=14 depth-noise=0 speed=3", settings,
+        [&](const GstInverseDepthMeta& meta, int) { views.push_back(View::of(meta)); }, nullptr,
+        kChapter4);
+    EXPECT_EQ(line.frames.size(), 14U) << line.first_error();
+    return line.frames.size() == views.size() ? flicker(line, views, 4) : 0;
+  };
+  const double with = run(""), without = run("scene-memory=false");
+  printf("  %.4f with the memory, %.4f without\n", with, without);
+  EXPECT_LT(with, 0.75 * without);
+}
+
+TEST(Scene, IsOnlyRememberedByChapter4OfTheThesis) {
+  const auto last = [](const std::string& settings) {
+    const LineResult line =
+        decompose("num-buffers=4", settings, {}, nullptr, "intrinsicdecompthesis");
+    EXPECT_EQ(line.frames.size(), 4U) << line.first_error();
+    return line.frames.empty() ? std::vector<uint8_t>() : line.frames.back();
+  };
+  EXPECT_EQ(last(""), last("scene-memory=false"));
+  EXPECT_NE(last(""), last("scene-memory=true"));
+  EXPECT_NE(last("formulation=chapter4"), last("formulation=chapter4 scene-memory=false"));
+}
+
+TEST_P(RememberedScene, IsRememberedWhereFramesHaveDepth) {
   GstStructure* stats = nullptr;
-  const LineResult with = decompose("num-buffers=8", "", {}, &stats),
-                   without = decompose("num-buffers=8", "scene-memory=false");
+  const LineResult with = decompose("num-buffers=8", "", {}, &stats, GetParam()),
+                   without =
+                       decompose("num-buffers=8", "scene-memory=false", {}, nullptr, GetParam());
   ASSERT_EQ(with.frames.size(), 8U) << with.first_error();
   EXPECT_TRUE(with.warnings.empty()) << with.warnings.front();
   EXPECT_EQ(with.frames[0], without.frames[0]) << "nothing is known of a first frame";

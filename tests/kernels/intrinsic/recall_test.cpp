@@ -1,49 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What is known of reflectance, in the energy of intrinsicdecomp.
-#include "tests/reference/intrinsic/recall.hpp"
-
 #include "intrinsic_fixture.hpp"
+#include "tests/kernels/known_reflectance.hpp"
 
 namespace inverse::testing {
 namespace {
 
 class RecallTest : public IntrinsicTest {
  protected:
-  struct Known {
-    reference::KnownReflectance expected;
-    KnownReflectance given;
-  };
-  /// Something known, part of it nearer or farther than the frame, or unknown, or of another color.
-  /// `extreme`: with numbers as broken data have them.
   Known known_of(Extent extent, unsigned seed, float weight, bool extreme = false) {
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<float> unit(0, 1);
-    Known known{{int(extent.width), int(extent.height), {}, {}, {}, {}, double{weight}}, {}};
-    Pixels reflectance, depth, known_depth;
-    for (size_t i = 0; i < extent.pixels(); ++i) {
-      const float z = 0.5F + 3 * unit(random), kind = unit(random);
-      depth.push_back(kind < 0.1F ? 0 : z);
-      known_depth.push_back(kind > 0.9F ? 0 : kind > 0.8F ? z + 0.5F : z + 0.004F * unit(random));
-      for (int c = 0; c < 3; ++c) reflectance.push_back(-3 * unit(random));
-      reflectance.push_back(kind > 0.5F && kind < 0.6F ? 0 : unit(random));
-      if (extreme && i % 7 == 0) {
-        const float nan = std::numeric_limits<float>::quiet_NaN();
-        for (size_t c = 0; c < 3; ++c) reflectance[4 * i + c] = i % 2 ? nan : 1e30F;
-        reflectance[4 * i + 3] = 0;
-        depth[i] = i % 3 ? 1e30F : 65.534F;
-      }
-      for (size_t c = 0; c < 3; ++c)
-        known.expected.log_reflectance.push_back(double{reflectance[4 * i + c]});
-      known.expected.confidence.push_back(double{reflectance[4 * i + 3]});
-    }
-    known.expected.depth.assign(depth.begin(), depth.end());
-    known.expected.known_depth.assign(known_depth.begin(), known_depth.end());
-    const auto scalars = [&](const Pixels& values) {
-      return upload(gpu::Element::scalar, values.data(), values.size());
-    };
-    known.given = {extent,         upload(reflectance),  scalars(known_depth),
-                   scalars(depth), upload({1, 0, 0, 0}), weight};
-    return known;
+    return testing::known_of(Lab(device), extent, seed, weight, extreme);
   }
 };
 

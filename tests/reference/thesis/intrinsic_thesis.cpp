@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace inverse::reference {
 namespace {
@@ -75,6 +76,32 @@ Plane prolong(const Plane& coarse, int width, int height) {
     }
   }
   return fine;
+}
+
+StrokeMask coarse_strokes(const StrokeMask& fine, int width, int height) {
+  StrokeMask coarse{fine.kinds, {}, {}};
+  for (int y = 0; y < (height + 1) / 2; ++y) {
+    for (int x = 0; x < (width + 1) / 2; ++x) {
+      std::map<int, double> sums;
+      std::vector<int> order;  // of two equal sums the first one counts
+      for (int dy = -1; dy <= 1; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) {
+          const auto at = static_cast<std::size_t>(std::clamp(2 * y + dy, 0, height - 1)) *
+                              static_cast<std::size_t>(width) +
+                          static_cast<std::size_t>(std::clamp(2 * x + dx, 0, width - 1));
+          if (fine.stroke[at] < 0) continue;
+          sums[fine.stroke[at]] += (2 - std::abs(dx)) * (2 - std::abs(dy)) / 16.0 * fine.weight[at];
+          order.push_back(fine.stroke[at]);
+        }
+      }
+      int best = -1;
+      for (const int stroke : order)
+        if (sums[stroke] > (best < 0 ? 0 : sums[best])) best = stroke;
+      coarse.stroke.push_back(best);
+      coarse.weight.push_back(best < 0 ? 0 : sums[best]);
+    }
+  }
+  return coarse;
 }
 
 std::array<int, 2> schwarz_shift(int iteration) {
@@ -181,6 +208,8 @@ ThesisEnergy IntrinsicThesis::energy_of(int index, const Plane& x, const Plane& 
   ThesisEnergy energy = thesis_energy(levels_[at], x, clusters, sources,
                                       static_cast<std::uint32_t>(index), epoch, params_);
   if (!strokes_.empty()) energy.user = user_energy(strokes_[at], stroke_means(strokes_[at], x), x);
+  if (!known_levels_.empty())
+    energy.stabilization = stabilization_energy(known_levels_[at], known_weight_, x);
   return energy;
 }
 
@@ -208,6 +237,7 @@ void IntrinsicThesis::solve_level(int index) {
       for (int c = 0; c < 3; ++c) source.data[n][c] += cluster[3] * cluster[c];
       source.data[n][3] += cluster[3];
     }
+    if (!known_levels_.empty()) add_known(known_levels_[at], known_weight_, &source);
     ShadingSource shading;
     if (!strokes_.empty())
       add_strokes(strokes_[at], stroke_means(strokes_[at], x), &source, &shading);
@@ -231,8 +261,15 @@ Plane IntrinsicThesis::decompose(const Plane& linear) {
     }
   }
   strokes_.clear();
-  for (const ThesisLevel& level : levels_)
-    if (draw_strokes_) strokes_.push_back(draw_strokes_(level.image.width, level.image.height));
+  known_levels_.clear();
+  if (!drawn_strokes_.kinds.empty()) strokes_.push_back(drawn_strokes_);
+  if (known_.size() > 0) known_levels_.push_back(known_);
+  for (std::size_t n = 1; n < levels_.size(); ++n) {
+    const Plane& finer = levels_[n - 1].image;
+    if (!strokes_.empty())
+      strokes_.push_back(coarse_strokes(strokes_.back(), finer.width, finer.height));
+    if (!known_levels_.empty()) known_levels_.push_back(downsample(known_levels_.back()));
+  }
   used_keyframes_.assign(keyframes_.begin(), keyframes_.end());
 
   cluster_plane_ = Plane();
@@ -240,11 +277,18 @@ Plane IntrinsicThesis::decompose(const Plane& linear) {
     const ThesisLevel& level = levels_[static_cast<std::size_t>(n)];
     Plane& x = solutions_[static_cast<std::size_t>(n)];
     if (n == count - 1) {
-      // r = i/2, s = |i|/2: reflectance and shading have the same magnitude.
+      // r = i/2, s = |i|/2: reflectance and shading have the same magnitude. What is known is r.
       x = level.log_image;
-      for (Vec4& value : x.data) {
-        value[3] = (value[0] + value[1] + value[2]) / 6;
-        for (int c = 0; c < 3; ++c) value[c] /= 2;
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        const Vec4 known =
+            known_levels_.empty() ? Vec4{} : known_levels_[static_cast<std::size_t>(n)].data[k];
+        Vec4& value = x.data[k];
+        value[3] = 0;
+        for (int c = 0; c < 3; ++c) {
+          const double r = known[c] + (1 - known[3]) * value[c] / 2;
+          value[3] += (value[c] - r) / 3;
+          value[c] = r;
+        }
       }
     } else {
       x = prolong(solutions_[static_cast<std::size_t>(n) + 1], level.image.width,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The solver of section 3.5 in double precision: Gaussian pyramid, IRLS, and per IRLS step either
-// Jacobi-preconditioned conjugate gradients over the level or additive Schwarz on 16×16 blocks.
+// The solver of sections 3.5 and 4.6.2 in double precision: Gaussian pyramid, IRLS, and per IRLS
+// step either Jacobi-preconditioned conjugate gradients over the level or additive Schwarz on 16×16
+// blocks.
 #pragma once
 
 #include <deque>
@@ -22,6 +23,11 @@ Plane downsample(const Plane& fine);
 
 /// Bilinear interpolation from ⌈w/2⌉ × ⌈h/2⌉; coarse pixel X lies on fine pixel 2X.
 Plane prolong(const Plane& coarse, int width, int height);
+
+/// The strokes of a level from those of the finer one, of `width` x `height` pixels: a coarse pixel
+/// belongs to the stroke with the largest sum of weights over the 3 x 3 fine pixels around its own,
+/// by (1 2 1)/4 along each axis; borders repeat. That sum is its weight.
+StrokeMask coarse_strokes(const StrokeMask& fine, int width, int height);
 
 /// Offset of the Schwarz blocks at an iteration: ⌊16 · Halton(iteration; 2, 3)⌋.
 std::array<int, 2> schwarz_shift(int iteration);
@@ -71,10 +77,16 @@ class IntrinsicThesis {
   /// the next frame on; an empty plane: no cluster prior.
   void set_clusters(Plane clusters) { clusters_ = std::move(clusters); }
 
-  /// The user's strokes on a picture of that size, from the next frame on; null: none. An auxiliary
-  /// variable is fixed while an IRLS step is solved, and follows after it (4.6.2).
-  using DrawStrokes = std::function<StrokeMask(int width, int height)>;
-  void set_strokes(DrawStrokes draw) { draw_strokes_ = std::move(draw); }
+  /// The user's strokes, from the next frame on; without kinds: none. An auxiliary variable is
+  /// fixed while an IRLS step is solved, and follows after it (4.6.2).
+  void set_strokes(StrokeMask strokes) { drawn_strokes_ = std::move(strokes); }
+
+  /// What is known of reflectance from the next frame on (4.8), rgb = B r_model, w = B, and w_s; an
+  /// empty plane: nothing.
+  void set_known(Plane known, double weight) {
+    known_ = std::move(known);
+    known_weight_ = weight;
+  }
 
   /// Packed chromaticities (w) by level, finest first, for the next frame instead of its own: which
   /// samples agree is decided on a grid, and single precision may fall on its other side.
@@ -107,7 +119,9 @@ class IntrinsicThesis {
   Palette palette_;
   std::optional<Plane> clusters_;
   std::vector<Plane> chromaticities_;
-  DrawStrokes draw_strokes_;
+  StrokeMask drawn_strokes_;
+  Plane known_;
+  double known_weight_ = 0;
   Trace trace_;
   bool converged_ = false;
   bool single_ = false;
@@ -116,6 +130,7 @@ class IntrinsicThesis {
   std::vector<Keyframe> used_keyframes_;  // those that the last frame was solved with
   std::vector<ThesisLevel> levels_;
   std::vector<StrokeMask> strokes_;  // by level; empty: none
+  std::vector<Plane> known_levels_;  // the same
   std::vector<Plane> solutions_;
   Plane cluster_plane_;
 };

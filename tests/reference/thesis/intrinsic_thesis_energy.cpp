@@ -9,7 +9,16 @@
 namespace inverse::reference {
 namespace {
 
-constexpr Vec3 kChannelWeight = {0.299, 0.587, 0.114};  // ω_c of (3.5), ITU-R BT.601
+/// ω_c of (3.5), ITU-R BT.601; (4.4) has none.
+Vec3 channel_weight(const ThesisParams& params) {
+  return params.chapter4 ? Vec3{1, 1, 1} : Vec3{0.299, 0.587, 0.114};
+}
+
+/// ω_l, the weight of data, smooth shading and chromaticity at a pixel: ω_iw of (3.5) and (3.11);
+/// (4.4) and (4.5) have none.
+double local_weight(const ThesisLevel& level, std::size_t pixel, const ThesisParams& params) {
+  return params.chapter4 ? 1 : level.log_image.data[pixel][3];
+}
 
 double mean(const Vec4& v) { return (v[0] + v[1] + v[2]) / 3; }
 
@@ -85,9 +94,9 @@ ThesisLevel::ThesisLevel(const Plane& linear, const ThesisParams& params)
   const auto link = [&](std::size_t a, std::size_t b, int slot) {
     const double distance = std::sqrt(squared_distance(chromaticity.data[a], chromaticity.data[b]));
     const double cs = params.w_cs * std::exp(-params.alpha_cs * distance);  // (3.7)
-    const double iw = log_image.data[a][3] + log_image.data[b][3];
-    edges.data[a][slot] = 2 * params.w_reflectance * cs;         // (3.8), both directions
-    edges.data[a][slot + 2] = params.w_shading * iw * (1 - cs);  // (3.9), (3.11)
+    const double both = local_weight(*this, a, params) + local_weight(*this, b, params);
+    edges.data[a][slot] = 2 * params.w_reflectance * cs;           // (3.8), both directions
+    edges.data[a][slot + 2] = params.w_shading * both * (1 - cs);  // (3.9), (3.11)
   };
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
@@ -130,6 +139,7 @@ ThesisEnergy thesis_energy(const ThesisLevel& level, const Plane& x, const Plane
                            const std::vector<const SampleFrame*>& frames, std::uint32_t stream,
                            std::uint32_t epoch, const ThesisParams& params) {
   ThesisEnergy energy;
+  const Vec3 channel = channel_weight(params);
   const auto edge = [&](std::size_t a, std::size_t b, int slot) {
     const double squared = squared_distance(x.data[a], x.data[b]) + params.epsilon * params.epsilon;
     const double ds = x.data[a][3] - x.data[b][3];
@@ -141,19 +151,19 @@ ThesisEnergy thesis_energy(const ThesisLevel& level, const Plane& x, const Plane
       const std::size_t n = x.index(column, row);
       const Vec4& i = level.log_image.data[n];
       const Vec4& value = x.data[n];
-      const double iw = i[3];
+      const double local = local_weight(level, n, params);
       Vec4 difference{};
       for (int c = 0; c < 3; ++c) difference[c] = i[c] - value[c];
       const double offset = mean(difference);
       for (int c = 0; c < 3; ++c) {
         const double residual = difference[c] - value[3];
-        energy.data += params.w_data * iw * kChannelWeight[c] * residual * residual;  // (3.5)
+        energy.data += params.w_data * local * channel[c] * residual * residual;  // (3.5), (4.4)
         const double chroma = difference[c] - offset;  // (3.10) in log form: P (i − r)
-        energy.chromaticity += params.w_chromaticity * iw * chroma * chroma;
+        energy.chromaticity += params.w_chromaticity * local * chroma * chroma;
       }
       if (column + 1 < x.width) edge(n, n + 1, 0);
       if (row + 1 < x.height) edge(n, x.index(column, row + 1), 1);
-      const double g = params.w_non_local * iw;
+      const double g = params.w_non_local * i[3];
       for_each_sample(level, frames, n, stream, epoch, params, [&](const Vec4& sample, bool agree) {
         if (agree) energy.non_local += g * squared_distance(value, sample);  // (3.12)
       });
@@ -211,6 +221,22 @@ void add_strokes(const StrokeMask& strokes, const std::vector<Vec4>& means, Sour
   }
 }
 
+double stabilization_energy(const Plane& known, double weight, const Plane& x) {
+  double energy = 0;
+  for (std::size_t n = 0; n < known.size(); ++n) {
+    Vec4 target = known.data[n];
+    if (!(target[3] > 0)) continue;
+    for (int c = 0; c < 3; ++c) target[c] /= target[3];
+    energy += weight * target[3] * squared_distance(x.data[n], target);
+  }
+  return energy;
+}
+
+void add_known(const Plane& known, double weight, SourcePlane* source) {
+  for (std::size_t n = 0; n < known.size(); ++n)
+    for (int c = 0; c < 4; ++c) source->data[n][c] += weight * known.data[n][c];
+}
+
 ThesisSystem assemble(const ThesisLevel& level, const Plane& x, const SourcePlane& source,
                       const ThesisParams& params, const ShadingSource& shading) {
   ThesisSystem system;
@@ -220,6 +246,7 @@ ThesisSystem assemble(const ThesisLevel& level, const Plane& x, const SourcePlan
   system.shading_weight = shading.weight;
   system.w_data = params.w_data;
   system.w_chromaticity = params.w_chromaticity;
+  system.channel_weight = channel_weight(params);
   const auto link = [&](std::size_t a, std::size_t b, int slot) {
     const double weight = irls_weight(squared_distance(x.data[a], x.data[b]), params);
     Vec4& edge = system.edges.data[a];
@@ -236,15 +263,15 @@ ThesisSystem assemble(const ThesisLevel& level, const Plane& x, const SourcePlan
       if (column + 1 < x.width) link(n, n + 1, 0);
       if (row + 1 < x.height) link(n, x.index(column, row + 1), 1);
       const Vec4& i = level.log_image.data[n];
-      const double iw = i[3];
+      const double local = local_weight(level, n, params);
       const double m = mean(i);
-      system.node.data[n][0] = iw;
+      system.node.data[n][0] = local;
       system.node.data[n][1] = source.data[n][3];
       Vec4& b = system.b.data[n];
       for (int c = 0; c < 3; ++c) {
-        b[c] = params.w_data * iw * kChannelWeight[c] * i[c] +
-               params.w_chromaticity * iw * (i[c] - m) + source.data[n][c];
-        b[3] += params.w_data * iw * kChannelWeight[c] * i[c];
+        b[c] = params.w_data * local * system.channel_weight[c] * i[c] +
+               params.w_chromaticity * local * (i[c] - m) + source.data[n][c];
+        b[3] += params.w_data * local * system.channel_weight[c] * i[c];
       }
       if (!shading.target.empty()) b[3] += shading.target[n];
     }
@@ -263,7 +290,7 @@ void apply(const ThesisSystem& system, const Plane& v, int x0, int y0, int x1, i
       const double m = mean(own);
       Vec4 result{};
       for (int c = 0; c < 3; ++c) {
-        const double residual = data * kChannelWeight[c] * (own[c] + own[3]);
+        const double residual = data * system.channel_weight[c] * (own[c] + own[3]);
         result[c] = residual + (node[1] + node[2]) * own[c] + chroma * (own[c] - m);
         result[3] += residual;
       }
@@ -287,10 +314,11 @@ Vec4 diagonal(const ThesisSystem& system, std::size_t pixel) {
   const Vec4& node = system.node.data[pixel];
   Vec4 result{};
   for (int c = 0; c < 3; ++c) {
-    result[c] = system.w_data * node[0] * kChannelWeight[c] + node[1] + node[2] +
+    result[c] = system.w_data * node[0] * system.channel_weight[c] + node[1] + node[2] +
                 system.w_chromaticity * node[0] * (2.0 / 3);
+    result[3] += system.w_data * node[0] * system.channel_weight[c];
   }
-  result[3] = system.w_data * node[0] + node[3] + shading_weight(system, pixel);
+  result[3] += node[3] + shading_weight(system, pixel);
   return result;
 }
 

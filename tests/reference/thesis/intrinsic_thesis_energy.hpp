@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The decomposition energy of chapter 3 (Eqs. 3.3–3.15), with the user's strokes of chapter 4
-// (4.7), and the linear systems of its IRLS steps, in double precision. This is the specification
-// of kernels/thesis/chapter3.
+// The decomposition energies of chapters 3 (Eqs. 3.3–3.15) and 4 (4.3–4.8), and the linear systems
+// of their IRLS steps, in double precision. This is the specification of kernels/thesis/chapter3
+// and kernels/thesis/chapter4.
 //
 // Unknowns: one vector (r_R, r_G, r_B, s) a pixel, natural logarithms of reflectance and shading.
 #pragma once
@@ -17,6 +17,7 @@ namespace inverse::reference {
 /// Every parameter of the method with the values of section 3.6. The meaning of each is documented
 /// in kernels/thesis/chapter3/thesis_params.hpp; the fields have the same names.
 struct ThesisParams {
+  bool chapter4 = false;
   double w_data = 10;
   double w_intensity = 0.8;
   double w_reflectance = 0.5;
@@ -52,7 +53,7 @@ struct ThesisLevel {
   Plane image;         ///< linear light I, sanitized
   Plane log_image;     ///< i = ln max(I, log_floor); w: ω_iw (3.6)
   Plane chromaticity;  ///< c = (I + ε_c)/mean(I + ε_c), mean 1; w: |I| clamped to 0 … 1
-  Plane edges;  ///< right and down: W = 2 w_r ω_cs, then V = w_s (ω_iw + ω_iw')(1 − ω_cs)
+  Plane edges;  ///< right and down: W = 2 w_r ω_cs, then V = w_s (ω_l + ω_l')(1 − ω_cs)
   std::vector<double> packed;  ///< chromaticity as samples carry it
 
   ThesisLevel(const Plane& linear, const ThesisParams& params);
@@ -86,8 +87,10 @@ struct ThesisEnergy {
   double non_local = 0;
   double clustering = 0;
   double user = 0;
+  double stabilization = 0;
   double total() const {
-    return data + reflectance + shading + chromaticity + non_local + clustering + user;
+    return data + reflectance + shading + chromaticity + non_local + clustering + user +
+           stabilization;
   }
 };
 
@@ -117,15 +120,22 @@ double user_energy(const StrokeMask& strokes, const std::vector<Vec4>& means, co
 void add_strokes(const StrokeMask& strokes, const std::vector<Vec4>& means, SourcePlane* source,
                  ShadingSource* shading);
 
+/// w_s E_stab (4.8) at x; `known`: rgb = B r_model, w = B.
+double stabilization_energy(const Plane& known, double weight, const Plane& x);
+
+/// Adds the source terms of (4.8).
+void add_known(const Plane& known, double weight, SourcePlane* source);
+
 /// A x = b, half the gradient of the reweighted energy E^(k) (3.21), method A and b kept apart as
 /// the kernels keep them.
 struct ThesisSystem {
   Plane edges;  ///< right and down: a = W · c(d), then V
-  Plane node;   ///< ω_iw, Σ weights of targets, Σ a, Σ V over the existing neighbors
+  Plane node;   ///< ω_l, Σ weights of targets, Σ a, Σ V over the existing neighbors
   Plane b;
   std::vector<double> shading_weight;  ///< of targets of s, by pixel; empty: none
   double w_data = 0;
   double w_chromaticity = 0;
+  Vec3 channel_weight;  ///< ω_c
 };
 
 /// The system at the linearization point x; `source` sums samples, clusters and strokes.

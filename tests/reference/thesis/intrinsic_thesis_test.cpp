@@ -74,8 +74,8 @@ double deviation(const StrokeMask& mask, std::size_t stroke, const Plane& x) {
 }  // namespace
 
 TEST(IntrinsicThesisReference, SystemIsHalfTheGradientOfTheEnergy) {
-  for (const double p : {0.3, 0.8, 1.0, 2.0}) {
-    ThesisParams params{.p = p, .epsilon = 0.02};
+  for (const double p : {0.3, 0.8, 1.0, 2.0, 0.7}) {
+    ThesisParams params{.chapter4 = p == 0.7, .p = p, .epsilon = 0.02};
     params.tau_cc = 2;  // let samples bind in a random picture
     const ThesisLevel level(random_plane(7, 5, 3, 0, 1), params);
     const Plane x = random_plane(7, 5, 4, -2, 1);
@@ -148,7 +148,7 @@ TEST(IntrinsicThesisReference, StrokesMakeALayerConstant) {
     const Plane picture = checkers(64, 48);
     const StrokeMask mask = two_strokes(64, 48);
     const Plane before = method.decompose(picture);
-    method.set_strokes(two_strokes);
+    method.set_strokes(two_strokes(64, 48));
     const Plane after = method.decompose(picture);
     for (std::size_t k = 0; k < 2; ++k) {
       EXPECT_GT(deviation(mask, k, before), 0.1);
@@ -156,6 +156,76 @@ TEST(IntrinsicThesisReference, StrokesMakeALayerConstant) {
     }
     EXPECT_LT(method.energy(after).total(), method.energy(before).total());
   }
+}
+
+TEST(IntrinsicThesisReference, WhatIsKnownAddsHalfTheGradientOfItsEnergy) {
+  const ThesisParams params{.chapter4 = true};
+  const ThesisLevel level(random_plane(7, 5, 3, 0, 1), params);
+  const Plane x = random_plane(7, 5, 4, -2, 1), known = random_plane(7, 5, 5, 0, 1);
+  SourcePlane source(7, 5);
+  add_known(known, 10, &source);
+  const ThesisSystem with = assemble(level, x, source, params),
+                     without = assemble(level, x, SourcePlane(7, 5), params);
+  Plane product(7, 5), product_without(7, 5);
+  apply(with, x, 0, 0, 7, 5, &product);
+  apply(without, x, 0, 0, 7, 5, &product_without);
+  for (std::size_t n = 0; n < x.size(); ++n) {
+    for (int c = 0; c < 4; ++c) {
+      const double step = 1e-4;
+      Plane ahead = x, behind = x;
+      ahead.data[n][c] += step;
+      behind.data[n][c] -= step;
+      const double numeric =
+          (stabilization_energy(known, 10, ahead) - stabilization_energy(known, 10, behind)) /
+          (2 * step);
+      const double analytic = 2 * (product.data[n][c] - with.b.data[n][c] -
+                                   product_without.data[n][c] + without.b.data[n][c]);
+      EXPECT_NEAR(numeric, analytic, 1e-6 * (1 + std::abs(analytic)));
+    }
+  }
+}
+
+// Where reflectance is known, r starts as that, and stays there.
+TEST(IntrinsicThesisReference, WhatIsKnownHoldsReflectance) {
+  const Plane picture = checkers(64, 48);
+  Plane known(64, 48);
+  for (int y = 0; y < 48; ++y)
+    for (int x = 0; x < 32; ++x) {
+      for (int c = 0; c < 3; ++c)
+        known.at(x, y)[c] = std::log(picture.at(x, y)[c] / (0.2 + 0.8 * x / 64)) - 1;
+      known.at(x, y)[3] = 1;
+    }
+  const auto distance = [&](const Plane& x) {
+    double sum = 0;
+    for (int row = 0; row < 48; ++row)
+      for (int column = 0; column < 30; ++column)
+        for (int c = 0; c < 3; ++c)
+          sum += std::abs(x.at(column, row)[c] - known.at(column, row)[c]) / (48 * 30 * 3);
+    return sum;
+  };
+  // Samples would hold both halves together, nine times as strongly.
+  IntrinsicThesis method({.chapter4 = true, .w_clustering = 0, .samples = 0});
+  const double before = distance(method.decompose(picture));
+  method.set_known(known, 10);
+  double start = -1;
+  method.set_trace([&](int, int step, const ThesisEnergy& energy) {
+    if (step < 0 && start < 0) start = energy.stabilization;
+  });
+  EXPECT_LT(distance(method.decompose(picture)), 0.1 * before);
+  // On the coarsest level what is known is mixed with i/2 only along its border.
+  EXPECT_GE(start, 0);
+  EXPECT_LT(start, 0.02 * stabilization_energy(known, 10, method.levels()[0].log_image));
+}
+
+TEST(IntrinsicThesisReference, CoarseStrokesAreThoseOfMostWeight) {
+  // One row: both strokes are around the third coarse pixel, the second with more weight.
+  const StrokeMask fine{{StrokeKind::shading, StrokeKind::reflectance},
+                        {-1, 0, 0, 0, 1, 1, -1},
+                        {0, 1, 1, 0.5, 0.5, 0.5, 0}};
+  const StrokeMask coarse = coarse_strokes(fine, 7, 1);
+  EXPECT_EQ(coarse.stroke, (std::vector<int>{0, 0, 1, 1}));
+  const std::vector<double> weights{0.25, 0.875, 0.375, 0.125};
+  for (std::size_t n = 0; n < 4; ++n) EXPECT_NEAR(coarse.weight[n], weights[n], 1e-12);
 }
 
 TEST(IntrinsicThesisReference, DiagonalIsThatOfTheOperator) {
@@ -215,7 +285,7 @@ TEST(IntrinsicThesisReference, ConsistentIrlsNeverRaisesTheEnergyOnALevel) {
     params.schwarz = schwarz;
     IntrinsicThesis method(params);
     method.set_clusters(Plane());
-    if (strokes) method.set_strokes(two_strokes);
+    if (strokes) method.set_strokes(two_strokes(90, 70));
     double previous = 0;
     int level_before = -1;
     method.set_trace([&](int level, int, const ThesisEnergy& energy) {

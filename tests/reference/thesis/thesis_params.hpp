@@ -8,6 +8,7 @@ namespace inverse::testing {
 /// The kernels' parameters in the reference's words, every one of them.
 inline reference::ThesisParams to_reference(const ThesisParams& p) {
   reference::ThesisParams r;
+  r.chapter4 = p.formulation == ThesisParams::Formulation::chapter4;
   r.w_data = p.w_data;
   r.w_intensity = p.w_intensity;
   r.w_reflectance = p.w_reflectance;

@@ -5,9 +5,11 @@
 #include "samples.glsl"
 #include "thesis/chapter3/clusters.glsl"
 
-// The terms of the energy with a target: partial sums of (0, 0, 0, samples and clusters).
+// The terms of the energy with a target: partial sums of (0, 0, 0, samples, clusters and stabilization).
 PLANE_IN(8, solution);
 PLANE_OUT(9, partials);
+#define KNOWN_BINDING 10
+#include "thesis/chapter4/known.glsl"
 
 void main() {
   ivec2 at = ivec2(min(gl_GlobalInvocationID.x, uint(push.size.x - 1)), gl_GlobalInvocationID.y);
@@ -17,10 +19,13 @@ void main() {
   float spread;
   draw_samples(n, feature.x, r, kCurrent | kKeyframes, spread);
   float energy = feature.y * spread;
-  if (push.clustered == 1) {
+  if (push.w_clustering > 0.0) {
     vec4 target = cluster_target(n);
     vec3 d = r - target.rgb;
     energy += target.w * dot(d, d);
   }
+  vec4 known = known_at(n);
+  vec3 off = r - known.rgb / max(known.w, 1e-20);
+  energy += push.w_known * known.w * dot(off, off);
   SUM_PARTIALS(partials, vec4(0.0, 0.0, 0.0, gl_GlobalInvocationID.x < uint(push.size.x) ? energy : 0.0));
 }
