@@ -26,11 +26,6 @@ CalibratedCamera camera_of(const Json& json) {
   return camera;
 }
 
-bool usable(const CalibratedCamera& camera) {
-  return camera.size.pixels() > 0 && camera.fx > 0 && camera.fy > 0 && std::isfinite(camera.fx) &&
-         std::isfinite(camera.fy) && std::isfinite(camera.cx) && std::isfinite(camera.cy);
-}
-
 /// Whether R has the columns of a rotation.
 bool turns(const std::array<double, 9>& r) {
   constexpr double kTolerance = 1e-2;
@@ -83,6 +78,30 @@ CalibratedCamera CalibratedCamera::for_size(Extent other) const {
   return scaled;
 }
 
+CalibratedCamera CalibratedCamera::with_lens(double x_focal, double y_focal, double x_center,
+                                             double y_center) const {
+  CalibratedCamera other = *this;
+  if (x_focal > 0) other.fx = other.fy = x_focal;
+  if (y_focal > 0) other.fy = y_focal;
+  if (x_center > 0) other.cx = x_center;
+  if (y_center > 0) other.cy = y_center;
+  return other;
+}
+
+bool CalibratedCamera::usable() const {
+  return size.pixels() > 0 && fx > 0 && fy > 0 && std::isfinite(fx) && std::isfinite(fy) &&
+         std::isfinite(cx) && std::isfinite(cy);
+}
+
+CalibratedCamera typical_camera(Extent size) {
+  constexpr double kTanHalfView = 0.6008606190275604;  // of 62 degrees
+  CalibratedCamera camera{.size = size};
+  camera.fx = camera.fy = size.width / (2 * kTanHalfView);
+  camera.cx = (size.width - 1) / 2.0;
+  camera.cy = (size.height - 1) / 2.0;
+  return camera;
+}
+
 Calibration read_calibration(const std::string& path) {
   std::ifstream file(path);
   if (!file)
@@ -92,7 +111,7 @@ Calibration read_calibration(const std::string& path) {
     const Json json = Json::parse(file);
     read.color = camera_of(json.at("color"));
     read.depth = camera_of(json.at("depth"));
-    read.unit = json["depth"].value("unit", read.unit);
+    if (json["depth"].contains("unit")) read.unit = json["depth"]["unit"].get<double>();
     if (json.contains("rotation"))
       for (size_t i = 0; i < 9; ++i)
         read.rotation[i] = json["rotation"].at(i / 3).at(i % 3).get<double>();
@@ -101,16 +120,34 @@ Calibration read_calibration(const std::string& path) {
   } catch (const Json::exception& error) {
     throw Error(ErrorKind::file, path + " is no calibration: " + error.what());
   }
-  if (!usable(read.color) || !usable(read.depth))
+  if (!read.color.usable() || !read.depth.usable())
     throw Error(ErrorKind::file,
                 path + ": a camera's matrix is singular; its focal lengths must be above 0");
   if (!turns(read.rotation))
     throw Error(ErrorKind::file, path +
                                      ": \"rotation\" is no rotation; its rows must be three unit "
                                      "vectors at right angles");
-  if (!(read.unit > 0 && read.unit < 1))
+  if (read.unit && !(*read.unit > 0 && *read.unit < 1))
     throw Error(ErrorKind::file, path + ": \"unit\" must be the meters of a step of depth");
   return read;
+}
+
+std::array<double, 12> color_pose(const Calibration& calibration,
+                                  std::span<const double, 12> depth_pose) {
+  const auto& r = calibration.rotation;
+  const auto& t = calibration.translation;
+  std::array<double, 12> rows{};
+  for (size_t i = 0; i < 3; ++i) {
+    const auto from = depth_pose.subspan(4 * i).first<4>();
+    double place = from[3];
+    for (size_t j = 0; j < 3; ++j) {
+      const double turned = from[0] * r[3 * j] + from[1] * r[3 * j + 1] + from[2] * r[3 * j + 2];
+      rows[4 * i + j] = turned;
+      place -= turned * t[j];
+    }
+    rows[4 * i + 3] = place;
+  }
+  return rows;
 }
 
 Registration::Registration(const Calibration& calibration, Extent depth)
@@ -123,7 +160,7 @@ Registration::Registration(const Calibration& calibration, Extent depth)
     }
 }
 
-void Registration::run(const uint8_t* rows, size_t stride,
+void Registration::run(const uint8_t* rows, size_t stride, double unit,
                        std::vector<uint16_t>& registered) const {
   constexpr uint16_t kFarthest = 65534;
   registered.assign(extent_.pixels(), 0);
@@ -136,11 +173,11 @@ void Registration::run(const uint8_t* rows, size_t stride,
       const auto steps = static_cast<uint16_t>(at[0] | at[1] << 8);
       if (steps == 0 || steps == 65535) continue;
       const auto [rx, ry] = rays_[size_t{y} * extent_.width + x];
-      const double z = steps * calibration_.unit, px = double{rx} * z, py = double{ry} * z;
+      const double z = steps * unit, px = double{rx} * z, py = double{ry} * z;
       const double qx = r[0] * px + r[1] * py + r[2] * z + t[0],
                    qy = r[3] * px + r[4] * py + r[5] * z + t[1],
                    qz = r[6] * px + r[7] * py + r[8] * z + t[2];
-      const double out = std::round(qz / calibration_.unit);
+      const double out = std::round(qz / unit);
       if (!(out >= 1 && out <= kFarthest)) continue;
       const auto [u, v] = seen_at(target_, qx / qz, qy / qz);
       if (!(u > -1 && v > -1 && u < width && v < height)) continue;

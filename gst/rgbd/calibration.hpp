@@ -2,6 +2,8 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,14 +20,21 @@ struct CalibratedCamera {
 
   /// The lens for pictures of another size that show the same.
   CalibratedCamera for_size(Extent other) const;
+  /// The same with these numbers, as far as they are above 0; fy is as fx if only that is.
+  CalibratedCamera with_lens(double fx, double fy, double cx, double cy) const;
+  /// Whether its focal lengths are above 0, and all is finite.
+  bool usable() const;
 };
+
+/// A view of 62 degrees across, as depth cameras have.
+CalibratedCamera typical_camera(Extent size);
 
 /// A camera for color and one for depth. A point x of the depth camera, in meters, is rotation x +
 /// translation in the color camera's axes, as cv::stereoCalibrate has it with depth as the first
 /// one.
 struct Calibration {
   CalibratedCamera color, depth;
-  double unit = 0.001;  ///< meters of a step of depth
+  std::optional<double> unit;  ///< meters of a step of depth
   std::array<double, 9> rotation{1, 0, 0, 0, 1, 0, 0, 0, 1};
   std::array<double, 3> translation{};
 };
@@ -37,14 +46,20 @@ struct Calibration {
 /// distortion, unit, rotation and translation may be missing. Throws Error(file).
 Calibration read_calibration(const std::string& path);
 
+/// The pose of the color camera (rows as in GstInverseDepthMeta) where the depth camera has this
+/// one.
+std::array<double, 12> color_pose(const Calibration& calibration,
+                                  std::span<const double, 12> depth_pose);
+
 /// What a camera for depth sees, as the color camera sees it.
 class Registration {
  public:
   /// `depth`: the size of depth images; those that `run` makes have it, too.
   Registration(const Calibration& calibration, Extent depth);
-  /// `rows`: 16 bits a pixel, `stride` bytes from row to row; 0 and 65535 are unknown. Writes steps
-  /// of the same unit, 0 where nothing falls.
-  void run(const uint8_t* rows, size_t stride, std::vector<uint16_t>& registered) const;
+  /// `rows`: 16 bits a pixel, `stride` bytes from row to row; 0 and 65535 are unknown; `unit`
+  /// meters a step. Writes steps of the same unit, 0 where nothing falls.
+  void run(const uint8_t* rows, size_t stride, double unit,
+           std::vector<uint16_t>& registered) const;
   /// Of what `run` makes.
   const CalibratedCamera& lens() const { return target_; }
 

@@ -2,7 +2,7 @@
 #include "rgbd_merge.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <span>
 
 #include "gst/base/log/errors.hpp"
 #include "gst/base/log/log.hpp"
@@ -11,8 +11,7 @@
 namespace inverse {
 namespace {
 
-constexpr double kTypicalView = 62;  // degrees across, of a depth camera without calibration
-constexpr guint64 kManyUnpaired = 30;
+constexpr guint64 kManyUnpaired = 30, kManyUnposed = 30;
 
 GstClockTime running_time(GstAggregatorPad* pad, GstBuffer* buffer) {
   return gst_segment_to_running_time(&pad->segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
@@ -34,6 +33,13 @@ const PropertyTable<RgbdMergeParams>& rgbd_merge_properties() {
           "JSON file with both cameras and how they stand to each other (OpenCV's conventions); "
           "empty = depth shows what the picture shows, with the lens of fx, fy, cx, cy",
           kReady),
+      text<P>(
+          "poses", &P::poses,
+          "File with the poses of the camera of the pictures, as TUM RGB-D has: lines \"time tx "
+          "ty tz qx qy qz qw\"; empty = those that pictures or depth images bring",
+          kReady),
+      number<P>("poses-start", &P::poses_start, -1e10, 1e10,
+                "Time in that file at which pictures begin (stream time 0), s"),
       number<P>("depth-unit", &P::unit, 1e-6, 1.,
                 "Meters of a step of depth; a calibration's wins"),
       number<P>("fx", &P::fx, 0., 1e5,
@@ -42,7 +48,7 @@ const PropertyTable<RgbdMergeParams>& rgbd_merge_properties() {
       number<P>("cx", &P::cx, 0., 1e5, "Center in pixels of the picture; 0 = its middle"),
       number<P>("cy", &P::cy, 0., 1e5, "The same along y; 0 = its middle"),
       number<P>("max-difference", &P::max_difference, 0., 1e4,
-                "Time between a picture and its depth image, at most, ms"),
+                "Time between a picture and its depth image or pose, at most, ms"),
       choice<P>("unpaired", &P::unpaired, "GstInverseRgbdUnpaired",
                 {{int(P::Unpaired::drop), "drop", "Drop pictures that have no depth image"},
                  {int(P::Unpaired::pass), "pass", "Let them pass without depth"}},
@@ -57,18 +63,25 @@ GstStructure* RgbdMerge::stats() const {
   std::lock_guard lock(mutex_);
   return gst_structure_new("inverse-stats", "merged", G_TYPE_UINT64, merged_, "unpaired",
                            G_TYPE_UINT64, unpaired_, "depth-dropped", G_TYPE_UINT64, depth_dropped_,
-                           nullptr);
+                           "posed", G_TYPE_UINT64, posed_, nullptr);
 }
 
 void RgbdMerge::start() {
   const RgbdMergeParams params = parameters_.snapshot();
   calibration_.reset();
   registration_.reset();
+  trajectory_.reset();
   if (!params.calibration.empty()) calibration_ = read_calibration(params.calibration);
+  if (!params.poses.empty()) {
+    std::vector<std::string> warnings;
+    trajectory_.emplace(params.poses, warnings);
+    for (const std::string& warning : warnings)
+      post_warning(log_of(element_), Error(ErrorKind::file, warning));
+  }
   gst_video_info_init(&color_info_);
   gst_video_info_init(&depth_info_);
   std::lock_guard lock(mutex_);
-  merged_ = unpaired_ = depth_dropped_ = 0;
+  merged_ = unpaired_ = depth_dropped_ = posed_ = 0;
 }
 
 void RgbdMerge::stop() { drop_depth(); }
@@ -149,11 +162,12 @@ GstFlowReturn RgbdMerge::aggregate(GstAggregator* aggregator, bool timeout) {
 }
 
 GstFlowReturn RgbdMerge::push(GstAggregator* aggregator, GstBuffer* color, bool paired) {
-  bool warns = false;
+  bool warns = false, unposed = false;
   {
     std::lock_guard lock(mutex_);
     ++(paired ? merged_ : unpaired_);
     warns = !paired && unpaired_ == kManyUnpaired && merged_ == 0;
+    unposed = paired && merged_ == kManyUnposed && posed_ == 0 && trajectory_;
   }
   if (warns)
     post_warning(log_of(element_), GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED,
@@ -161,11 +175,18 @@ GstFlowReturn RgbdMerge::push(GstAggregator* aggregator, GstBuffer* color, bool 
                  " pictures has a depth image within max-difference: color and depth are apart in "
                  "time; raise max-difference, or give both the same time stamps",
                  kManyUnpaired);
+  if (unposed)
+    post_warning(log_of(element_), GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED,
+                 "none of %" G_GUINT64_FORMAT
+                 " pictures has a pose within max-difference: the poses are %s; set poses-start to "
+                 "the time of the first picture among these",
+                 kManyUnposed, trajectory_->span().c_str());
   if (!color) return GST_FLOW_OK;
   return gst_aggregator_finish_buffer(aggregator, color);
 }
 
 void RgbdMerge::attach(GstBuffer* color, const RgbdMergeParams& params) {
+  const double unit = calibration_ ? calibration_->unit.value_or(params.unit) : params.unit;
   GstVideoFrame frame;
   if (!gst_video_frame_map(&frame, &depth_info_, held_, GST_MAP_READ))
     throw Error(ErrorKind::internal, "a depth image cannot be read");
@@ -180,37 +201,48 @@ void RgbdMerge::attach(GstBuffer* color, const RgbdMergeParams& params) {
     throw Error(ErrorKind::out_of_memory, "no memory for a depth image");
   }
   if (registration_) {
-    registration_->run(rows, stride, registered_);
+    registration_->run(rows, stride, unit, registered_);
     gst_buffer_fill(image, 0, registered_.data(), bytes);
   } else {
     for (uint32_t y = 0; y < height; ++y) gst_buffer_fill(image, y * row, rows + y * stride, row);
   }
   gst_video_frame_unmap(&frame);
-  CalibratedCamera lens;
-  if (registration_) {
-    lens = registration_->lens();
-  } else {
-    lens.size = {static_cast<uint32_t>(color_info_.width),
-                 static_cast<uint32_t>(color_info_.height)};
-    lens.fx =
-        params.fx > 0 ? params.fx : lens.size.width / (2 * std::tan(kTypicalView / 360 * G_PI));
-    lens.fy = params.fy > 0 ? params.fy : lens.fx;
-    lens.cx = params.cx > 0 ? params.cx : (lens.size.width - 1) / 2.0;
-    lens.cy = params.cy > 0 ? params.cy : (lens.size.height - 1) / 2.0;
-    lens = lens.for_size({width, height});
-  }
+  const CalibratedCamera lens = registration_
+                                    ? registration_->lens()
+                                    : typical_camera({static_cast<uint32_t>(color_info_.width),
+                                                      static_cast<uint32_t>(color_info_.height)})
+                                          .with_lens(params.fx, params.fy, params.cx, params.cy)
+                                          .for_size({width, height});
+  const std::optional<PoseRows> pose = pose_of(color, params);
   while (GstInverseDepthMeta* other = gst_buffer_get_inverse_depth_meta(color))
     gst_buffer_remove_meta(color, &other->meta);
-  GstInverseDepthMeta* meta = add_depth_meta(color);
-  meta->depth = image;
-  meta->width = width;
-  meta->height = height;
-  meta->stride = static_cast<guint>(row);
-  meta->unit = calibration_ ? calibration_->unit : params.unit;
-  meta->fx = lens.fx;
-  meta->fy = lens.fy;
-  meta->cx = lens.cx;
-  meta->cy = lens.cy;
+  GstInverseDepthMeta* meta = add_depth_meta(color, image, unit, lens);
+  if (!pose) return;
+  meta->posed = TRUE;
+  std::ranges::copy(*pose, meta->pose);
+  std::lock_guard lock(mutex_);
+  ++posed_;
+}
+
+/// That of the file, else what the picture brings, else the depth image.
+std::optional<PoseRows> RgbdMerge::pose_of(GstBuffer* color, const RgbdMergeParams& params) {
+  if (trajectory_) {
+    const GstClockTime time =
+        gst_segment_to_stream_time(&color_->segment, GST_FORMAT_TIME, GST_BUFFER_PTS(color));
+    if (!GST_CLOCK_TIME_IS_VALID(time)) return {};
+    return trajectory_->at(params.poses_start + static_cast<double>(time) / GST_SECOND,
+                           params.max_difference / 1000);
+  }
+  for (GstBuffer* buffer : {color, held_}) {
+    const GstInverseDepthMeta* meta = gst_buffer_get_inverse_depth_meta(buffer);
+    if (!meta || !meta->posed) continue;
+    const std::span<const double, 12> brought(meta->pose);
+    if (buffer == held_ && calibration_) return color_pose(*calibration_, brought);
+    PoseRows rows{};
+    std::ranges::copy(brought, rows.begin());
+    return rows;
+  }
+  return {};
 }
 
 }  // namespace inverse

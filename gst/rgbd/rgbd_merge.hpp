@@ -10,12 +10,14 @@
 
 #include "calibration.hpp"
 #include "gst/base/property_table.hpp"
+#include "trajectory.hpp"
 
 namespace inverse {
 
 struct RgbdMergeParams {
   enum class Unpaired { drop, pass };
-  std::string calibration;
+  std::string calibration, poses;
+  double poses_start = 0;
   double unit = 0.001, fx = 0, fy = 0, cx = 0, cy = 0;
   double max_difference = 20;
   Unpaired unpaired = Unpaired::drop;
@@ -32,7 +34,7 @@ class RgbdMerge {
   PropertyStore& parameters() { return parameters_; }
   /// The caller owns it.
   GstStructure* stats() const;
-  /// READY → PAUSED: reads the calibration. Throws Error.
+  /// READY → PAUSED: reads calibration and poses. Throws Error.
   void start();
   void stop();
   void flush();
@@ -47,6 +49,7 @@ class RgbdMerge {
  private:
   GstFlowReturn push(GstAggregator* aggregator, GstBuffer* color, bool paired);
   void attach(GstBuffer* color, const RgbdMergeParams& params);
+  std::optional<PoseRows> pose_of(GstBuffer* color, const RgbdMergeParams& params);
   void drop_depth();
 
   GstElement* element_;
@@ -56,11 +59,12 @@ class RgbdMerge {
   std::optional<Calibration> calibration_;
   std::optional<Registration> registration_;
   std::vector<uint16_t> registered_;
+  std::optional<Trajectory> trajectory_;
   GstBuffer* held_ = nullptr;  // the last depth image
   GstClockTime held_time_ = GST_CLOCK_TIME_NONE;
   bool held_used_ = false;
   mutable std::mutex mutex_;  // for the counts
-  guint64 merged_ = 0, unpaired_ = 0, depth_dropped_ = 0;
+  guint64 merged_ = 0, unpaired_ = 0, depth_dropped_ = 0, posed_ = 0;
 };
 
 }  // namespace inverse

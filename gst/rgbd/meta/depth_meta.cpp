@@ -52,4 +52,19 @@ GstInverseDepthMeta* add_depth_meta(GstBuffer* buffer) {
   return reinterpret_cast<GstInverseDepthMeta*>(gst_buffer_add_meta(buffer, meta_info(), nullptr));
 }
 
+GstInverseDepthMeta* add_depth_meta(GstBuffer* buffer, GstBuffer* image, double unit,
+                                    const CalibratedCamera& lens) {
+  GstInverseDepthMeta* meta = add_depth_meta(buffer);
+  meta->depth = image;
+  meta->width = lens.size.width;
+  meta->height = lens.size.height;
+  meta->stride = 2 * lens.size.width;
+  meta->unit = unit;
+  meta->fx = lens.fx;
+  meta->fy = lens.fy;
+  meta->cx = lens.cx;
+  meta->cy = lens.cy;
+  return meta;
+}
+
 }  // namespace inverse
