@@ -23,6 +23,7 @@ extern const ElementInfo kLimeMaterial;
 gboolean register_intrinsicedit(GstPlugin* plugin);
 gboolean register_intrinsicsplit(GstPlugin* plugin);
 gboolean register_rgbdmerge(GstPlugin* plugin);
+gboolean register_rgbdsrc(GstPlugin* plugin);
 gboolean register_rgbdtestsrc(GstPlugin* plugin);
 }  // namespace inverse
 
@@ -48,7 +49,8 @@ static gboolean plugin_init(GstPlugin* plugin) {
        })
     if (!inverse::register_filter(plugin, *element)) return FALSE;
   return inverse::register_intrinsicsplit(plugin) && inverse::register_intrinsicedit(plugin) &&
-         inverse::register_rgbdmerge(plugin) && inverse::register_rgbdtestsrc(plugin);
+         inverse::register_rgbdmerge(plugin) && inverse::register_rgbdsrc(plugin) &&
+         inverse::register_rgbdtestsrc(plugin);
 }
 
 GST_PLUGIN_DEFINE(

@@ -184,7 +184,7 @@ Picture8 oriented(Picture8 picture, int orientation) {
   return out;
 }
 
-Picture8 load_picture(const std::string& path) {
+Picture8 load_picture(const std::string& path, Turn turn) {
   const auto refuse = [&path](const std::string& why) {
     throw Error(ErrorKind::file, path + ": " + why +
                                      "; pictures are PNG or JPEG files: convert others, "
@@ -222,7 +222,7 @@ Picture8 load_picture(const std::string& path) {
   if (!decoded) refuse(std::string("a damaged picture (") + stbi_failure_reason() + ")");
   Picture8 picture{{static_cast<uint32_t>(width), static_cast<uint32_t>(height)}, {}};
   picture.rgba.assign(decoded.get(), decoded.get() + 4 * picture.extent.pixels());
-  return oriented(std::move(picture), exif_orientation(file));
+  return turn == Turn::none ? picture : oriented(std::move(picture), exif_orientation(file));
 }
 
 LinearPicture linear_picture(const Picture8& picture, uint32_t max_side) {

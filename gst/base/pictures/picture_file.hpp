@@ -14,10 +14,11 @@ struct Picture8 {
   std::vector<uint8_t> rgba;
 };
 
-/// Reads a PNG or JPEG file, and turns it as its EXIF
-/// tag says. Throws Error(file), which names the file, if it cannot be read, is damaged, is of
+/// Reads a PNG or JPEG file, and turns it as its EXIF tag says unless it is to stay as it is
+/// stored. Throws Error(file), which names the file, if it cannot be read, is damaged, is of
 /// another kind, or has more than kMaxPixels.
-Picture8 load_picture(const std::string& path);
+enum class Turn { by_exif, none };
+Picture8 load_picture(const std::string& path, Turn turn = Turn::by_exif);
 constexpr uint64_t kMaxPixels = uint64_t{1} << 27;
 
 /// The orientation in the EXIF data of a JPEG or PNG file, 1…8; 1 if it has none.
