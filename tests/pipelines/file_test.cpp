@@ -7,6 +7,7 @@
 
 #include "pipeline_test.hpp"
 #include "tests/has_networks.hpp"
+#include "tests/kernels/environment/normal_map_file.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -191,6 +192,34 @@ TEST_F(Files, RgbdWritesReflectance) {
   const auto mean = [](const auto& frame) { return frame.mean(1, 0, 0, 1, 1); };
   EXPECT_GT(mean(with.back()), 60);
   EXPECT_NEAR(mean(with.back()), mean(without.back()), 12);
+}
+
+TEST_F(Files, RgbdPlaysARecording) {
+  std::vector<uint8_t> color, depth;
+  for (uint32_t i = 0; i < 96 * 72; ++i) {
+    color.insert(color.end(), {static_cast<uint8_t>(i % 96 < 48 ? 200 : 60), 120, 90});
+    depth.insert(depth.end(), {1500 >> 8, 1500 & 255});
+  }
+  for (const auto& [kind, channels, bits, bytes] :
+       {std::tuple{"color", 3U, 8U, &color}, {"depth", 1U, 16U, &depth}}) {
+    std::filesystem::create_directories(file(std::string("a recording/") + kind));
+    for (int n = 0; n < 4; ++n) {
+      const auto picture = png(96, 72, channels, bits, *bytes);
+      std::ofstream(file("a recording/") + kind + "/" + std::to_string(n) + ".png",
+                    std::ios::binary)
+          .write(reinterpret_cast<const char*>(picture.data()),
+                 static_cast<std::streamsize>(picture.size()));
+    }
+  }
+  ASSERT_EQ(
+      run("rgbd", {file("a recording")}, {{"LIVE", "false"}, {"SINK", raw_file(file("out.mkv"))}}),
+      0)
+      << output_;
+  EXPECT_EQ(output_.find("WARNING"), std::string::npos) << output_;
+  const auto frames = read_media(file("out.mkv")).frames;
+  ASSERT_EQ(frames.size(), 4U);
+  EXPECT_GT(frames[3].mean(0, .1, .1, .4, .9), frames[3].mean(0, .6, .1, .9, .9) + 50);
+  expect_failure("rgbd", {"/nowhere/at/all"}, "there is no folder", {{"SINK", "fakesink"}});
 }
 
 TEST_F(Files, TestPatternTurnsRedBarsGreen) {
