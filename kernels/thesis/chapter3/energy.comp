@@ -26,7 +26,7 @@ void main() {
   vec3 residual = difference - value.a;
   vec3 chroma = difference - mean3(difference);
   float local = local_weight(here) * (push.w_data * dot(channel_weight(), residual * residual) +
-                                          push.w_chromaticity * dot(chroma, chroma));
+                                      push.w_chromaticity * dot(chroma, chroma));
   vec4 link = FETCH(links, n);
   vec2 edges = across(link.xz, value - FETCH(solution, at.x + 1 < push.size.x ? n + 1 : n)) +
                across(link.yw, value - FETCH(solution, at.y + 1 < push.size.y ? n + push.size.x : n));

@@ -2,19 +2,19 @@
 // What the memory of a scene brings to the decomposition of frames with depth.
 //
 //   scene-bench [--frames N] [--size WxH] [--rate FPS] [--noise N] [--voxel M] [--weight W]…
-//               [--every K] [--max-width PIXELS] [--method intrinsicdecomp|chapter4|chapter3]…
+//               [--every K] [--max-width PIXELS] [--method NAME]…
 //               orbit|wall|FOLDER…
 //
 // Sources are those of tracking-bench (rgbd_source.hpp); FOLDER has true reflectance (R) and
-// shading (Sdir, Sind). Runs each method (intrinsicdecomp if none is given; the others are the
-// formulations of intrinsicdecompthesis) at its defaults, without memory and with each weight (that
-// of the element if none is given). Prints a table: LMSE (k = 20, mean of reflectance and shading)
-// over all frames and of the last one; flicker of ln R along true motion, and without a common
-// scale; variation of the mean R of patches, from frame to frame and from the patch's mean over
-// time; drift of the scale over 30 frames; LMSE of the reflectance that the volume has where the
-// last frame looks, and of a volume of colors in its place (flat light is then part of it); device
-// time, ms, of the solve (median) and of all that the memory takes (mean, as not every frame is
-// added).
+// shading (Sdir, Sind). Methods are intrinsicdecomp (if none is given), globalintrinsic, chapter3
+// and chapter4, the formulations of intrinsicdecompthesis. Runs each at its defaults, without
+// memory and with each weight (that of its element if none is given). Prints a table: LMSE (k = 20,
+// mean of reflectance and shading) over all frames and of the last one; flicker of ln R along true
+// motion, and without a common scale; variation of the mean R of patches, from frame to frame and
+// from the patch's mean over time; drift of the scale over 30 frames; LMSE of the reflectance that
+// the volume has where the last frame looks, and of a volume of colors in its place (flat light is
+// then part of it); device time, ms, of the solve (median) and of all that the memory takes (mean,
+// as not every frame is added).
 //
 // Patches are five of the 8 x 6 rectangles of the middle frame: those whose points are seen in most
 // frames. They are followed by the true geometry.
@@ -25,6 +25,7 @@
 #include <string>
 #include <vector>
 
+#include "kernels/global/global_levels.hpp"
 #include "kernels/intrinsic/intrinsic_levels.hpp"
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
 #include "kernels/volume/memory/scene_memory.hpp"
@@ -35,6 +36,8 @@
 
 namespace inverse::bench {
 namespace {
+
+const std::string kMethods[] = {"intrinsicdecomp", "globalintrinsic", "chapter3", "chapter4"};
 
 struct Settings : RgbdSettings {
   double voxel = 0.01;
@@ -212,17 +215,19 @@ using Solver = std::function<PlanePtr(gpu::Commands&, size_t frame, const PlaneP
                                       const KnownReflectance* known)>;
 
 Solver solver_of(const Lab& lab, const std::string& method, Extent extent) {
-  if (method == "intrinsicdecomp") {
-    ScaledIntrinsic::Params params;
-    const auto& levels = intrinsic_levels();
+  const auto live = [&]<typename Method>(std::shared_ptr<Method> made, const auto& levels) {
+    typename Method::Params params;
     levels.levels[levels.top(Quality::medium)].set(params);
-    const auto made = std::make_shared<ScaledIntrinsic>(lab.device(), extent);
     return [=](gpu::Commands& commands, size_t frame, const PlanePtr& input,
                const KnownReflectance* known) {
       return made->record(commands, input, params,
                           {.reset = frame == 0, .known = known})[Role::intrinsic];
     };
-  }
+  };
+  if (method == "intrinsicdecomp")
+    return live(std::make_shared<ScaledIntrinsic>(lab.device(), extent), intrinsic_levels());
+  if (method == "globalintrinsic")
+    return live(std::make_shared<GlobalIntrinsic>(lab.device(), extent), global_levels());
   ThesisParams params;
   if (method == "chapter4") set_chapter4(params);
   const auto made = std::make_shared<ThesisDecomposition>(lab.device(), extent);
@@ -317,9 +322,7 @@ int run(int count, char** arguments) {
                                {true,
                                 [&](const char* value) {
                                   settings.methods.emplace_back(value);
-                                  return settings.methods.back() == "intrinsicdecomp" ||
-                                         settings.methods.back() == "chapter3" ||
-                                         settings.methods.back() == "chapter4";
+                                  return std::ranges::count(kMethods, settings.methods.back()) > 0;
                                 }}},
                               {"--weight", {true, [&](const char* value) {
                                               settings.weights.push_back(std::stod(value));
@@ -340,7 +343,7 @@ int run(int count, char** arguments) {
     const Followed followed = follow(frames, source->lens(), source->extent());
     for (const std::string& method : settings.methods) {
       std::vector<double> weights = settings.weights;
-      if (weights.empty()) weights = {method == "intrinsicdecomp" ? 1.0 : 10.0};
+      if (weights.empty()) weights = {method.starts_with("chapter") ? 10.0 : 1.0};
       weights.insert(weights.begin(), -1);
       for (const double weight : weights)
         run_one(lab, name, method, frames, followed, *source, settings, weight);
