@@ -222,7 +222,8 @@ Picture8 load_picture(const std::string& path, Turn turn) {
   if (!decoded) refuse(std::string("a damaged picture (") + stbi_failure_reason() + ")");
   Picture8 picture{{static_cast<uint32_t>(width), static_cast<uint32_t>(height)}, {}};
   picture.rgba.assign(decoded.get(), decoded.get() + 4 * picture.extent.pixels());
-  return turn == Turn::none ? picture : oriented(std::move(picture), exif_orientation(file));
+  if (turn == Turn::none) return picture;
+  return oriented(std::move(picture), exif_orientation(file));
 }
 
 LinearPicture linear_picture(const Picture8& picture, uint32_t max_side) {
