@@ -95,8 +95,9 @@ const std::vector<Subject> kEveryElement{
      {{320, 240}}}};
 
 /// Counts of a frame's `stats`.
-const char* const kCounts[] = {"dispatches",        "transfers",      "barriers",
-                               "bytes-transferred", "bytes-uploaded", "bytes-downloaded"};
+const char* const kCounts[] = {"dispatches",        "transfers",           "barriers",
+                               "bytes-transferred", "bytes-uploaded",      "bytes-downloaded",
+                               "scene-blocks",      "scene-blocks-visible"};
 
 struct Figures {
   std::vector<double> wall, processor, device, first;
@@ -341,6 +342,8 @@ void print_row(const Subject& subject, Size size, const Figures& f) {
               counts["dispatches"] + counts["transfers"], counts["barriers"],
               (counts["bytes-uploaded"] + counts["bytes-downloaded"]) / 1e6);
   for (const auto& [name, value] : medians(f.stages)) std::printf("%s %.2f ", name.c_str(), value);
+  for (const auto& [name, value] : counts)
+    if (name.starts_with("scene-")) std::printf("%s %.0f ", name.c_str(), value);
   std::printf("|\n");
 }
 
