@@ -63,6 +63,8 @@ void Tracker::record_levels(gpu::Commands& commands, Levels& levels) const {
 
 void Tracker::record_frame(gpu::Commands& commands, const Lens& lens, const gpu::BufferPtr& depth,
                            const gpu::BufferPtr& picture) {
+  if (!cleared_) commands.fill(found_);  // counts frames since the camera was lost
+  cleared_ = true;
   float scale = 1;
   for (size_t l = 0; l < frame_.size(); ++l, scale /= 2)
     frame_[l].lens =

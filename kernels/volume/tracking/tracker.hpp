@@ -75,6 +75,7 @@ class Tracker {
   void record_levels(gpu::Commands& commands, Levels& levels) const;
   Levels frame_, target_;
   gpu::BufferPtr pose_, target_pose_, start_, found_, sums_;
+  bool cleared_ = false;
 };
 
 }  // namespace inverse

@@ -212,7 +212,7 @@ TEST(Scene, BadDepthIsSaidAndLosesNoFrame) {
 TEST(Scene, SaysThatItsMemoryIsFull) {
   const LineResult line = decompose("num-buffers=8", "scene-memory-limit=8 voxel-size=0.002");
   EXPECT_EQ(line.frames.size(), 8U) << line.first_error();
-  ASSERT_EQ(line.warnings.size(), 1U);
+  ASSERT_EQ(line.warnings.size(), 1U) << ::testing::PrintToString(line.warnings);
   EXPECT_NE(line.warnings[0].find("scene-memory-limit"), std::string::npos) << line.warnings[0];
 }
 
