@@ -14,15 +14,14 @@ constexpr uint32_t kMoving = 4;  // frames running of which most tiles change
 
 ChangedTiles::ChangedTiles(PixelFormat format, Extent extent)
     : format_(format), extent_(extent), changed_(TileList::count(extent)) {
-  size_t bytes = 0;
   for (uint32_t plane = 0; plane < format.planes; ++plane)
-    bytes += size_t{row_bytes(format, extent, plane)} * plane_rows(format, extent, plane);
-  before_.resize(bytes);
+    bytes_ += size_t{row_bytes(format, extent, plane)} * plane_rows(format, extent, plane);
 }
 
 std::span<const uint8_t> ChangedTiles::next(std::span<const Rows> planes) {
   const bool compare = known_;
   known_ = true;
+  before_.resize(bytes_);
   if (compare && moving_ >= kMoving && moves(planes)) return {};
   const bool stopped = moving_ >= kMoving;  // whose frame before is not known as a whole
   std::fill(changed_.begin(), changed_.end(), uint8_t{0});

@@ -40,7 +40,9 @@ class ChangedTiles {
 
   PixelFormat format_;
   Extent extent_;
-  std::vector<uint8_t> before_, changed_;
+  size_t bytes_ = 0;             // of a frame
+  std::vector<uint8_t> before_;  // empty until the first frame, as the device may refuse the size
+  std::vector<uint8_t> changed_;
   bool known_ = false;
   uint32_t moving_ = 0;  // frames running of which most tiles changed
 };

@@ -184,11 +184,11 @@ TEST_P(Decomposer, UnsupportedTransferCurvesAreRefusedByName) {
 }
 
 TEST_P(Decomposer, AFrameTooLargeForTheDeviceNamesTheLimit) {
-  const auto result =
-      run_line("videotestsrc num-buffers=1 ! video/x-raw,format=GRAY8,width=32000,height=32000 ! " +
-               std::string(GetParam()) + " ! fakesink");
-  expect_contains(result.first_error(), "; use a smaller frame or another device");
-  expect_contains(result.first_error(),
+  VideoHarness harness(GetParam(), VideoHarness::caps("GRAY8", 32000, 32000));
+  const auto errors = harness.errors();
+  ASSERT_FALSE(errors.empty());
+  expect_contains(errors[0], "; use a smaller frame or another device");
+  expect_contains(errors[0],
                   std::string("the largest frame of this shape that ") + GetParam() + " takes");
 }
 
