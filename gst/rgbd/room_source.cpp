@@ -30,7 +30,9 @@ const PropertyTable<RoomSourceParams>& room_source_properties() {
       choice<P>("path", &P::path, "GstInverseRoomPath",
                 {{int(RoomPath::orbit), "orbit", "Around the table and back, in 24 s"},
                  {int(RoomPath::wall), "wall", "Along a flat wall with pictures and back, in 24 s"},
-                 {int(RoomPath::still), "still", "The camera stands still"}},
+                 {int(RoomPath::still), "still", "The camera stands still"},
+                 {int(RoomPath::table), "table",
+                  "At the table, in reach of its things; sways by some centimeters"}},
                 "How the camera moves"),
       choice<P>("show", &P::show, "GstInverseRoomShow",
                 {{int(P::Show::color), "color", "What the camera sees"},
@@ -38,6 +40,15 @@ const PropertyTable<RoomSourceParams>& room_source_properties() {
                  {int(P::Show::shading), "shading", "The true shading, as gray"},
                  {int(P::Show::depth), "depth", "The true depth, white at max-depth"}},
                 "Picture to produce; the depth that goes with it stays the same"),
+      choice<P>("hand", &P::hand, "GstInverseRoomHand",
+                {{int(HandTarget::none), "none", "There is no hand"},
+                 {int(HandTarget::ball), "ball", "The red and white ball"},
+                 {int(HandTarget::dark_ball), "dark-ball", "The black ball"},
+                 {int(HandTarget::box), "box", "The box with print"},
+                 {int(HandTarget::book), "book", "The book"},
+                 {int(HandTarget::table), "table", "The table"},
+                 {int(HandTarget::print), "print", "The print on the wall; path=wall"}},
+                "What a hand touches that comes into the picture every 6 s"),
       number<P>("speed", &P::speed, 0, 100, "Factor on the speed of the camera"),
       number<P>("depth-noise", &P::depth_noise, 0, 100,
                 "Errors of depth, relative to those of a structured-light sensor; 0 = exact"),
@@ -102,8 +113,9 @@ void RoomSource::draw(double seconds, uint64_t frame, GstBuffer* buffer) {
   std::copy(pose.rotation.begin(), pose.rotation.end(), to);
   std::copy(pose.place.begin(), pose.place.end(), to + 4);
   commands_->begin();
+  const Hand hand = room_hand(params.hand, pose, seconds);
   room_->record(*commands_, room_lens(extent_), extent_, pose_, params.samples, layers_->buffer,
-                truth_->buffer);
+                truth_->buffer, hand.parts);
   room_->record_sensor(
       *commands_, extent_, layers_->buffer, truth_->buffer,
       {.noise = params.depth_noise, .max_depth = params.max_depth, .seed = params.seed},
@@ -125,6 +137,12 @@ void RoomSource::draw(double seconds, uint64_t frame, GstBuffer* buffer) {
   ++frames_;
   GstStructure* stats = frame_stats(
       *commands_, frames_, std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+  if (!hand.parts.empty())
+    gst_structure_set(stats, "hand-touches", G_TYPE_BOOLEAN, hand.touches, "hand-clearance",
+                      G_TYPE_DOUBLE, double{clearance(furnished_room(), hand.parts)},
+                      "hand-contact-x", G_TYPE_DOUBLE, double{hand.contact[0]}, "hand-contact-y",
+                      G_TYPE_DOUBLE, double{hand.contact[1]}, "hand-contact-z", G_TYPE_DOUBLE,
+                      double{hand.contact[2]}, nullptr);
   std::lock_guard lock(mutex_);
   std::swap(stats, stats_);
   if (stats) gst_structure_free(stats);

@@ -22,6 +22,7 @@ struct RoomSourceParams {
   bool live = true;
   RoomPath path = RoomPath::orbit;
   Show show = Show::color;
+  HandTarget hand = HandTarget::none;
   float speed = 1;
   float depth_noise = 1;
   float max_depth = 8;

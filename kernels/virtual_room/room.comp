@@ -4,14 +4,16 @@
 #include "gpu/common.glsl"
 #include "volume/camera.glsl"
 
-// What a camera sees in the room: reflectance and irradiance / pi of matte surfaces in white light, and depth. Colors are means of
-// push.side² rays a pixel, depth is that of the pixel's center. One pixel an invocation.
+// What a camera sees in the room, and of a hand in it: reflectance and irradiance / pi of matte surfaces in white light, and depth. Colors
+// are means of push.side² rays a pixel, depth is that of the pixel's center. The hand casts shadows of lamps, but takes no light from all
+// around. One pixel an invocation.
 //   S = sum over lamps of power V max(0, n·l) / d² + ambient · openness (open.comp)
 PLANE_IN(0, scene);
 SCALAR_IN(1, openness);
 PLANE_IN(2, pose);
 PLANE_OUT(3, layers);  // rgb: mean of R S; w: depth
 PLANE_OUT(4, truth);   // rgb: mean of R; w: mean of S
+PLANE_IN(5, hand);
 layout(push_constant) uniform Push {
   vec4 lens;
   uvec2 size;
@@ -19,10 +21,13 @@ layout(push_constant) uniform Push {
   uint solids;
   uint lamps;
   float ambient;
+  uint parts;  // of the hand
 } push;
 
 #define SCENE(index) FETCH(scene, index)
+#define HAND(index) FETCH(hand, index)
 #include "room.glsl"
+#include "hand.glsl"
 
 const float kLift = 1e-3;  // meters, of rays off the surface
 
@@ -51,20 +56,30 @@ void main() {
     bool center = n == push.side * push.side;
     vec2 off = center ? vec2(0.0) : (vec2(n % push.side, n / push.side) + 0.5) / float(push.side) - 0.5;
     vec3 along = turned(rotation, ray_of(push.lens, vec2(pixel) + off));
-    Hit hit = nearest(place.xyz, along);
+    Hit hit = nearest_part(nearest(place.xyz, along), place.xyz, along);
     if (center) {
       depth = hit.along;
       break;
     }
-    Solid s = solid_of(hit.solid);
-    vec3 at = place.xyz + hit.along * along, inside = into(s, at - s.center), in_axes = normal_in(s, inside), normal = out_of(s, in_axes);
-    vec3 from = at + kLift * normal, r = painted(hit.solid, s, inside, in_axes);
-    float shading = push.ambient * openness_at(hit.solid, s, inside);
+    vec3 at = place.xyz + hit.along * along, normal, r;
+    float shading;
+    if (hit.solid < push.solids) {
+      Solid s = solid_of(hit.solid);
+      vec3 inside = into(s, at - s.center), in_axes = normal_in(s, inside);
+      normal = out_of(s, in_axes);
+      r = painted(hit.solid, s, inside, in_axes);
+      shading = push.ambient * openness_at(hit.solid, s, inside);
+    } else {
+      normal = normal_of_part(hit.solid - push.solids, at);
+      r = HAND(int(kHandStride * (hit.solid - push.solids)) + 2).rgb;
+      shading = push.ambient * kHandOpen;
+    }
+    vec3 from = at + kLift * normal;
     for (uint l = 0u; l < push.lamps; ++l) {
       vec4 lamp = SCENE(int(kSolidStride * l + kLamp));
       vec3 to = lamp.xyz - from;
       float square = dot(to, to), cosine = dot(to, normal) * inversesqrt(square);
-      shading += lamp.w * max(cosine, 0.0) / square * open(from, to, 1.0);
+      shading += lamp.w * max(cosine, 0.0) / square * open(from, to, 1.0) * open_past_hand(from, to, 1.0);
     }
     sum += r * shading;
     paint += r;

@@ -212,6 +212,10 @@ Pose room_pose(RoomPath path, double seconds) {
       return looking(
           {0.9 * std::sin(turn), -0.35 + 0.12 * std::sin(3 * turn), 0.85},
           {0.9 * std::sin(turn) + 0.05 * std::cos(turn), -0.35 + 0.12 * std::sin(3 * turn), 2.1});
+    case RoomPath::table:
+      return looking({0.08 * std::sin(3 * turn), -0.18 + 0.03 * std::sin(5 * turn),
+                      -0.62 + 0.03 * std::cos(2 * turn)},
+                     {-0.02 + 0.03 * std::sin(2 * turn), 0.4, 0.08});
     case RoomPath::still:
       break;
   }
@@ -243,17 +247,30 @@ VirtualRoom::VirtualRoom(const std::shared_ptr<gpu::Device>& device, const RoomS
 
 void VirtualRoom::record(gpu::Commands& commands, const Lens& lens, Extent extent,
                          const gpu::BufferPtr& pose, uint32_t side, const gpu::BufferPtr& layers,
-                         const gpu::BufferPtr& truth) const {
-  commands.dispatch(
-      room_,
-      {.scene = scene_, .openness = openness_, .pose = pose, .layers = layers, .truth = truth},
-      {.lens = lens.values(),
-       .size = extent,
-       .side = side,
-       .solids = solids_,
-       .lamps = lamps_,
-       .ambient = ambient_},
-      static_cast<uint32_t>(extent.pixels()));
+                         const gpu::BufferPtr& truth, const std::vector<HandPart>& hand) {
+  std::vector<std::array<float, 4>> parts;
+  for (const HandPart& part : hand) {
+    parts.push_back({part.from[0], part.from[1], part.from[2], part.radius});
+    parts.push_back({part.to[0], part.to[1], part.to[2], 0});
+    parts.push_back({part.color[0], part.color[1], part.color[2], 0});
+  }
+  if (parts.empty()) parts.emplace_back();
+  commands.write_table(hand_, gpu::Element::vec4, parts);
+  commands.dispatch(room_,
+                    {.scene = scene_,
+                     .openness = openness_,
+                     .pose = pose,
+                     .layers = layers,
+                     .truth = truth,
+                     .hand = hand_},
+                    {.lens = lens.values(),
+                     .size = extent,
+                     .side = side,
+                     .solids = solids_,
+                     .lamps = lamps_,
+                     .ambient = ambient_,
+                     .parts = static_cast<uint32_t>(hand.size())},
+                    static_cast<uint32_t>(extent.pixels()));
 }
 
 void VirtualRoom::record_sensor(gpu::Commands& commands, Extent extent,

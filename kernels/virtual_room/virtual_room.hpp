@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "hand.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
 #include "kernels/virtual_room_open.spv.hpp"
@@ -48,6 +49,7 @@ enum class RoomPath : uint8_t {
   orbit,  ///< around the table, once in kPathPeriod, and back to where it began
   wall,   ///< along a flat wall with pictures, and back
   still,
+  table,  ///< at the table, in reach of its things, swaying by some centimeters
 };
 constexpr double kPathPeriod = 24;  ///< seconds
 Pose room_pose(RoomPath path, double seconds);
@@ -60,9 +62,11 @@ class VirtualRoom {
   /// Computes where ambient light reaches; waits for the device.
   VirtualRoom(const std::shared_ptr<gpu::Device>& device, const RoomScene& scene);
   /// `layers`: linear RGB, and depth in meters along the optical axis; `truth`: reflectance and
-  /// shading, means over a pixel. `pose`: two vec4. A pixel is the mean of `side`² rays.
+  /// shading, means over a pixel. `pose`: two vec4. A pixel is the mean of `side`² rays. `hand`:
+  /// what is in the room besides.
   void record(gpu::Commands& commands, const Lens& lens, Extent extent, const gpu::BufferPtr& pose,
-              uint32_t side, const gpu::BufferPtr& layers, const gpu::BufferPtr& truth) const;
+              uint32_t side, const gpu::BufferPtr& layers, const gpu::BufferPtr& truth,
+              const std::vector<HandPart>& hand = {});
 
   /// Errors of a depth sensor.
   struct Sensor {
@@ -78,7 +82,7 @@ class VirtualRoom {
  private:
   gpu::Program<shaders::virtual_room_room> room_;
   gpu::Program<shaders::virtual_room_sensor> sensor_;
-  gpu::BufferPtr scene_, openness_;
+  gpu::BufferPtr scene_, openness_, hand_;
   uint32_t solids_, lamps_;
   float ambient_;
 };

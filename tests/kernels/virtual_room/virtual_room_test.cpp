@@ -34,25 +34,37 @@ class VirtualRoomTest : public VolumeFixture {};
 
 TEST_F(VirtualRoomTest, AgreesWithSpecification) {
   const RoomScene scene = furnished_room();
-  const VirtualRoom room(device, scene);
-  const reference::Room expected = specified(scene);
+  VirtualRoom room(device, scene);
+  reference::Room expected = specified(scene);
   const Extent extent{80, 60};
   const Lens lens = room_lens(extent);
-  for (const auto& [path, seconds] :
-       {std::pair(RoomPath::orbit, 1.0), {RoomPath::orbit, 13.0}, {RoomPath::wall, 3.0}}) {
+  struct Case {
+    RoomPath path;
+    double seconds;
+    HandTarget target = HandTarget::none;
+  };
+  for (const auto& [path, seconds, target] :
+       {Case{RoomPath::orbit, 1}, Case{RoomPath::orbit, 13}, Case{RoomPath::wall, 3},
+        Case{RoomPath::table, 3.5, HandTarget::ball}, Case{RoomPath::table, 8, HandTarget::book}}) {
     const Camera camera = camera_of(room_pose(path, seconds), lens, extent);
+    const Hand hand = room_hand(target, room_pose(path, seconds), seconds);
+    expected.hand.clear();
+    for (const HandPart& part : hand.parts)
+      expected.hand.push_back(
+          {wide(part.from), wide(part.to), double{part.radius}, wide(part.color)});
     const auto layers = buffer(extent.pixels()), truth = buffer(extent.pixels()),
                pose = pose_of(camera);
     run([&](gpu::Commands& commands) {
-      room.record(commands, lens, extent, pose, 1, layers, truth);
+      room.record(commands, lens, extent, pose, 1, layers, truth, hand.parts);
     });
     const Pixels seen = download(layers), found = download(truth);
-    size_t depth = 0, paint = 0, light = 0;
+    size_t depth = 0, paint = 0, light = 0, on_hand = 0;
     for (size_t n = 0; n < extent.pixels(); ++n) {
       const auto x = double(n % extent.width), y = std::floor(double(n) / extent.width);
       const reference::Room::Seen meant =
           expected.look(camera.place, camera.turned(camera.ray(x, y)));
       depth += std::abs(double{seen[4 * n + 3]} - meant.along) < 1e-3;
+      on_hand += meant.solid >= scene.solids.size();
       double off = 0, sum = 0;
       for (size_t c = 0; c < 3; ++c) {
         off = std::max(off, std::abs(double{found[4 * n + c]} - meant.reflectance[c]));
@@ -69,6 +81,7 @@ TEST_F(VirtualRoomTest, AgreesWithSpecification) {
     EXPECT_GT(depth, extent.pixels() * 99 / 100);
     EXPECT_GT(paint, extent.pixels() * 98 / 100);
     EXPECT_GT(light, extent.pixels() * 93 / 100);
+    EXPECT_EQ(on_hand > extent.pixels() / 50, target != HandTarget::none) << on_hand;
   }
 }
 
@@ -122,7 +135,7 @@ TEST_F(VirtualRoomTest, SensorHasTheNoiseAndHolesOfItsModel) {
 }
 
 TEST_F(VirtualRoomTest, PathsReturnAndStayInside) {
-  for (const RoomPath path : {RoomPath::orbit, RoomPath::wall, RoomPath::still}) {
+  for (const RoomPath path : {RoomPath::orbit, RoomPath::wall, RoomPath::still, RoomPath::table}) {
     const Pose first = room_pose(path, 0), last = room_pose(path, kPathPeriod);
     for (size_t c = 0; c < 4; ++c) {
       EXPECT_NEAR(double{first.place[c]}, double{last.place[c]}, 1e-5);
@@ -135,6 +148,41 @@ TEST_F(VirtualRoomTest, PathsReturnAndStayInside) {
       double square = 0;
       for (const float q : pose.rotation) square += double{q} * double{q};
       EXPECT_NEAR(square, 1, 1e-5);
+    }
+  }
+}
+
+// It touches what it is to touch, from outside, and is elsewhere at other times.
+TEST(HandTest, TouchesItsTarget) {
+  const RoomScene scene = furnished_room();
+  EXPECT_TRUE(room_hand(HandTarget::none, {}, 3).parts.empty());
+  for (const HandTarget target : {HandTarget::ball, HandTarget::dark_ball, HandTarget::box,
+                                  HandTarget::book, HandTarget::table, HandTarget::print}) {
+    const RoomPath path = target == HandTarget::print ? RoomPath::wall : RoomPath::table;
+    for (double t = 0; t < kHandPeriod; t += 0.1) {
+      const Pose camera = room_pose(path, t);
+      const Hand hand = room_hand(target, camera, t);
+      const float free = clearance(scene, hand.parts);
+      if (hand.touches) {
+        EXPECT_LT(free, 1e-3F) << int(target) << " " << t;
+        const HandPart& finger = hand.parts[0];
+        EXPECT_NEAR(clearance(scene, {finger}), 0, 1e-3) << "the finger does";
+        EXPECT_GT(clearance(scene, {hand.parts.begin() + 1, hand.parts.end()}), 0.005F)
+            << int(target) << " " << t << ": nothing else does";
+        double square = 0;
+        for (size_t c = 0; c < 3; ++c)
+          square += std::pow(double{finger.from[c] - hand.contact[c]}, 2);
+        EXPECT_NEAR(std::sqrt(square), double{kFingerRadius}, 1e-4);
+      } else if (t < 2.7 || t > 4.6) {
+        EXPECT_GT(free, 0.03F) << int(target) << " " << t;
+      }
+      if (t > 0.4) continue;
+      for (const HandPart& part : hand.parts)
+        for (const auto& end : {part.from, part.to}) {
+          const auto p = to_camera(camera, end);
+          EXPECT_TRUE(p[2] < 0.05F || std::abs(p[0]) > p[2] || std::abs(p[1]) > p[2])
+              << "out of sight";
+        }
     }
   }
 }

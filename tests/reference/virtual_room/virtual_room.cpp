@@ -7,7 +7,7 @@
 namespace inverse::reference {
 namespace {
 
-constexpr double kFar = 1e4, kLift = 1e-3, kReach = 0.9;
+constexpr double kFar = 1e4, kLift = 1e-3, kReach = 0.9, kHandOpen = 0.7;
 constexpr int kDirections = 64;
 
 Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
@@ -39,6 +39,29 @@ double meets(const RoomSolid& s, const Vec3& from, const Vec3& along) {
   }
   if (s.kind == RoomSolid::Kind::inside) return leaves;
   return enters < leaves && enters > 0 ? enters : kFar;
+}
+
+/// The vector from the line of a part to a point.
+Vec3 off_line(const Room::Part& part, const Vec3& at) {
+  const Vec3 line = minus(part.to, part.from), off = minus(at, part.from);
+  return moved(off, -std::clamp(dot(off, line) / dot(line, line), 0.0, 1.0), line);
+}
+
+/// Where a ray enters a part: the first place within its radius, by steps and bisection.
+double meets(const Room::Part& part, const Vec3& from, const Vec3& along, double reach) {
+  const auto beyond = [&](double t) {
+    const Vec3 off = off_line(part, moved(from, t, along));
+    return std::sqrt(dot(off, off)) - part.radius;
+  };
+  const double size = std::sqrt(dot(along, along));
+  double t = 0;
+  // Distances are those of a convex body: a step of that length does not enter it.
+  for (int n = 0; n < 10000 && t < reach; ++n) {
+    const double free = beyond(t);
+    if (free < 1e-9) return n == 0 ? kFar : t;
+    t += free / size;
+  }
+  return kFar;
 }
 
 double mod2(double x) { return x - 2 * std::floor(x / 2); }
@@ -82,12 +105,41 @@ Vec3 painted(const RoomSolid& s, const Vec3& p, size_t axis) {
 
 }  // namespace
 
+bool Room::open(const Vec3& from, const Vec3& along, double reach) const {
+  return std::all_of(solids.begin() + 1, solids.end(),
+                     [&](const RoomSolid& o) { return meets(o, from, along) >= reach; });
+}
+
+double Room::lit(const Vec3& from, const Vec3& normal) const {
+  double light = 0;
+  for (const Lamp& lamp : lamps) {
+    const Vec3 to = minus(lamp.place, from);
+    const double square = dot(to, to), cosine = dot(to, normal) / std::sqrt(square);
+    const bool past_hand =
+        std::ranges::all_of(hand, [&](const Part& part) { return meets(part, from, to, 1) >= 1; });
+    if (cosine > 0 && open(from, to, 1) && past_hand) light += lamp.power * cosine / square;
+  }
+  return light;
+}
+
 Room::Seen Room::look(const Vec3& from, const Vec3& along) const {
   Seen seen{kFar, 0, {}, 0, 0};
   for (size_t i = 0; i < solids.size(); ++i)
     if (const double t = meets(solids[i], from, along); t < seen.along) seen = {t, i, {}, 0, 0};
+  for (size_t i = 0; i < hand.size(); ++i)
+    if (const double t = meets(hand[i], from, along, seen.along); t < seen.along)
+      seen = {t, solids.size() + i, {}, 0, 0};
+  const Vec3 at = moved(from, seen.along, along);
+  if (seen.solid >= solids.size()) {
+    const Part& part = hand[seen.solid - solids.size()];
+    const Vec3 normal = unit(off_line(part, at)), lifted = moved(at, kLift, normal);
+    seen.reflectance = part.color;
+    seen.openness = kHandOpen;
+    seen.direct = lit(lifted, normal);
+    return seen;
+  }
   const RoomSolid& s = solids[seen.solid];
-  const Vec3 at = moved(from, seen.along, along), p = turned(s.turn, minus(at, s.center));
+  const Vec3 p = turned(s.turn, minus(at, s.center));
   size_t axis = 0;
   for (size_t c = 1; c < 3; ++c)
     if (std::abs(p[c] / s.half_size[c]) > std::abs(p[axis] / s.half_size[axis])) axis = c;
@@ -96,21 +148,13 @@ Room::Seen Room::look(const Vec3& from, const Vec3& along) const {
   if (s.kind == RoomSolid::Kind::ball) in_axes = unit(p);
   const Vec3 normal = turned(-s.turn, in_axes), lifted = moved(at, kLift, normal);
   seen.reflectance = painted(s, p, axis);
-  const auto open = [&](const Vec3& direction, double reach) {
-    return std::all_of(solids.begin() + 1, solids.end(),
-                       [&](const RoomSolid& o) { return meets(o, lifted, direction) >= reach; });
-  };
-  for (const Lamp& lamp : lamps) {
-    const Vec3 to = minus(lamp.place, lifted);
-    const double square = dot(to, to), cosine = dot(to, normal) / std::sqrt(square);
-    if (cosine > 0 && open(to, 1)) seen.direct += lamp.power * cosine / square;
-  }
+  seen.direct = lit(lifted, normal);
   const Vec3 x = unit(cross(normal, std::abs(normal[1]) < 0.9 ? Vec3{0, 1, 0} : Vec3{1, 0, 0})),
              y = cross(normal, x);
   for (int n = 0; n < kDirections; ++n) {
     const double up = (n + 0.5) / kDirections, angle = 2.399963 * n, level = std::sqrt(1 - up);
     const Vec3 flat = moved(moved({}, level * std::cos(angle), x), level * std::sin(angle), y);
-    seen.openness += open(moved(flat, std::sqrt(up), normal), kReach) / double(kDirections);
+    seen.openness += open(lifted, moved(flat, std::sqrt(up), normal), kReach) / double(kDirections);
   }
   return seen;
 }

@@ -24,16 +24,28 @@ struct Room {
   };
   std::vector<Lamp> lamps;
   double ambient;
+  /// All within a radius of a line. Casts shadows; light from all around is the same everywhere on
+  /// it, and passes it.
+  struct Part {
+    Vec3 from, to;
+    double radius;
+    Vec3 color;
+  };
+  std::vector<Part> hand = {};
 
   /// What a ray meets first.
   struct Seen {
     double along;
-    size_t solid;
+    size_t solid;  ///< after the solids the parts of the hand
     Vec3 reflectance;
     double direct;    ///< light of lamps
     double openness;  ///< share of the light from all around, exact at this place
   };
   Seen look(const Vec3& from, const Vec3& along) const;
+
+ private:
+  bool open(const Vec3& from, const Vec3& along, double reach) const;
+  double lit(const Vec3& from, const Vec3& normal) const;
 };
 
 }  // namespace inverse::reference
