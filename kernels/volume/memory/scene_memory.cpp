@@ -22,10 +22,11 @@ constexpr uint32_t kCells = shaders::volume_memory_thumbnail::kThumbnailWidth *
 constexpr uint64_t kThumbnailBytes = kCells * 4 * sizeof(float);
 constexpr uint64_t kLeftBytes = sizeof(uint32_t);
 // Of what is read back: what tracking found, the volume's state, the pose, the thumbnail, how many
-// voxels strokes are to spread from.
+// voxels strokes are to spread from, what is touched.
 constexpr uint64_t kStateAt = kFoundBytes, kPoseAt = kStateAt + kStateBytes,
                    kThumbnailAt = kPoseAt + kPoseBytes, kLeftAt = kThumbnailAt + kThumbnailBytes,
-                   kReadBytes = kLeftAt + kLeftBytes;
+                   kTouchAt = kLeftAt + kLeftBytes,
+                   kReadBytes = kTouchAt + TouchFinder::kResultBytes;
 // Additions of frames after which strokes are drawn into what is new.
 constexpr uint32_t kStrokesEvery = 4;
 
@@ -204,11 +205,24 @@ void SceneMemory::record_remember(gpu::Commands& commands, const Plane& layers) 
   const auto pixels = static_cast<uint32_t>(extent_.pixels());
   const gpu::BufferPtr& found = tracked_ ? tracker_.found() : certain_;
   const gpu::BufferPtr& here = resized(commands, layers);
-  const bool adds = number_ >= next_ && still_.added < params_.still;
+  if (added_ == 0 && !updates_) return;  // there is no view to follow the camera by
+  const bool looks = touches_ && viewed_;
+  if (looks) {
+    touch_->record(commands,
+                   {.lens = lens_,
+                    .pose = tracker_.pose(),
+                    .surface = tracker_.surface(),
+                    .layers = here,
+                    .found = found},
+                   view_);
+    commands.stage("touch");
+  }
+  const bool adds = updates_ && number_ >= next_ && still_.added < params_.still;
   if (adds) {
     ++still_.added;
     commands.dispatch(keep_found_, {.depth = depth_, .found = found, .kept = kept_depth_},
                       {.pixels = pixels}, pixels);
+    if (looks) touch_->record_background(commands, kept_depth_);
     volume_.record_integrate(
         commands, {lens_, extent_, tracker_.pose(), kept_depth_, tracker_.surface()}, here, {});
     commands.stage("fusion");
@@ -233,6 +247,11 @@ void SceneMemory::record_remember(gpu::Commands& commands, const Plane& layers) 
       {.source = thumbnail_plane_, .bytes = kThumbnailBytes, .target_offset = kThumbnailAt}};
   InFlight& frame = frames_[number_];
   frame.added = adds;
+  frame.touches = looks;
+  if (looks)
+    parts.push_back({.source = touch_->result(),
+                     .bytes = TouchFinder::kResultBytes,
+                     .target_offset = kTouchAt});
   if (strokes_)
     parts.push_back({.source = strokes_->state(),
                      .bytes = kLeftBytes,
@@ -271,6 +290,17 @@ void SceneMemory::set_strokes(const StrokesPtr& strokes) {
   if (strokes_) strokes_->set(strokes);
 }
 
+void SceneMemory::set_touch(bool touches) {
+  touches_ = touches;
+  if (touches_ && !touch_) touch_.emplace(device_, extent_);
+}
+
+std::optional<Touch> SceneMemory::touch(uint64_t number) const {
+  const InFlight& frame = frames_[number];
+  if (frame.number != number || !frame.touches) return {};
+  return TouchFinder::read(frame.found->map_as<float>() + kTouchAt / sizeof(float));
+}
+
 std::optional<SeenStrokes> SceneMemory::seen_strokes() const {
   if (!viewed_ || !strokes_ || strokes_->empty()) return {};
   return SeenStrokes{.extent = extent_,
@@ -296,6 +326,8 @@ std::optional<SceneMemory::Findings> SceneMemory::findings(uint64_t number) cons
   const auto* numbers = frame.found->map_as<float>();
   const auto* state = frame.found->map_as<uint32_t>() + kStateAt / sizeof(uint32_t);
   const float* fit = numbers + size_t{4} * volume_tracking_move::kFit;
+  std::optional<float> front;
+  if (frame.touches) front = TouchFinder::front(numbers + kTouchAt / sizeof(float));
   return Findings{.found = numbers[0] > 0,
                   .frames_lost = static_cast<uint32_t>(numbers[1]),
                   .rms = fit[0],
@@ -305,7 +337,8 @@ std::optional<SceneMemory::Findings> SceneMemory::findings(uint64_t number) cons
                   .blocks_refused = state[volume_list::kRefused],
                   .blocks_outside = state[volume_list::kOutside],
                   .keyframes = static_cast<uint32_t>(keyframes_.size()),
-                  .added = frame.added};
+                  .added = frame.added,
+                  .front = front};
 }
 
 }  // namespace inverse

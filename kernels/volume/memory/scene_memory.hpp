@@ -11,6 +11,7 @@
 #include "kernels/volume/known_reflectance.hpp"
 #include "kernels/volume/strokes/place_stroke.hpp"
 #include "kernels/volume/strokes/scene_strokes.hpp"
+#include "kernels/volume/touch/touch_finder.hpp"
 #include "kernels/volume/tracking/tracker.hpp"
 #include "kernels/volume/volume.hpp"
 #include "kernels/volume_memory_keep_found.spv.hpp"
@@ -80,6 +81,19 @@ class SceneMemory {
   std::optional<SceneView> view(uint64_t number) const;
   void keep_views(bool keeps) { keeps_views_ = keeps; }
 
+  /// Whether frames are added, from the next one on. Without any the scene stays unknown.
+  void set_update(bool updates) { updates_ = updates; }
+  /// Whether frames were added, or a scene was restored.
+  bool known() const { return added_ > 0; }
+  /// Whether it looks for what is in front of the scene and touches it, from the next frame on;
+  /// what is in front is then not added.
+  void set_touch(bool touches);
+  /// What a completed frame touches, as `findings`; empty: nothing, or it was not looked for.
+  std::optional<Touch> touch(uint64_t number) const;
+  /// Of the last frame for which that was looked for: a word a pixel of what is worked on
+  /// (touch.glsl); null: there was none.
+  gpu::BufferPtr touch_kinds() const { return touch_ ? touch_->kinds() : nullptr; }
+
   /// Of depth images.
   Extent depth_extent() const { return depth_extent_; }
   void set_weight(float weight) { params_.weight = weight; }
@@ -96,6 +110,7 @@ class SceneMemory {
     uint32_t blocks_outside = 0;  ///< too far from where the camera began
     uint32_t keyframes = 0;       ///< so far
     bool added = false;           ///< it was to be added; it was not if the camera was not found
+    std::optional<float> front;   ///< share of known depth in front of the scene, if looked for
   };
   /// Of one of the last kFramesInFlight frames, once its Commands have been waited for; empty: it
   /// was not shown to this memory.
@@ -130,6 +145,7 @@ class SceneMemory {
     gpu::BufferPtr image, pose, found, depth;
     bool has_depth = false;  // of the view
     bool added = false;
+    bool touches = false;  // touch was looked for
     Lens lens;
     std::optional<uint64_t> number;  // of the frame, once it is recorded
   };
@@ -148,6 +164,8 @@ class SceneMemory {
   Keyframes keyframes_;
   std::optional<SceneStrokes> strokes_;  // made for the first one in the scene
   StrokesPtr stroke_list_;
+  std::optional<TouchFinder> touch_;  // made when it is first looked for
+  bool updates_ = true, touches_ = false;
   bool keeps_views_ = false;
   bool restored_ = false;  // and no frame was shown since
   bool viewed_ = false;    // this frame

@@ -101,6 +101,12 @@ std::optional<Stroke> placed_in_scene(const Stroke& stroke, Extent frame, const 
   return placed;
 }
 
+float radius_in_scene(float radius, const std::array<float, 3>& place, Extent frame,
+                      const SceneView& view) {
+  return radius * view_scale(frame, view.extent) * to_camera(view.pose, place)[2] /
+         focal_length(view.lens);
+}
+
 bool covers(const Stroke& stroke, Stroke::Point point, Extent frame, const SceneView& view) {
   const Stroke::Point at = in_view(point, frame, view.extent);
   return std::ranges::any_of(stroke.balls, [&](const auto& ball) {

@@ -22,6 +22,10 @@ struct SceneView {
 /// known under it.
 std::optional<Stroke> placed_in_scene(const Stroke& stroke, Extent frame, const SceneView& view);
 
+/// Radius in meters that a brush of `radius` pixels of a frame has at a place of the scene.
+float radius_in_scene(float radius, const std::array<float, 3>& place, Extent frame,
+                      const SceneView& view);
+
 /// Whether a stroke in the scene, or what lies in front of or behind it, is seen at a point of a
 /// frame of size `frame`.
 bool covers(const Stroke& stroke, Stroke::Point point, Extent frame, const SceneView& view);
