@@ -6,7 +6,8 @@
 #include "volume/camera.glsl"
 #include "touch.glsl"
 
-// The touch of a frame: the sums of the 3 x 3 tiles that have most weight, the first ones of equals. One workgroup.
+// The touch of a frame: the sums of the 3 x 3 tiles that have most weight, the first ones of equals. An arm comes from outside of the
+// picture: only tiles count that tiles with some pixels in front connect with its border. One workgroup.
 PLANE_IN(0, sums);
 PLANE_IN(1, pose);
 PLANE_OUT(2, touch);
@@ -16,6 +17,8 @@ layout(push_constant) uniform Push {
 } push;
 
 shared vec2 best_of[256];  // weight, tile
+shared uint reached[1024];  // a bit a tile; of further tiles, all are
+shared uint grows;
 
 vec4 around(uint tile, int slot) {
   ivec2 at = ivec2(tile % push.tiles.x, tile / push.tiles.x), last = ivec2(push.tiles) - 1;
@@ -25,13 +28,42 @@ vec4 around(uint tile, int slot) {
   return sum;
 }
 
+bool is_reached(uint tile) { return tile >= 32768u || (reached[tile >> 5] >> (tile & 31u) & 1u) != 0u; }
+bool reached_around(uint tile) {
+  ivec2 at = ivec2(tile % push.tiles.x, tile / push.tiles.x), last = ivec2(push.tiles) - 1;
+  bool result = false;
+  for (int y = max(at.y - 1, 0); y <= min(at.y + 1, last.y); ++y)
+    for (int x = max(at.x - 1, 0); x <= min(at.x + 1, last.x); ++x) result = result || is_reached(uint(y * int(push.tiles.x) + x));
+  return result;
+}
+
+// Floods tiles that have at least four pixels in front, from those at the border of the picture on.
+void reach(uint count, uint own) {
+  for (uint i = own; i < 1024u; i += gl_WorkGroupSize.x) reached[i] = 0u;
+  for (uint pass = 0u; pass <= count; ++pass) {
+    barrier();
+    if (own == 0u) grows = 0u;
+    barrier();
+    for (uint tile = own; tile < min(count, 32768u); tile += gl_WorkGroupSize.x) {
+      uvec2 at = uvec2(tile % push.tiles.x, tile / push.tiles.x);
+      bool border = any(equal(at, uvec2(0u))) || any(equal(at + 1u, push.tiles));
+      if (is_reached(tile) || FETCH(sums, int(TOUCH_STRIDE * tile) + 2).z < 4.0 || !(border || reached_around(tile))) continue;
+      atomicOr(reached[tile >> 5], 1u << (tile & 31u));
+      grows = 1u;
+    }
+    barrier();
+    if (grows == 0u) break;
+  }
+}
+
 void main() {
   uint count = push.tiles.x * push.tiles.y, own = gl_LocalInvocationIndex;
+  reach(count, own);
   vec2 best = vec2(0.0);
   vec4 all = vec4(0.0);
   for (uint tile = own; tile < count; tile += gl_WorkGroupSize.x) {
     all += FETCH(sums, int(TOUCH_STRIDE * tile) + 2);
-    float weight = around(tile, 0).w;
+    float weight = reached_around(tile) ? around(tile, 0).w : 0.0;
     if (weight > best.x) best = vec2(weight, tile);
   }
   all = workgroup_sum(all);

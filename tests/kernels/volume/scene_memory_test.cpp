@@ -252,6 +252,38 @@ TEST_F(SceneMemoryTest, AStillCameraAddsNoMore) {
   EXPECT_GT(added, 3);
 }
 
+TEST_F(SceneMemoryTest, WhatIsFrozenOrInFrontIsNotAdded) {
+  const Frame frame = seen_by(around(0));
+  std::vector<uint16_t> steps = frame.steps;
+  for (size_t i = 0; i < steps.size(); ++i)
+    if (i % 160 < 40) steps[i] = uint16_t(0.7F / kUnit);
+  SceneMemory::Depth hidden = frame.depth();
+  hidden.rows = reinterpret_cast<const std::byte*>(steps.data());
+  enum class How { adds, frozen, touch };
+  for (const How how : {How::adds, How::frozen, How::touch}) {
+    SceneMemory memory(device, extent_of(around(0)), params());
+    memory.set_update(how != How::frozen);
+    EXPECT_FALSE(memory.known());
+    if (how == How::frozen) {
+      EXPECT_TRUE(show(memory, frame, frame.depth()).empty()) << "nothing is known";
+      EXPECT_FALSE(memory.known());
+      memory.set_update(true);
+    }
+    for (int i = 0; i < 4; ++i) show(memory, frame, frame.depth());
+    ASSERT_TRUE(memory.known());
+    const uint32_t blocks = found(memory).blocks;
+    EXPECT_FALSE(found(memory).front) << "it was not looked for";
+    memory.set_update(how != How::frozen);
+    memory.set_touch(how == How::touch);
+    for (int i = 0; i < 4; ++i) show(memory, frame, hidden);
+    EXPECT_TRUE(found(memory).found);
+    EXPECT_EQ(found(memory).blocks > blocks, how == How::adds) << int(how);
+    EXPECT_EQ(found(memory).added, how != How::frozen);
+    if (how != How::touch) continue;
+    EXPECT_NEAR(found(memory).front.value(), 0.25, 0.03);
+  }
+}
+
 TEST_F(SceneMemoryTest, KernelsAgreeWithReference) {
   gpu::Program<shaders::volume_memory_read_depth> read(device);
   gpu::Program<shaders::volume_memory_resize> resize(device);

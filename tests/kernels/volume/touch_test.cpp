@@ -130,7 +130,7 @@ TEST_F(TouchTest, AgreesWithReferenceOnRandomInput) {
     for (int kind = 0; kind < 3; ++kind) {
       Input in(ahead(width, height));
       for (size_t i = 0; i < in.depth.size(); ++i) {
-        const double wall = 0.6 + 0.3 * unit(random) * kind;
+        const double wall = 0.6 + (0.002 + 0.3 * kind) * unit(random);
         in.view[i] = unit(random) < 0.1 ? 0 : wall;
         // Patches in front, by any small distance.
         const bool patch = std::sin(0.15 * double(i % size_t(width))) > 0.2;

@@ -28,6 +28,27 @@ void around(int width, int height, int x, int y, int reach, F f) {
       f(std::size_t(v) * std::size_t(width) + std::size_t(u));
 }
 
+/// Tiles with at least four pixels in front that such tiles connect with the border.
+std::vector<bool> reached_tiles(int across, int down, const std::vector<int>& in_front) {
+  std::vector<bool> reached(in_front.size());
+  std::vector<std::size_t> next;
+  const auto reach = [&](std::size_t n) {
+    if (reached[n] || in_front[n] < 4) return;
+    reached[n] = true;
+    next.push_back(n);
+  };
+  for (int y = 0; y < down; ++y)
+    for (int x = 0; x < across; ++x)
+      if (x == 0 || y == 0 || x + 1 == across || y + 1 == down)
+        reach(std::size_t(y) * std::size_t(across) + std::size_t(x));
+  while (!next.empty()) {
+    const auto at = int(next.back());
+    next.pop_back();
+    around(across, down, at % across, at / across, 1, reach);
+  }
+  return reached;
+}
+
 }  // namespace
 
 std::vector<TouchKind> compare(int width, int height, const std::vector<double>& depth,
@@ -73,11 +94,14 @@ TouchFound touch(const Camera& camera, const std::vector<double>& depth,
   };
   const int across = (camera.width + kTile - 1) / kTile, down = (camera.height + kTile - 1) / kTile;
   std::vector<Sums> tiles(std::size_t(across) * std::size_t(down));
+  std::vector<int> in_front(tiles.size());
   double front = 0, measured = 0;
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
       const std::size_t at = reflectance.index(x, y);
       front += kinds[at].front;
+      in_front[std::size_t(y / kTile) * std::size_t(across) + std::size_t(x / kTile)] +=
+          kinds[at].front;
       measured += depth[at] > 0;
       if (!kinds[at].front || !kinds[at].skin) continue;
       const auto point = [&](int u, int v, double z) {
@@ -118,9 +142,13 @@ TouchFound touch(const Camera& camera, const std::vector<double>& depth,
       sums.distance += weight * nearest;
       ++sums.pixels;
     }
+  const std::vector<bool> reached = reached_tiles(across, down, in_front);
   Sums best;
   for (int y = 0; y < down; ++y)
     for (int x = 0; x < across; ++x) {
+      bool counts = false;
+      around(across, down, x, y, 1, [&](std::size_t n) { counts = counts || reached[n]; });
+      if (!counts) continue;
       Sums sums;
       around(across, down, x, y, 1, [&](std::size_t n) {
         for (std::size_t c = 0; c < 3; ++c) {

@@ -30,7 +30,8 @@ std::vector<TouchKind> grow(int width, int height, const std::vector<double>& de
 
 /// The touch of a frame. Skin in front has the weight (1 - d / 2.2 cm)², d its distance to the
 /// nearest place of the view, of 9 x 9 within about that. Of 3 x 3 tiles of 8 x 8 pixels, those
-/// with most weight count.
+/// with most weight count, if tiles with at least four pixels in front connect them with the border
+/// of the picture.
 struct TouchFound {
   Vec3 place{};     ///< mean of the nearest places, in the world
   double area = 0;  ///< m², weighted; 0: nothing is touched
