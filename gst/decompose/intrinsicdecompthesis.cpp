@@ -156,8 +156,7 @@ class ThesisMethod final : public DecompositionMethod {
     method_->set_params(params);
     const uint64_t number = method_->recorded();
     stroke_work_.take(frame, number, set, frame.draw && set.show == Show::mosaic);
-    const KnownReflectance* known =
-        scene_work_.recall(frame, number, set, stroke_work_.all(), stroke_work_.places());
+    const KnownReflectance* known = scene_work_.recall(frame, number, set, stroke_work_.wanted());
     stroke_work_.see(number, scene_work_.seen());
     take_strokes(frame);
     const PlanePtr input = frame.layers[Role::input];
@@ -165,7 +164,7 @@ class ThesisMethod final : public DecompositionMethod {
     scene_work_.remember(frame);
     if (mask_->unfilled() || (mask_->fills() && mask_->moves()))
       before_ = {input, frame.layers[Role::intrinsic]};
-    stroke_work_.recolor(frame);
+    stroke_work_.edit(frame);
     return number;
   }
 
@@ -182,6 +181,8 @@ class ThesisMethod final : public DecompositionMethod {
   SceneWork* scene() override { return &scene_work_; }
   void completed(uint64_t number) override {
     stroke_work_.completed(*log_, number, method_->stats(number).strokes, scene_work_.view(number));
+    strokes_.touch(*log_, scene_work_.touch(number), scene_work_.view(number),
+                   settings_.properties());
   }
 
   Work work(uint64_t number) const override { return {method_->stats(number).skipped, {}}; }

@@ -206,15 +206,18 @@ void SceneWork::warn_of(FrameContext& frame, const SceneMemory::Findings& found)
 }
 
 const KnownReflectance* SceneWork::recall(FrameContext& frame, uint64_t number,
-                                          const SceneParams& params, const StrokesPtr& strokes,
-                                          bool keep_view) {
+                                          const SceneParams& params, const Wanted& wanted) {
   remembers_ = false;
   seen_.reset();
   if (!params.scene_memory && memory_) reset();
   const GstInverseDepthMeta* meta =
       frame.in && params.scene_memory ? gst_buffer_get_inverse_depth_meta(frame.in) : nullptr;
   if (!meta) {
-    if (strokes && std::ranges::any_of(strokes->strokes, &Stroke::in_scene))
+    if (wanted.touch)
+      warn(frame,
+           "stroke-touch needs the remembered scene, but frames come without depth or scene-memory "
+           "is false: touches have no effect");
+    if (wanted.strokes && std::ranges::any_of(wanted.strokes->strokes, &Stroke::in_scene))
       warn(frame,
            "strokes with balls lie in a remembered scene, but frames come without "
            "depth or scene-memory is false: these strokes have no effect");
@@ -245,10 +248,17 @@ const KnownReflectance* SceneWork::recall(FrameContext& frame, uint64_t number,
   memory_->set_weight(params.scene_weight);
   written_ = false;
   write_wanted(frame);
-  memory_->set_strokes(strokes);
-  memory_->keep_views(keep_view);
+  memory_->set_strokes(wanted.strokes);
+  memory_->keep_views(wanted.keep_view);
+  memory_->set_update(params.scene_update);
+  memory_->set_touch(wanted.touch);
   known_ = memory_->record_recall(frame.commands, number, depth, *frame.layers[Role::input]);
   seen_ = memory_->seen_strokes();
+  if (!params.scene_update && !memory_->known())
+    warn(
+        frame,
+        "scene-update is false and no scene is known yet; set it to true until the camera has seen "
+        "the scene, or set scene-load");
   remembers_ = true;
   return known_ && params.scene_weight > 0 ? &*known_ : nullptr;
 }
@@ -269,6 +279,10 @@ void SceneWork::describe(GstStructure* stats, uint64_t number) const {
       "scene-blocks-refused", G_TYPE_UINT, found.blocks_refused, "scene-memory-mib", G_TYPE_DOUBLE,
       found.blocks * double{Volume::kBlockBytes} / kMiB, "scene-keyframes", G_TYPE_UINT,
       found.keyframes, "scene-added", G_TYPE_BOOLEAN, found.added, nullptr);
+  if (!found.front) return;
+  const bool touches = memory_->touch(number).has_value();
+  gst_structure_set(stats, "scene-front", G_TYPE_DOUBLE, static_cast<double>(*found.front),
+                    "scene-touched", G_TYPE_BOOLEAN, touches, nullptr);
 }
 
 std::vector<Action> scene_actions() {

@@ -16,8 +16,9 @@ namespace inverse {
 /// What users set of the memory of a scene that a depth camera sees.
 struct SceneParams {
   bool scene_memory = true;
-  float scene_weight = 1;        ///< KnownReflectance::weight
-  bool scene_track = true;       ///< SceneMemory::Params::track
+  float scene_weight = 1;   ///< KnownReflectance::weight
+  bool scene_track = true;  ///< SceneMemory::Params::track
+  bool scene_update = true;
   float voxel_size = 0.01F;      ///< meters
   float scene_depth = 5;         ///< meters from the camera that are remembered
   int scene_memory_limit = 192;  ///< MiB
@@ -37,6 +38,8 @@ PropertyTable<P> scene_properties() {
       flag<P>("scene-track", &P::scene_track,
               "Follow the camera by depth and brightness; false = frames are where the poses that "
               "come with them say"),
+      flag<P>("scene-update", &P::scene_update,
+              "Add frames to the remembered scene; false = it stays as it is, for a hand in it"),
       number<P>("voxel-size", &P::voxel_size, 0.002f, 0.1f,
                 "Side of a voxel of the remembered scene, meters; a change forgets it"),
       number<P>("scene-depth", &P::scene_depth, 0.3f, 50.f,
@@ -64,15 +67,23 @@ class SceneWork {
   void reset();
 
   /// Before the method decomposes `frame`, as its frame `number`: what is known of it; null:
-  /// nothing. Adds warnings about its depth. `strokes`: those in the scene are drawn into it;
-  /// `keep_view`: `view` has its depth.
+  /// nothing. Adds warnings about its depth.
+  struct Wanted {
+    StrokesPtr strokes;      ///< those in the scene are drawn into it
+    bool keep_view = false;  ///< `view` has its depth
+    bool touch = false;      ///< look for what touches the scene
+  };
   const KnownReflectance* recall(FrameContext& frame, uint64_t number, const SceneParams& params,
-                                 const StrokesPtr& strokes, bool keep_view);
+                                 const Wanted& wanted);
   /// Where that frame sees strokes of the scene; null: nowhere.
   const SeenStrokes* seen() const { return seen_ ? &*seen_ : nullptr; }
   /// SceneMemory::view.
   std::optional<SceneView> view(uint64_t number) const {
     return memory_ ? memory_->view(number) : std::nullopt;
+  }
+  /// What a completed frame touches, if that was looked for.
+  std::optional<Touch> touch(uint64_t number) const {
+    return memory_ ? memory_->touch(number) : std::nullopt;
   }
   /// After the method.
   void remember(FrameContext& frame);

@@ -59,6 +59,8 @@ class SolveMethod : public DecompositionMethod {
   void completed(uint64_t number) override {
     stroke_work_.completed(*log_, number, solve_findings(method_->findings(number)).strokes,
                            scene_work_.view(number));
+    strokes_.touch(*log_, scene_work_.touch(number), scene_work_.view(number),
+                   settings_.properties());
   }
 
  protected:
@@ -73,14 +75,13 @@ class SolveMethod : public DecompositionMethod {
     info.repeated = frame.repeated;
     info.strokes = stroke_work_.solved();
     info.tracker = stroke_work_.tracker();
-    info.known =
-        scene_work_.recall(frame, number, params, stroke_work_.all(), stroke_work_.places());
+    info.known = scene_work_.recall(frame, number, params, stroke_work_.wanted());
     info.seen = scene_work_.seen();
     stroke_work_.see(number, info.seen);
     frame.layers = method_->record(frame.commands, frame.layers[Role::input], params, info);
     scene_work_.remember(frame);
     frame.drawn = method_->drawn();
-    stroke_work_.recolor(frame);
+    stroke_work_.edit(frame);
     return number;
   }
   void describe_scene(GstStructure* stats, uint64_t number) const {

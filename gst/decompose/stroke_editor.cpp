@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 #include "common/number_text.hpp"
 #include "decomposer.hpp"
@@ -24,11 +25,12 @@ StrokeList strokes_of(const std::string& text, Extent frame) {
   return list;
 }
 
-/// The strokes of one sort out of `all`; `before`, if that has the same.
-StrokesPtr part_of(const StrokeList& all, bool recolors, const StrokesPtr& before) {
+/// The strokes of some kinds out of `all`; `before`, if that has the same.
+StrokesPtr part_of(const StrokeList& all, std::initializer_list<Stroke::Kind> kinds,
+                   const StrokesPtr& before) {
   StrokeList part{.strokes = {}, .frame = all.frame};
   for (const Stroke& stroke : all.strokes)
-    if ((stroke.kind == Stroke::Kind::recolor) == recolors) part.strokes.push_back(stroke);
+    if (std::ranges::find(kinds, stroke.kind) != kinds.end()) part.strokes.push_back(stroke);
   if (part.strokes.empty()) return nullptr;
   if (before && before->frame == part.frame && before->strokes == part.strokes) return before;
   return std::make_shared<const StrokeList>(std::move(part));
@@ -43,11 +45,43 @@ std::optional<Stroke::Kind> kind_of(StrokeMode mode) {
       return Stroke::Kind::reflectance;
     case StrokeMode::recolor:
       return Stroke::Kind::recolor;
+    case StrokeMode::select:
+      return Stroke::Kind::select;
     case StrokeMode::off:
     case StrokeMode::erase:
+    case StrokeMode::pick:
       break;
   }
   return {};
+}
+
+/// Where a place of the scene is seen, in pixels of the frame.
+Stroke::Point seen_at(const std::array<float, 3>& place, Extent frame, const SceneView& view) {
+  const auto p = to_camera(view.pose, place);
+  const Stroke::Point pixel{view.lens.fx * p[0] / p[2] + view.lens.cx + 0.5F,
+                            view.lens.fy * p[1] / p[2] + view.lens.cy + 0.5F};
+  return scaled(pixel, view.extent, frame);
+}
+
+StructurePtr began(const std::array<float, 3>& place, const Stroke::Point& point) {
+  const auto number = [](float v) { return static_cast<double>(v); };
+  return StructurePtr(gst_structure_new(
+      "inverse-touch-began", "x", G_TYPE_DOUBLE, number(point[0]), "y", G_TYPE_DOUBLE,
+      number(point[1]), "scene-x", G_TYPE_DOUBLE, number(place[0]), "scene-y", G_TYPE_DOUBLE,
+      number(place[1]), "scene-z", G_TYPE_DOUBLE, number(place[2]), nullptr));
+}
+
+/// Adds a ball if it is half a radius away from the last one; returns whether it did.
+bool extend_in_scene(std::vector<std::array<float, 4>>& balls, const std::array<float, 3>& place,
+                     float radius) {
+  if (balls.size() == json_list::kMaxPoints) return false;
+  if (!balls.empty()) {
+    const auto& last = balls.back();
+    if (std::hypot(place[0] - last[0], place[1] - last[1], place[2] - last[2]) < radius / 2)
+      return false;
+  }
+  balls.push_back({place[0], place[1], place[2], radius});
+  return true;
 }
 
 }  // namespace
@@ -88,31 +122,94 @@ void StrokeEditor::mouse(const Log& log, const MouseEvent& event, const StrokePa
       drawing_ = Stroke{*kind, {point}, params.stroke_radius, params.stroke_fill};
       if (kind == Stroke::Kind::recolor) drawing_->color = linear_color(params.stroke_color);
       drawing_changed_ = true;
+    } else if (event.kind == Kind::press && params.stroke_mode == StrokeMode::pick) {
+      picked_ = point;
     } else if (drawing_) {
       if (extend(drawing_->points, point, drawing_->radius)) drawing_changed_ = true;
       if (event.kind == Kind::release) finished = std::exchange(drawing_, std::nullopt);
     }
   }
-  if (finished) {
-    StrokeList list = strokes_of(text(log), frame);
-    if (list.strokes.size() == kMaxStrokes) {
-      const Lock lock(mutex_);
-      drawing_changed_ = true;
-      warnings_.push_back(full(kMaxStrokes) + "; remove one to draw another");
-      return;
-    }
-    scale(finished->points, frame, list.frame);
-    list.strokes.push_back(std::move(*finished));
-    set(log, text_of(list));
-  } else if (event.kind == Kind::press && params.stroke_mode == StrokeMode::erase) {
-    StrokeList list = strokes_of(text(log), frame);
-    const auto last =
-        std::find_if(list.strokes.rbegin(), list.strokes.rend(),
-                     [&](const Stroke& stroke) { return covers_now(stroke, list.frame, point); });
-    if (last == list.strokes.rend()) return;
-    list.strokes.erase(std::next(last).base());
-    set(log, text_of(list));
+  if (finished)
+    finish(log, std::move(*finished), frame);
+  else if (event.kind == Kind::press && params.stroke_mode == StrokeMode::erase)
+    erase_at(log, point, frame);
+}
+
+void StrokeEditor::finish(const Log& log, Stroke stroke, Extent frame) {
+  StrokeList list = strokes_of(text(log), frame);
+  if (list.strokes.size() == kMaxStrokes) {
+    const Lock lock(mutex_);
+    drawing_changed_ = true;
+    warnings_.push_back(full(kMaxStrokes) + "; remove one to draw another");
+    return;
   }
+  scale(stroke.points, frame, list.frame);
+  list.strokes.push_back(std::move(stroke));
+  set(log, text_of(list));
+}
+
+void StrokeEditor::erase_at(const Log& log, Stroke::Point point, Extent frame) {
+  StrokeList list = strokes_of(text(log), frame);
+  const auto last =
+      std::find_if(list.strokes.rbegin(), list.strokes.rend(),
+                   [&](const Stroke& stroke) { return covers_now(stroke, list.frame, point); });
+  if (last == list.strokes.rend()) return;
+  list.strokes.erase(std::next(last).base());
+  set(log, text_of(list));
+}
+
+void StrokeEditor::touch(const Log& log, const std::optional<Touch>& touch,
+                         const std::optional<SceneView>& view, const StrokeParams& params) {
+  using Event = TouchWatch::Event;
+  std::optional<Stroke> finished;
+  std::optional<Stroke::Point> point;
+  Extent frame;
+  Event event = Event::none;
+  {
+    const Lock lock(mutex_);
+    frame = frame_;
+    event = watch_.see(view ? touch : std::nullopt);
+    if (event == Event::none) return;
+    if (event == Event::ended) {
+      finished = std::exchange(touched_, std::nullopt);
+      messages_.emplace_back(gst_structure_new_empty("inverse-touch-ended"));
+    } else {
+      const auto kind = kind_of(params.stroke_mode);
+      point = seen_at(touch->place, frame, *view);
+      if (event == Event::began) {
+        messages_.push_back(began(touch->place, *point));
+        if (kind) {
+          touched_ = Stroke{*kind, {}, Stroke{}.radius, params.stroke_fill};
+          if (kind == Stroke::Kind::recolor) touched_->color = linear_color(params.stroke_color);
+        }
+      }
+      const float radius = radius_in_scene(params.stroke_radius, touch->place, frame, *view);
+      if (touched_ && extend_in_scene(touched_->balls, touch->place, radius))
+        drawing_changed_ = true;
+    }
+  }
+  if (finished) {
+    finish(log, std::move(*finished), frame);
+  } else if (event == Event::began && params.stroke_mode == StrokeMode::erase) {
+    erase_at(log, *point, frame);
+  } else if (event == Event::began && params.stroke_mode == StrokeMode::pick && touch->color) {
+    pick(log, *touch->color);
+  }
+}
+
+std::optional<Stroke::Point> StrokeEditor::take_pick() {
+  const Lock lock(mutex_);
+  return std::exchange(picked_, std::nullopt);
+}
+
+void StrokeEditor::pick(const Log& log, const std::array<float, 3>& color) {
+  g_object_set(log.object, "stroke-color", srgb_color(color), "stroke-mode",
+               static_cast<int>(StrokeMode::recolor), nullptr);
+}
+
+std::vector<StructurePtr> StrokeEditor::take_messages() {
+  const Lock lock(mutex_);
+  return std::exchange(messages_, {});
 }
 
 void StrokeEditor::add(const Log& log, const std::string& stroke) {
@@ -134,7 +231,7 @@ void StrokeEditor::remove(const Log& log, unsigned index) {
 
 bool StrokeEditor::changed(const std::string& strokes) const {
   const Lock lock(mutex_);
-  return drawing_changed_ || strokes != taken_;
+  return drawing_changed_ || picked_ || strokes != taken_;
 }
 
 StrokeLists StrokeEditor::take(const std::string& strokes, Extent frame, bool mosaic) {
@@ -151,25 +248,34 @@ StrokeLists StrokeEditor::take(const std::string& strokes, Extent frame, bool mo
     warnings_.push_back(under_others(useless.under, "shading, reflectance"));
     std::erase(warnings_, "");
   }
+  if (touched_ && !touched_->balls.empty() && list.strokes.size() < kMaxStrokes)
+    list.strokes.push_back(*touched_);
   if (drawing_ && list.strokes.size() < kMaxStrokes) {
     list.strokes.push_back(*drawing_);
     scale(list.strokes.back().points, frame, list.frame);
   }
-  lists_.solved = part_of(list, false, lists_.solved);
-  lists_.recolored = part_of(list, true, lists_.recolored);
+  using Kind = Stroke::Kind;
+  lists_.solved = part_of(list, {Kind::shading, Kind::reflectance}, lists_.solved);
+  lists_.recolored = part_of(list, {Kind::recolor}, lists_.recolored);
+  lists_.selected = part_of(list, {Kind::select}, lists_.selected);
   lists_.all = list.strokes.empty() ? nullptr : std::make_shared<const StrokeList>(std::move(list));
   return lists_;
 }
 
 void StrokeEditor::flush() {
   const Lock lock(mutex_);
-  if (drawing_) drawing_changed_ = true;
+  if (drawing_ || touched_) drawing_changed_ = true;
   drawing_.reset();
+  touched_.reset();
+  watch_.forget();
+  picked_.reset();
 }
 
 void StrokeEditor::forget_scene() {
   const Lock lock(mutex_);
   view_.reset();
+  if (std::exchange(touched_, std::nullopt)) drawing_changed_ = true;
+  watch_.forget();
 }
 
 bool StrokeEditor::places(const StrokeList& list) {
@@ -222,7 +328,7 @@ void StrokeEditor::check(const StrokesPtr& list, const std::vector<float>& rms,
   ++checked_frames_;
   checked_ = list;
   places_ = std::move(places);
-  if (drawing_) return;
+  if (drawing_ || touched_) return;
   std::string lost;
   for (size_t i = 0; i < places_.size(); ++i)
     if (places_[i].pose.state == StrokeTracker::State::lost)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -7,11 +8,12 @@
 #include "gst/base/json/list_editor.hpp"
 #include "kernels/image/strokes/stroke_tracker.hpp"
 #include "kernels/volume/strokes/place_stroke.hpp"
+#include "touch_watch.hpp"
 
 namespace inverse {
 
-/// What the mouse does on the picture.
-enum class StrokeMode : uint8_t { off, shading, reflectance, recolor, erase };
+/// What the mouse does on the picture, and a touch in the scene.
+enum class StrokeMode : uint8_t { off, shading, reflectance, recolor, erase, select, pick };
 
 /// The properties about strokes of a decomposer.
 struct StrokeParams {
@@ -21,13 +23,15 @@ struct StrokeParams {
   bool stroke_fill = false;
   uint32_t stroke_color = 0xff2864c8;  ///< sRGB, of those that recolor
   bool stroke_follow = true;
+  bool stroke_touch = false;
 };
 
 /// The strokes for a frame. Lists stay the same object while their strokes do; null: there are
 /// none.
 struct StrokeLists {
   StrokesPtr all;
-  StrokesPtr solved, recolored;  ///< of `all`, the kinds that the method solves with, and the other
+  StrokesPtr solved, recolored, selected;  ///< of `all`: the kinds that the method solves with,
+                                           ///< and the others
 };
 
 /// Where a stroke is now.
@@ -65,6 +69,16 @@ class StrokeEditor : public ListEditor {
   void see(const Log& log, const StrokeList& list, const std::vector<StrokePlace>& places,
            const SceneView& view);
 
+  /// A completed frame, which saw this of the scene, touches that: draws as the mouse would.
+  void touch(const Log& log, const std::optional<Touch>& touch,
+             const std::optional<SceneView>& view, const StrokeParams& params);
+  /// The place that the mouse has pressed in StrokeMode::pick since the last call.
+  std::optional<Stroke::Point> take_pick();
+  /// Strokes that recolor get this reflectance, linear RGB, and are drawn from now on.
+  static void pick(const Log& log, const std::array<float, 3>& color);
+  /// Element messages about touches since the last call.
+  std::vector<StructurePtr> take_messages();
+
   /// Checks what a completed frame found of each stroke of its list: adds a warning, once, for one
   /// that could not be satisfied or was lost. `places`: empty if they are not followed.
   void check(const StrokesPtr& list, const std::vector<float>& rms,
@@ -73,11 +87,19 @@ class StrokeEditor : public ListEditor {
  private:
   /// Whether a stroke of a list for frames of size `drawn` is now seen at a point of the frame.
   bool covers_now(const Stroke& stroke, Extent drawn, Stroke::Point point) const;
+  /// Adds a finished stroke, or a warning if there are too many.
+  void finish(const Log& log, Stroke stroke, Extent frame);
+  /// Removes the last stroke that is seen at a point of the frame.
+  void erase_at(const Log& log, Stroke::Point point, Extent frame);
 
   bool mosaic_ = false;
   std::optional<Stroke> drawing_;
-  bool drawing_changed_ = false;
-  std::string taken_;  // the property
+  std::optional<Stroke> touched_;  // the stroke that a touch draws
+  TouchWatch watch_;
+  std::vector<StructurePtr> messages_;
+  std::optional<Stroke::Point> picked_;
+  bool drawing_changed_ = false;  // either of those
+  std::string taken_;             // the property
   StrokeLists lists_;
   StrokesPtr checked_;
   unsigned checked_frames_ = 0;

@@ -28,8 +28,12 @@ PropertyTable<P> stroke_properties() {
                   "Drags draw strokes of constant reflectance"},
                  {static_cast<int>(StrokeMode::recolor), "recolor",
                   "Drags draw strokes that give surfaces stroke-color"},
-                 {static_cast<int>(StrokeMode::erase), "erase", "Presses remove strokes"}},
-                "What the mouse draws on the picture"),
+                 {static_cast<int>(StrokeMode::erase), "erase", "Presses remove strokes"},
+                 {static_cast<int>(StrokeMode::select), "select",
+                  "Drags draw strokes that the mask layer selects, for elements that follow"},
+                 {static_cast<int>(StrokeMode::pick), "pick",
+                  "A press sets stroke-color to the reflectance there, then stroke-mode=recolor"}},
+                "What the mouse draws on the picture, and a hand in the scene (stroke-touch)"),
       number<P>("stroke-radius", &P::stroke_radius, 1.f, 1000.f,
                 "Radius of the brush for strokes, pixels"),
       flag<P>("stroke-fill", &P::stroke_fill,
@@ -40,6 +44,10 @@ PropertyTable<P> stroke_properties() {
           "alpha is ignored)"),
       flag<P>("stroke-follow", &P::stroke_follow,
               "Move strokes with what they were drawn on; turn off to keep them in their place"),
+      flag<P>(
+          "stroke-touch", &P::stroke_touch,
+          "Let a bare hand that touches the remembered scene draw as the mouse does; what is in "
+          "front of the scene is then not remembered"),
   };
 }
 

@@ -23,10 +23,12 @@ struct Kind {
   const char* name;
   Stroke::Kind kind;
 };
-constexpr std::array<Kind, 3> kKinds{{{"shading", Stroke::Kind::shading},
+constexpr std::array<Kind, 4> kKinds{{{"shading", Stroke::Kind::shading},
                                       {"reflectance", Stroke::Kind::reflectance},
-                                      {"recolor", Stroke::Kind::recolor}}};
-const char* const kWrongKind = " must have the kind \"shading\", \"reflectance\" or \"recolor\"";
+                                      {"recolor", Stroke::Kind::recolor},
+                                      {"select", Stroke::Kind::select}}};
+const char* const kWrongKind =
+    " must have the kind \"shading\", \"reflectance\", \"recolor\" or \"select\"";
 
 std::vector<std::array<float, 4>> balls_of(const Json& json, const std::string& name) {
   if (!json.is_array() || json.empty() || json.size() > kMaxPoints)

@@ -8,8 +8,8 @@ namespace inverse {
 
 /// Reads strokes from JSON: a list of
 ///
-///     {"kind": "shading" | "reflectance" | "recolor", "color": "#rrggbb", "radius": 8, "fill":
-///     false,
+///     {"kind": "shading" | "reflectance" | "recolor" | "select", "color": "#rrggbb", "radius": 8,
+///     "fill": false,
 ///      "points": [[x, y], ...]}
 ///
 /// ("color": sRGB, of "recolor" alone) in pixels of the frame; with "balls": [[x, y, z, radius],

@@ -8,6 +8,11 @@
 namespace inverse {
 namespace {
 
+/// Whether the method solves with it, and finds a deviation.
+bool is_solved(const Stroke& stroke) {
+  return stroke.kind == Stroke::Kind::shading || stroke.kind == Stroke::Kind::reflectance;
+}
+
 /// `place`: null if no stroke is followed.
 const char* state_of(const Stroke& stroke, bool seen, const StrokePlace* place) {
   if (stroke.in_scene()) return seen ? "in-scene" : "outside";
@@ -31,12 +36,15 @@ void StrokeWork::configure(const std::shared_ptr<gpu::Device>& device, Extent ex
   tracker_.reset();
   slots_.clear();
   recolor_.emplace(device, extent);
+  select_.emplace(device, extent);
+  pick_ = {device};
   frames_ = {};
 }
 
 void StrokeWork::release() {
   tracker_.reset();
   recolor_.reset();
+  select_.reset();
   frames_ = {};
   device_.reset();
 }
@@ -44,11 +52,13 @@ void StrokeWork::release() {
 void StrokeWork::reset() {
   if (tracker_) tracker_->reset();
   if (recolor_) recolor_->reset();
+  if (select_) select_->reset();
   slots_.clear();
 }
 
 bool StrokeWork::requested(const StrokeParams& params) const {
-  return editor_.changed(params.strokes) || (lists_.all && params.stroke_follow != followed_);
+  return editor_.changed(params.strokes) || (lists_.all && params.stroke_follow != followed_) ||
+         params.stroke_touch != touches_ || (params.stroke_mode == StrokeMode::select && !selects_);
 }
 
 void StrokeWork::take(FrameContext& frame, uint64_t number, const StrokeParams& params,
@@ -59,9 +69,15 @@ void StrokeWork::take(FrameContext& frame, uint64_t number, const StrokeParams& 
   const StrokesPtr before = lists_.all;
   lists_ = editor_.take(params.strokes, extent, mosaic);
   for (std::string& warning : editor_.take_warnings()) frame.warnings.push_back(std::move(warning));
+  for (StructurePtr& message : editor_.take_messages())
+    frame.messages.push_back(std::move(message));
   followed_ = params.stroke_follow;
+  touches_ = params.stroke_touch;
+  // Without a stroke yet, elements that follow are to change nothing.
+  selects_ = lists_.selected || params.stroke_mode == StrokeMode::select;
   follows_ =
       followed_ && lists_.all && !std::ranges::all_of(lists_.all->strokes, &Stroke::in_scene);
+  number_ = number;
   Frame& now = frames_[number];
   now.lists = lists_;
   if (!follows_) {
@@ -89,7 +105,26 @@ void StrokeWork::see(uint64_t number, const SeenStrokes* seen) {
   frames_[number].seen = seen != nullptr;
 }
 
-void StrokeWork::recolor(FrameContext& frame) {
+void StrokeWork::pick(FrameContext& frame) {
+  Frame& now = frames_[number_];
+  const auto place = editor_.take_pick();
+  now.picks = place.has_value();
+  if (!place) return;
+  if (!now.color)
+    now.color = gpu::Buffer::create(device_, gpu::Element::vec4, 1, gpu::Memory::readback);
+  const auto pixel = [](float at, uint32_t size) {
+    return static_cast<int32_t>(std::clamp(at, 0.0F, static_cast<float>(size - 1)));
+  };
+  const Extent size = frame.layers.extent;
+  frame.commands.dispatch(
+      pick_, {.plane = frame.layers[Role::intrinsic]->buffer, .color = now.color},
+      {.size = size, .at = {pixel((*place)[0], size.width), pixel((*place)[1], size.height)}}, {});
+}
+
+void StrokeWork::edit(FrameContext& frame) {
+  pick(frame);
+  select_->record(frame.commands, frame.layers, selects_, lists_.selected, {tracker(), seen_});
+  if (lists_.selected) frame.commands.stage("select-strokes");
   recolor_->record(frame.commands, frame.layers, lists_.recolored, {tracker(), seen_});
   const bool recolors = lists_.recolored != nullptr;
   if (recolors) frame.commands.stage("recolor-strokes");
@@ -101,7 +136,7 @@ std::vector<float> StrokeWork::residuals(const Frame& frame, const std::vector<f
   std::vector<float> result;
   auto next = rms.begin();
   for (const Stroke& stroke : frame.lists.all->strokes)
-    result.push_back(stroke.kind == Stroke::Kind::recolor || next == rms.end() ? 0 : *next++);
+    result.push_back(!is_solved(stroke) || next == rms.end() ? 0 : *next++);
   return result;
 }
 
@@ -123,6 +158,10 @@ std::vector<StrokePlace> StrokeWork::places(const Frame& frame) {
 void StrokeWork::completed(const Log& log, uint64_t number, const std::vector<float>& rms,
                            const std::optional<SceneView>& view) {
   const Frame& frame = frames_[number];
+  if (frame.picks) {
+    const auto* color = frame.color->map_as<float>();
+    StrokeEditor::pick(log, {color[0], color[1], color[2]});
+  }
   if (!frame.lists.all) return;
   editor_.check(frame.lists.all, residuals(frame, rms), places(frame));
   if (view) editor_.see(log, *frame.lists.all, places(frame), *view);

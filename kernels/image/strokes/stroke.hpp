@@ -10,10 +10,10 @@
 namespace inverse {
 
 /// A line drawn over the frame: what lies under it has one shading, or one reflectance (thesis,
-/// 4.5), or gets the reflectance `color`. In pixels of the frame, the first one's center at .5; or
-/// balls in a remembered scene.
+/// 4.5), or gets the reflectance `color`, or is selected for other elements. In pixels of the
+/// frame, the first one's center at .5; or balls in a remembered scene.
 struct Stroke {
-  enum class Kind : uint8_t { shading, reflectance, recolor };
+  enum class Kind : uint8_t { shading, reflectance, recolor, select };
   using Point = Place;
   Kind kind = Kind::shading;
   std::vector<Point> points;  ///< at least one; may be outside of the frame

@@ -163,7 +163,7 @@ UselessStrokes find_useless(const StrokeList& list) {
                                      1.0F);
         if (!(depth > 0)) continue;
         ++covered[k];
-        if (kind == Kind::recolor) continue;
+        if (kind == Kind::recolor || kind == Kind::select) continue;
         Texel& texel =
             texels[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)];
         const bool other = texel.depth > 0 && list.strokes[texel.stroke].kind != kind;
