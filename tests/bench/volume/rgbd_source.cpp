@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "kernels/virtual_room/virtual_room.hpp"
 #include "tests/bench/metrics/png_file.hpp"
@@ -29,14 +30,28 @@ class Room final : public RgbdSource {
                     gpu::Buffer::create(lab.device(), gpu::Element::scalar, pixels),
                     lab.buffer(pixels),
                     pose,
+                    {},
                     {}};
+    const auto depth_of = [&] {
+      std::vector<float> meters;
+      const Pixels picture = lab.download(frame.picture);
+      for (size_t i = 0; i < pixels; ++i) meters.push_back(picture[4 * i + 3]);
+      return meters;
+    };
+    if (settings_.hand != HandTarget::none && n >= settings_.hand_from) {
+      frame.hand = room_hand(settings_.hand, pose, (n - settings_.hand_from) / settings_.rate);
+      lab.run([&](gpu::Commands& commands) {
+        room_.record(commands, lens(), extent(), at, 1, frame.picture, frame.layers);
+      });
+      frame.bare_depth = depth_of();
+    }
     lab.run([&](gpu::Commands& commands) {
-      room_.record(commands, lens(), extent(), at, 2, frame.picture, frame.layers);
+      room_.record(commands, lens(), extent(), at, 2, frame.picture, frame.layers,
+                   frame.hand.parts);
       room_.record_sensor(commands, extent(), frame.picture, frame.layers,
                           {.noise = float(settings_.noise)}, uint32_t(n), frame.depth);
     });
-    const Pixels picture = lab.download(frame.picture);
-    for (size_t i = 0; i < pixels; ++i) frame.true_depth.push_back(picture[4 * i + 3]);
+    frame.true_depth = depth_of();
     return frame;
   }
 
@@ -80,9 +95,9 @@ class Recording final : public RgbdSource {
         gpu::Buffer::create(lab.device(), gpu::Element::scalar, meters.size(), gpu::Memory::upload);
     memcpy(depths->map(), meters.data(), meters.size() * sizeof(float));
     const auto color_on_device = lab.upload(picture);
-    return {color_on_device, depths, color_on_device,
-            pose_of(meta_["frames"][size_t(n)]["camera"]["cam_to_world_opencv"]),
-            meters_of("Z", n)};
+    return {color_on_device,   depths,
+            color_on_device,   pose_of(meta_["frames"][size_t(n)]["camera"]["cam_to_world_opencv"]),
+            meters_of("Z", n), {}};
   }
 
  private:
@@ -128,9 +143,11 @@ gpu::BufferPtr pose_on(const Lab& lab, const Pose& pose) {
 
 std::unique_ptr<RgbdSource> open_rgbd(const Lab& lab, const std::string& name,
                                       const RgbdSettings& settings) {
-  if (name == "orbit" || name == "wall")
-    return std::make_unique<Room>(lab, name == "orbit" ? RoomPath::orbit : RoomPath::wall,
-                                  settings);
+  for (const auto& [path, place] : {std::pair("orbit", RoomPath::orbit),
+                                    {"wall", RoomPath::wall},
+                                    {"table", RoomPath::table},
+                                    {"still", RoomPath::still}})
+    if (name == path) return std::make_unique<Room>(lab, place, settings);
   return std::make_unique<Recording>(name, settings);
 }
 

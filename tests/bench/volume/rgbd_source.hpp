@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "kernels/virtual_room/hand.hpp"
 #include "kernels/volume/camera.hpp"
 #include "tests/bench/support/command_line.hpp"
 #include "tests/lab.hpp"
@@ -13,8 +14,10 @@ namespace inverse::bench {
 
 struct RgbdSettings {
   int frames = 240;
-  Extent size{320, 240};        ///< of the virtual room
-  double rate = 30, noise = 1;  ///< of its frames a second; of depth (0: exact)
+  Extent size{320, 240};               ///< of the virtual room
+  double rate = 30, noise = 1;         ///< of its frames a second; of depth (0: exact)
+  HandTarget hand = HandTarget::none;  ///< what a hand in it touches
+  int hand_from = 0;                   ///< the frame at which its time begins
 };
 
 /// --frames, --rate, --noise and --size, and what `own` are.
@@ -26,6 +29,8 @@ struct RgbdFrame {
   gpu::BufferPtr layers;  ///< true reflectance and shading; of a recording the picture
   Pose pose;
   std::vector<float> true_depth;  ///< meters
+  Hand hand;
+  std::vector<float> bare_depth = {};  ///< true depth without the hand; empty: there is none
 };
 
 class RgbdSource {
@@ -37,10 +42,10 @@ class RgbdSource {
   virtual RgbdFrame frame(const Lab& lab, int n) = 0;
 };
 
-/// `name`: orbit or wall, paths in the virtual room (kernels/virtual_room), whose depth has the
-/// noise and holes of a structured-light sensor, times `noise`; or a folder as desk_rgbd in the
-/// given data: meta.json, I8/NNN.png, Z/NNN.png and Zkinect/NNN.png, which is its depth unless
-/// `noise` is 0.
+/// `name`: orbit, wall, table or still, paths in the virtual room (kernels/virtual_room), whose
+/// depth has the noise and holes of a structured-light sensor, times `noise`; or a folder as
+/// desk_rgbd in the given data: meta.json, I8/NNN.png, Z/NNN.png and Zkinect/NNN.png, which is its
+/// depth unless `noise` is 0.
 std::unique_ptr<RgbdSource> open_rgbd(const Lab& lab, const std::string& name,
                                       const RgbdSettings& settings);
 
