@@ -11,13 +11,14 @@
 PLANE_IN(0, sums);
 PLANE_IN(1, pose);
 PLANE_OUT(2, touch);
+WORD_OUT(3, arm);
 layout(push_constant) uniform Push {
   vec4 lens;
   uvec2 tiles;
 } push;
 
 shared vec2 best_of[256];  // weight, tile
-shared uint reached[1024];  // a bit a tile; of further tiles, all are
+shared uint reached[TOUCH_ARM_WORDS];
 shared uint grows;
 
 vec4 around(uint tile, int slot) {
@@ -28,7 +29,8 @@ vec4 around(uint tile, int slot) {
   return sum;
 }
 
-bool is_reached(uint tile) { return tile >= 32768u || (reached[tile >> 5] >> (tile & 31u) & 1u) != 0u; }
+const uint kTiles = 32u * TOUCH_ARM_WORDS;
+bool is_reached(uint tile) { return tile >= kTiles || (reached[tile >> 5] >> (tile & 31u) & 1u) != 0u; }
 bool reached_around(uint tile) {
   ivec2 at = ivec2(tile % push.tiles.x, tile / push.tiles.x), last = ivec2(push.tiles) - 1;
   bool result = false;
@@ -39,12 +41,12 @@ bool reached_around(uint tile) {
 
 // Floods tiles that have at least four pixels in front, from those at the border of the picture on.
 void reach(uint count, uint own) {
-  for (uint i = own; i < 1024u; i += gl_WorkGroupSize.x) reached[i] = 0u;
+  for (uint i = own; i < TOUCH_ARM_WORDS; i += gl_WorkGroupSize.x) reached[i] = 0u;
   for (uint pass = 0u; pass <= count; ++pass) {
     barrier();
     if (own == 0u) grows = 0u;
     barrier();
-    for (uint tile = own; tile < min(count, 32768u); tile += gl_WorkGroupSize.x) {
+    for (uint tile = own; tile < min(count, kTiles); tile += gl_WorkGroupSize.x) {
       uvec2 at = uvec2(tile % push.tiles.x, tile / push.tiles.x);
       bool border = any(equal(at, uvec2(0u))) || any(equal(at + 1u, push.tiles));
       if (is_reached(tile) || FETCH(sums, int(TOUCH_STRIDE * tile) + 2).z < 4.0 || !(border || reached_around(tile))) continue;
@@ -59,6 +61,11 @@ void reach(uint count, uint own) {
 void main() {
   uint count = push.tiles.x * push.tiles.y, own = gl_LocalInvocationIndex;
   reach(count, own);
+  for (uint word = own; word < TOUCH_ARM_WORDS && 32u * word < count; word += gl_WorkGroupSize.x) {
+    uint bits = 0u;
+    for (uint bit = 0u; bit < min(count - 32u * word, 32u); ++bit) bits |= uint(reached_around(32u * word + bit)) << bit;
+    STORE(arm, word, bits);
+  }
   vec2 best = vec2(0.0);
   vec4 all = vec4(0.0);
   for (uint tile = own; tile < count; tile += gl_WorkGroupSize.x) {

@@ -8,6 +8,8 @@
 // w: pixels with a depth.
 #define TOUCH_TILE 8
 #define TOUCH_STRIDE 3
+// Tiles that something in front connects with the border of the picture, and those around them: a bit a tile. Of further tiles, all are.
+#define TOUCH_ARM_WORDS 1024
 // What a frame touches, in vec4: xyz: place in the world, w: area that is near the scene there, m², 0: nothing; rgb: ln R there, w: 1 if
 // it is known; x: mean distance, meters, y: pixels, z: share of pixels with a depth that are in front.
 #define TOUCH_RESULT 3

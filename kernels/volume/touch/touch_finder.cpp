@@ -27,7 +27,8 @@ TouchFinder::TouchFinder(const std::shared_ptr<gpu::Device>& device, Extent exte
       background_(device),
       sums_(gpu::Buffer::create(device, gpu::Element::vec4,
                                 tiles().pixels() * volume_touch_points::TOUCH_STRIDE)),
-      touch_(gpu::Buffer::create(device, gpu::Element::vec4, volume_touch_choose::TOUCH_RESULT)) {
+      touch_(gpu::Buffer::create(device, gpu::Element::vec4, volume_touch_choose::TOUCH_RESULT)),
+      arm_(gpu::Buffer::create(device, gpu::Element::word, volume_touch_choose::TOUCH_ARM_WORDS)) {
   for (gpu::BufferPtr& kinds : kinds_)
     kinds = gpu::Buffer::create(device, gpu::Element::word, extent.pixels());
 }
@@ -58,13 +59,13 @@ void TouchFinder::record(gpu::Commands& commands, const Frame& frame, const Volu
                      .sums = sums_},
                     {.lens = frame.lens.values(), .size = extent_},
                     static_cast<uint32_t>(tiles().pixels()) * kTile * kTile);
-  commands.dispatch(choose_, {.sums = sums_, .pose = frame.pose, .touch = touch_},
+  commands.dispatch(choose_, {.sums = sums_, .pose = frame.pose, .touch = touch_, .arm = arm_},
                     {.lens = frame.lens.values(), .tiles = tiles()}, gpu::kOneGroup);
 }
 
 void TouchFinder::record_background(gpu::Commands& commands, const gpu::BufferPtr& depth) const {
-  commands.dispatch(background_, {.kinds = kinds_[0], .depth = depth}, {.size = extent_},
-                    static_cast<uint32_t>(extent_.pixels()));
+  commands.dispatch(background_, {.kinds = kinds_[0], .arm = arm_, .depth = depth},
+                    {.size = extent_}, static_cast<uint32_t>(extent_.pixels()));
 }
 
 std::optional<Touch> TouchFinder::read(const float* result) {

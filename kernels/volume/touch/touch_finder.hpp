@@ -37,7 +37,8 @@ class TouchFinder {
   };
   /// Records finding both. `view` is that of the frame's pose.
   void record(gpu::Commands& commands, const Frame& frame, const Volume::View& view);
-  /// Records taking the depth away of what is in front in that frame: a scalar a pixel.
+  /// Records taking the depth away, a scalar a pixel, of what is in front in that frame and reaches
+  /// into the picture.
   void record_background(gpu::Commands& commands, const gpu::BufferPtr& depth) const;
 
   /// What was found, kResultBytes.
@@ -62,7 +63,7 @@ class TouchFinder {
   gpu::Program<shaders::volume_touch_choose> choose_;
   gpu::Program<shaders::volume_touch_background> background_;
   std::array<gpu::BufferPtr, 2> kinds_;
-  gpu::BufferPtr sums_, touch_;
+  gpu::BufferPtr sums_, touch_, arm_;
 };
 
 }  // namespace inverse

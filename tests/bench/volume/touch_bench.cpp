@@ -6,14 +6,15 @@
 //
 // TARGET: ball, dark-ball, box, book, table or print, what a hand touches that comes into the
 // picture every six seconds. The scene is seen for N frames before (80), then it is frozen
-// (--update: added to all the time). The first touch of three frames puts a filled stroke there.
-// Prints, of each target: the share of frames with a touch that was found and the distance of the
-// place found from the true one; the share of frames with a hand that is at least 5 cm away from
-// all in which a touch was found, and of those between; intersection over union of what is in front
-// with the hand, and the share of other pixels that are taken for it; the largest share of the
-// picture that the hand covers; root of the mean square distance of the camera from its true place
-// with the hand, and without one; and, of plain things, intersection over union of the filled
-// stroke with the thing from then on. --pictures writes every frame with a hand, marked.
+// (--update: added to all the time) and touch is looked for. The first touch of three frames puts a
+// filled stroke there. Prints, of each target: the share of frames with a touch that was found and
+// the distance of the place found from the true one; the share of frames with a hand that is at
+// least 5 cm away from all in which a touch was found, and of those between; intersection over
+// union of what is in front with the hand, and the share of other pixels that are taken for it; the
+// largest share of the picture that the hand covers; root of the mean square distance of the camera
+// from its true place with the hand, and without one; and, of plain things, intersection over union
+// of the filled stroke with the thing from then on. --pictures writes every frame with a hand,
+// marked.
 #include <cstdio>
 #include <cstring>
 #include <string>
@@ -105,7 +106,6 @@ Result play(const Lab& lab, const Settings& settings, const std::string& name) {
   SceneMemory::Params made;
   made.max_width = extent.width;
   SceneMemory memory(lab.device(), extent, made);
-  memory.set_touch(true);
   Result result;
   StrokesPtr placed;
   int touched = 0, since = 0;
@@ -124,6 +124,7 @@ Result play(const Lab& lab, const Settings& settings, const std::string& name) {
                                    n == 0 ? std::optional(frame.pose) : std::nullopt};
     memory.set_strokes(placed);
     memory.set_update(settings.update || n < settings.seen);
+    memory.set_touch(n >= settings.seen);
     commands.begin();
     const auto input = std::make_shared<Plane>(Plane{extent, frame.picture});
     const auto known = memory.record_recall(commands, uint64_t(n), depth, *input);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A hand that touches a remembered scene, by whole lines. The hand of rgbdtestsrc is there from
-// second .5 on, touches from 3 to 4.2 and has left at 5.5.
+// A hand that touches a remembered scene, by whole lines. The scene is seen for 6 s and then
+// frozen; the hand of rgbdtestsrc is there .5 s later, touches from 3 to 4.2 s and has left at 5.5.
 #include <gst/video/navigation.h>
 
 #include <array>
@@ -13,9 +13,10 @@
 namespace inverse::testing {
 namespace {
 
-constexpr int kRate = 10, kTouches = 30, kGone = 56;  // frames
+constexpr int kSeen = 60, kTouches = kSeen + 30, kGone = kSeen + 56;  // frames
 
-/// A line with a hand; `when(element, n)` is called before frame n is decomposed.
+/// A line with a hand that touches `hand`; `when(element, n)` is called before frame n is
+/// decomposed.
 struct Line {
   LineResult result;
   std::string strokes;  ///< the property at the end
@@ -25,19 +26,23 @@ struct Line {
   guint color = 0;
   gint mode = 0;
 
-  explicit Line(const std::string& source, const std::string& settings, int frames,
+  explicit Line(const char* hand, bool touch, const std::string& settings, int frames,
                 const std::string& after = "",
                 const std::function<void(GstElement*, int)>& when = {}) {
     int n = 0;
     const std::string line =
         "rgbdtestsrc name=source is-live=false samples=1 path=table num-buffers=" +
-        std::to_string(frames) + " " + source +
+        std::to_string(frames) +
         " ! video/x-raw,width=320,height=240,framerate=10/1 ! identity name=before ! "
         "intrinsicdecomp name=decomposer show=reflectance " +
         settings + " ! " + after + " video/x-raw,format=RGBA ! appsink name=out sync=false";
     result = run_line(line, 400, [&](GstElement* pipeline) {
       GstElement* element = find_element(pipeline, "decomposer");
-      watch_buffers(find_element(pipeline, "before"), "src", [&, element](GstBuffer*) {
+      watch_buffers(find_element(pipeline, "before"), "src", [&, element, pipeline](GstBuffer*) {
+        if (n == kSeen) {
+          gst_util_set_object_arg(G_OBJECT(find_element(pipeline, "source")), "hand", hand);
+          g_object_set(element, "scene-update", FALSE, "stroke-touch", touch, nullptr);
+        }
         if (when) when(element, n);
         ++n;
       });
@@ -79,8 +84,8 @@ nlohmann::json list_of(const std::string& strokes) {
 TEST(SceneTouch, DrawsOneStrokeWhereItTouches) {
   bool undone = false;
   std::string drawn;
-  const Line line("hand=book", "stroke-touch=true stroke-mode=recolor stroke-color=0xff20a040",
-                  kGone + 8, "", [&](GstElement* element, int n) {
+  const Line line("book", true, "stroke-mode=recolor stroke-color=0xff20a040", kGone + 8, "",
+                  [&](GstElement* element, int n) {
                     if (n != kGone) return;
                     gchar* text = nullptr;
                     gboolean done = FALSE;
@@ -110,30 +115,51 @@ TEST(SceneTouch, DrawsOneStrokeWhereItTouches) {
 
 // Who does not want it gets nothing of it.
 TEST(SceneTouch, IsOffAtFirst) {
-  const Line line("hand=book", "stroke-mode=recolor", kTouches + 8);
+  const Line line("book", false, "stroke-mode=recolor", kTouches + 8);
   EXPECT_EQ(line.strokes, "");
   EXPECT_EQ(line.messages("inverse-touch-began"), 0);
   EXPECT_EQ(std::count(line.touched.begin(), line.touched.end(), TRUE), 0);
 }
 
+// A first touch picks a color up, the next one gives it to another thing (thesis, Fig. 4.9).
 TEST(SceneTouch, PicksAColorAndThenPaints) {
-  std::string drawn;
-  const Line line("hand=dark-ball", "stroke-touch=true stroke-mode=pick", kGone + 2);
-  ASSERT_EQ(line.result.frames.size(), size_t(kGone + 2)) << line.result.first_error();
+  std::string picked = "none";
+  const int again = kSeen + 60;
+  const Line line("dark-ball", true, "stroke-mode=pick", again + 58, "",
+                  [&](GstElement* element, int n) {
+                    if (n != again) return;
+                    gchar* text = nullptr;
+                    g_object_get(element, "strokes", &text, nullptr);
+                    picked = text ? text : "";
+                    g_free(text);
+                    GstObject* pipeline = gst_object_get_parent(GST_OBJECT(element));
+                    gst_util_set_object_arg(G_OBJECT(find_element(GST_ELEMENT(pipeline), "source")),
+                                            "hand", "box");
+                    gst_object_unref(pipeline);
+                  });
+  ASSERT_EQ(line.result.frames.size(), size_t(again + 58)) << line.result.first_error();
+  EXPECT_EQ(picked, "") << "the touch that picks draws nothing";
   EXPECT_EQ(line.mode, 3) << "recolor";
-  EXPECT_EQ(line.strokes, "") << "the touch that picks draws nothing";
   // The ball is black.
   for (const int shift : {0, 8, 16}) EXPECT_LT(line.color >> shift & 0xffU, 0x60U) << shift;
   EXPECT_EQ(line.color >> 24, 0xffU);
+  const auto list = list_of(line.strokes);
+  ASSERT_EQ(list.size(), 1U) << line.strokes;
+  EXPECT_EQ(std::stoul(list[0]["color"].get<std::string>().substr(1), nullptr, 16),
+            line.color & 0xffffffU);
+  double square = 0;
+  for (size_t c = 0; c < 3; ++c)
+    square += std::pow(double{list[0]["balls"][0][c]} - line.contact[c], 2);
+  EXPECT_LT(std::sqrt(square), 0.03);
 }
 
 TEST(SceneTouch, TheMousePicksAColor) {
-  const Line line("path=still", "stroke-mode=pick", 12, "", [](GstElement* element, int n) {
+  const Line line("none", false, "stroke-mode=pick", 12, "", [](GstElement* element, int n) {
     if (n != 5) return;
     GstPad* pad = gst_element_get_static_pad(element, "src");
     // The blue box at the right.
-    gst_pad_send_event(pad, gst_navigation_event_new_mouse_button_press(
-                                1, 290, 105, GST_NAVIGATION_MODIFIER_NONE));
+    gst_pad_send_event(
+        pad, gst_navigation_event_new_mouse_button_press(1, 310, 30, GST_NAVIGATION_MODIFIER_NONE));
     gst_object_unref(pad);
   });
   EXPECT_EQ(line.mode, 3) << "recolor";
@@ -143,12 +169,10 @@ TEST(SceneTouch, TheMousePicksAColor) {
 
 // A segment is filled from a touch, and only its shading changes (thesis, 4.8).
 TEST(SceneTouch, SelectsForElementsThatFollow) {
-  const std::string hand = "hand=dark-ball",
-                    settings =
-                        "stroke-touch=true stroke-mode=select stroke-fill=true "
-                        "stroke-radius=5";
-  const Line plain(hand, settings, kGone + 2, "intrinsiccompose !"),
-      toned(hand, settings, kGone + 2,
+  const char* hand = "dark-ball";
+  const std::string settings = "stroke-mode=select stroke-fill=true stroke-radius=5";
+  const Line plain(hand, true, settings, kGone + 2, "intrinsiccompose !"),
+      toned(hand, true, settings, kGone + 2,
             "intrinsictone look=custom curve=\"-5,-1 5,9\" middle=0.3 ! intrinsiccompose !");
   ASSERT_EQ(toned.result.frames.size(), size_t(kGone + 2)) << toned.result.first_error();
   ASSERT_EQ(list_of(toned.strokes).size(), 1U) << toned.strokes;
@@ -158,14 +182,14 @@ TEST(SceneTouch, SelectsForElementsThatFollow) {
       count += std::abs(int{plain.result.frames[n][i]} - int{toned.result.frames[n][i]}) > 8;
     return count;
   };
-  EXPECT_EQ(changed(20), 0U) << "nothing is selected before the touch";
+  EXPECT_EQ(changed(kSeen + 20), 0U) << "nothing is selected before the touch";
   const size_t last = size_t(kGone) + 1, ball = changed(last);
   EXPECT_GT(ball, 500U);
   EXPECT_LT(ball, 3U * 3500U) << "the ball is some 2 000 pixels";
 }
 
 TEST(SceneTouch, AFrozenSceneStaysAsItIs) {
-  const Line line("hand=book", "scene-update=true", 30, "", [](GstElement* element, int n) {
+  const Line line("none", false, "scene-update=true", 30, "", [](GstElement* element, int n) {
     if (n == 4) g_object_set(element, "scene-update", FALSE, nullptr);
     if (n == 24) g_object_set(element, "scene-update", TRUE, nullptr);
   });
@@ -177,11 +201,11 @@ TEST(SceneTouch, AFrozenSceneStaysAsItIs) {
 }
 
 TEST(SceneTouch, SaysWhatItNeeds) {
-  const Line frozen("", "scene-update=false", 4);
+  const Line frozen("none", false, "scene-update=false", 4);
   ASSERT_EQ(frozen.result.warnings.size(), 1U);
   EXPECT_NE(frozen.result.warnings[0].find("scene-load"), std::string::npos);
   EXPECT_EQ(frozen.result.frames.size(), 4U);
-  const Line without("", "stroke-touch=true scene-memory=false", 4);
+  const Line without("none", false, "stroke-touch=true scene-memory=false", 4);
   ASSERT_EQ(without.result.warnings.size(), 1U);
   EXPECT_NE(without.result.warnings[0].find("stroke-touch needs"), std::string::npos);
 }

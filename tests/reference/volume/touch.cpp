@@ -28,6 +28,8 @@ void around(int width, int height, int x, int y, int reach, F f) {
       f(std::size_t(v) * std::size_t(width) + std::size_t(u));
 }
 
+constexpr int kTile = 8;
+
 /// Tiles with at least four pixels in front that such tiles connect with the border.
 std::vector<bool> reached_tiles(int across, int down, const std::vector<int>& in_front) {
   std::vector<bool> reached(in_front.size());
@@ -87,21 +89,18 @@ TouchFound touch(const Camera& camera, const std::vector<double>& depth,
                  const std::vector<double>& view, const Plane& reflectance,
                  const std::vector<TouchKind>& kinds) {
   constexpr double kNear = 0.022;
-  constexpr int kSide = 4, kTile = 8;
+  constexpr int kSide = 4;
   struct Sums {
     Vec3 place{}, color{};
     double weight = 0, colored = 0, distance = 0, pixels = 0;
   };
   const int across = (camera.width + kTile - 1) / kTile, down = (camera.height + kTile - 1) / kTile;
   std::vector<Sums> tiles(std::size_t(across) * std::size_t(down));
-  std::vector<int> in_front(tiles.size());
   double front = 0, measured = 0;
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
       const std::size_t at = reflectance.index(x, y);
       front += kinds[at].front;
-      in_front[std::size_t(y / kTile) * std::size_t(across) + std::size_t(x / kTile)] +=
-          kinds[at].front;
       measured += depth[at] > 0;
       if (!kinds[at].front || !kinds[at].skin) continue;
       const auto point = [&](int u, int v, double z) {
@@ -142,13 +141,11 @@ TouchFound touch(const Camera& camera, const std::vector<double>& depth,
       sums.distance += weight * nearest;
       ++sums.pixels;
     }
-  const std::vector<bool> reached = reached_tiles(across, down, in_front);
+  const std::vector<bool> arm = arm_tiles(camera.width, camera.height, kinds);
   Sums best;
   for (int y = 0; y < down; ++y)
     for (int x = 0; x < across; ++x) {
-      bool counts = false;
-      around(across, down, x, y, 1, [&](std::size_t n) { counts = counts || reached[n]; });
-      if (!counts) continue;
+      if (!arm[std::size_t(y) * std::size_t(across) + std::size_t(x)]) continue;
       Sums sums;
       around(across, down, x, y, 1, [&](std::size_t n) {
         for (std::size_t c = 0; c < 3; ++c) {
@@ -177,14 +174,37 @@ TouchFound touch(const Camera& camera, const std::vector<double>& depth,
   return found;
 }
 
+std::vector<bool> arm_tiles(int width, int height, const std::vector<TouchKind>& kinds) {
+  const int across = (width + kTile - 1) / kTile, down = (height + kTile - 1) / kTile;
+  const auto tile = [&](int x, int y) {
+    return std::size_t(y) * std::size_t(across) + std::size_t(x);
+  };
+  std::vector<int> in_front(std::size_t(across) * std::size_t(down));
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      in_front[tile(x / kTile, y / kTile)] +=
+          kinds[std::size_t(y) * std::size_t(width) + std::size_t(x)].front;
+  const std::vector<bool> reached = reached_tiles(across, down, in_front);
+  std::vector<bool> arm(reached.size());
+  for (int y = 0; y < down; ++y)
+    for (int x = 0; x < across; ++x)
+      around(across, down, x, y, 1, [&](std::size_t n) {
+        if (reached[n]) arm[tile(x, y)] = true;
+      });
+  return arm;
+}
+
 std::vector<double> background(int width, int height, const std::vector<double>& depth,
                                const std::vector<TouchKind>& kinds) {
   std::vector<double> kept = depth;
+  const std::vector<bool> arm = arm_tiles(width, height, kinds);
+  const int across = (width + kTile - 1) / kTile;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
-      around(width, height, x, y, 2, [&](std::size_t n) {
-        if (kinds[n].front) kept[std::size_t(y) * std::size_t(width) + std::size_t(x)] = 0;
-      });
+      if (arm[std::size_t(y / kTile) * std::size_t(across) + std::size_t(x / kTile)])
+        around(width, height, x, y, 2, [&](std::size_t n) {
+          if (kinds[n].front) kept[std::size_t(y) * std::size_t(width) + std::size_t(x)] = 0;
+        });
   return kept;
 }
 

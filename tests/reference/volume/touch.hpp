@@ -30,8 +30,7 @@ std::vector<TouchKind> grow(int width, int height, const std::vector<double>& de
 
 /// The touch of a frame. Skin in front has the weight (1 - d / 2.2 cm)², d its distance to the
 /// nearest place of the view, of 9 x 9 within about that. Of 3 x 3 tiles of 8 x 8 pixels, those
-/// with most weight count, if tiles with at least four pixels in front connect them with the border
-/// of the picture.
+/// with most weight count; the one in the middle is one of arm_tiles.
 struct TouchFound {
   Vec3 place{};     ///< mean of the nearest places, in the world
   double area = 0;  ///< m², weighted; 0: nothing is touched
@@ -46,7 +45,11 @@ TouchFound touch(const Camera& camera, const std::vector<double>& depth,
                  const std::vector<double>& view, const Plane& reflectance,
                  const std::vector<TouchKind>& kinds);
 
-/// Depth without that of what is in front, and of two pixels around.
+/// Of tiles of 8 × 8 pixels, row by row: whether tiles with at least four pixels in front connect
+/// it, or one around it, with the border of the picture.
+std::vector<bool> arm_tiles(int width, int height, const std::vector<TouchKind>& kinds);
+
+/// Depth without that of what is in front, and of two pixels around, in those tiles.
 std::vector<double> background(int width, int height, const std::vector<double>& depth,
                                const std::vector<TouchKind>& kinds);
 
