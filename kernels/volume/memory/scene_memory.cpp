@@ -41,7 +41,7 @@ Pose pose_in(const gpu::BufferPtr& read) {
 Tracker::Params from_afar(Tracker::Params params) {
   params.steps = {4, 6, 10};
   params.max_distance = {0.05F, 0.15F, 0.3F};
-  params.photometric = 0;
+  params.photometric = {};
   params.min_share = std::max(params.min_share, 0.5F);  // other places may look a little alike
   return params;
 }
@@ -169,7 +169,7 @@ std::optional<KnownReflectance> SceneMemory::record_recall(gpu::Commands& comman
   tracker_.record_frame(commands, lens_, depth_, resized(commands, picture));
   tracked_ = added_ > 0 && (params_.track || !depth.pose);
   if (!tracked_) {
-    commands.copy(upload(number, depth.pose.value_or(Pose{})), tracker_.pose(), kPoseBytes);
+    tracker_.record_pose(commands, upload(number, depth.pose.value_or(Pose{})));
   } else if (candidate) {
     commands.dispatch(retry_,
                       {.found = tracker_.found(),
