@@ -138,7 +138,7 @@ bool SceneWork::begin(FrameContext& frame, const SceneMemory::Depth& depth,
     return false;
   }
   made_with_ = params;
-  has_scene_ = true;
+  began_ = has_scene_ = true;
   if (!params.scene_load.empty()) load(frame, params.scene_load);
   return true;
 }
@@ -208,9 +208,11 @@ void SceneWork::warn_of(FrameContext& frame, const SceneMemory::Findings& found)
 const KnownReflectance* SceneWork::recall(FrameContext& frame, uint64_t number,
                                           const SceneParams& params, const StrokesPtr& strokes,
                                           bool keep_view) {
-  remembers_ = false;
+  remembers_ = began_ = false;
   seen_.reset();
-  if (!params.scene_memory && memory_) reset();
+  if (frame.fresh) told_.clear();
+  const bool forgets = forgets_.exchange(false) || frame.new_stream || !params.scene_memory;
+  if (memory_ && (forgets || (frame.fresh && !memory_->look_for_camera()))) reset();
   const GstInverseDepthMeta* meta =
       frame.in && params.scene_memory ? gst_buffer_get_inverse_depth_meta(frame.in) : nullptr;
   if (!meta) {
@@ -280,6 +282,9 @@ std::vector<Action> scene_actions() {
                        static_cast<Decomposer&>(filter).method().scene()->save(path ? path : "");
                      },
                      true});
+  actions.push_back({"forget-scene", {}, [](Filter& filter, const GValue*) {
+                       static_cast<Decomposer&>(filter).method().scene()->forget();
+                     }});
   return actions;
 }
 

@@ -160,10 +160,10 @@ std::optional<KnownReflectance> SceneMemory::record_recall(gpu::Commands& comman
   if (strokes_ && frames_[number].number)
     strokes_->heard(*(frames_[number].found->map_as<uint32_t>() + kLeftAt / sizeof(uint32_t)));
   std::optional<Pose> candidate = learn(number);
-  // In a scene from a file the camera is lost at first.
-  if (std::exchange(restored_, false)) {
+  if (std::exchange(searches_, false)) {
     commands.fill(tracker_.found());
-    candidate = keyframes_.size() > 0 ? keyframes_.frames()[0].pose : Pose{};
+    const Pose first = keyframes_.size() > 0 ? keyframes_.frames()[0].pose : Pose{};
+    candidate = depth.pose.value_or(first);
   }
   read(commands, number, depth);
   tracker_.record_frame(commands, lens_, depth_, resized(commands, picture));
@@ -257,7 +257,12 @@ void SceneMemory::restore(const SceneData& scene) {
   volume_.restore(scene.volume);
   keyframes_.set(scene.keyframes);
   added_ = params_.always;
-  restored_ = true;
+  searches_ = true;
+}
+
+bool SceneMemory::look_for_camera() {
+  searches_ = keyframes_.size() > 0;
+  return searches_;
 }
 
 void SceneMemory::set_strokes(const StrokesPtr& strokes) {

@@ -70,6 +70,10 @@ class SceneMemory {
   /// Volume::restore's errors.
   void restore(const SceneData& scene);
 
+  /// What was before the next frame is another part of the stream: the camera is looked for in the
+  /// scene. False: nothing of it is known yet, so begin anew.
+  bool look_for_camera();
+
   /// Strokes, of which those in the scene are drawn into it; null: none.
   void set_strokes(const StrokesPtr& strokes);
   /// Of the frame of the last `record_recall`: where it sees them. Empty: no stroke is in the
@@ -149,7 +153,7 @@ class SceneMemory {
   std::optional<SceneStrokes> strokes_;  // made for the first one in the scene
   StrokesPtr stroke_list_;
   bool keeps_views_ = false;
-  bool restored_ = false;  // and no frame was shown since
+  bool searches_ = false;  // for the camera, in the next frame
   bool viewed_ = false;    // this frame
   uint32_t tries_ = 0;     // frames since the camera was lost, in a row
 };
