@@ -263,14 +263,15 @@ void SceneWork::describe(GstStructure* stats, uint64_t number) const {
   const auto of_frame = memory_ ? memory_->findings(number) : std::nullopt;
   if (!of_frame) return;
   const SceneMemory::Findings& found = *of_frame;
-  gst_structure_set(
-      stats, "scene-camera-found", G_TYPE_BOOLEAN, found.found, "scene-frames-lost", G_TYPE_UINT,
-      found.frames_lost, "scene-match-rms", G_TYPE_DOUBLE, static_cast<double>(found.rms),
-      "scene-matched", G_TYPE_DOUBLE, static_cast<double>(found.matched), "scene-blocks",
-      G_TYPE_UINT, found.blocks, "scene-blocks-visible", G_TYPE_UINT, found.blocks_visible,
-      "scene-blocks-refused", G_TYPE_UINT, found.blocks_refused, "scene-memory-mib", G_TYPE_DOUBLE,
-      found.blocks * double{Volume::kBlockBytes} / kMiB, "scene-keyframes", G_TYPE_UINT,
-      found.keyframes, "scene-added", G_TYPE_BOOLEAN, found.added, nullptr);
+  gst_structure_set(stats, "scene-camera-found", G_TYPE_BOOLEAN, found.found, "scene-frames-lost",
+                    G_TYPE_UINT, found.frames_lost, "scene-match-rms", G_TYPE_DOUBLE,
+                    static_cast<double>(found.rms), "scene-matched", G_TYPE_DOUBLE,
+                    static_cast<double>(found.matched), "scene-blocks", G_TYPE_UINT, found.blocks,
+                    "scene-blocks-visible", G_TYPE_UINT, found.blocks_visible,
+                    "scene-blocks-refused", G_TYPE_UINT, found.blocks_refused, "scene-memory-mib",
+                    G_TYPE_DOUBLE, found.blocks * double{Volume::kBlockBytes} / kMiB,
+                    "scene-keyframes", G_TYPE_UINT, found.keyframes, "scene-added", G_TYPE_BOOLEAN,
+                    found.added, "scene-view-kept", G_TYPE_BOOLEAN, found.view_kept, nullptr);
 }
 
 std::vector<Action> scene_actions() {

@@ -20,12 +20,12 @@ constexpr uint64_t kPoseBytes = 8 * sizeof(float);
 constexpr uint32_t kCells = shaders::volume_memory_thumbnail::kThumbnailWidth *
                             shaders::volume_memory_thumbnail::kThumbnailHeight;
 constexpr uint64_t kThumbnailBytes = kCells * 4 * sizeof(float);
-constexpr uint64_t kLeftBytes = sizeof(uint32_t);
+constexpr uint64_t kLeftBytes = sizeof(uint32_t), kOutdatedBytes = sizeof(uint32_t);
 // Of what is read back: what tracking found, the volume's state, the pose, the thumbnail, how many
-// voxels strokes are to spread from.
+// voxels strokes are to spread from, whether the view was rendered.
 constexpr uint64_t kStateAt = kFoundBytes, kPoseAt = kStateAt + kStateBytes,
                    kThumbnailAt = kPoseAt + kPoseBytes, kLeftAt = kThumbnailAt + kThumbnailBytes,
-                   kReadBytes = kLeftAt + kLeftBytes;
+                   kOutdatedAt = kLeftAt + kLeftBytes, kReadBytes = kOutdatedAt + kOutdatedBytes;
 // Additions of frames after which strokes are drawn into what is new.
 constexpr uint32_t kStrokesEvery = 4;
 
@@ -230,7 +230,8 @@ void SceneMemory::record_remember(gpu::Commands& commands, const Plane& layers) 
       {.source = found, .bytes = kFoundBytes},
       {.source = volume_.state(), .bytes = kStateBytes, .target_offset = kStateAt},
       {.source = tracker_.pose(), .bytes = kPoseBytes, .target_offset = kPoseAt},
-      {.source = thumbnail_plane_, .bytes = kThumbnailBytes, .target_offset = kThumbnailAt}};
+      {.source = thumbnail_plane_, .bytes = kThumbnailBytes, .target_offset = kThumbnailAt},
+      {.source = view_.outdated, .bytes = kOutdatedBytes, .target_offset = kOutdatedAt}};
   InFlight& frame = frames_[number_];
   frame.added = adds;
   if (strokes_)
@@ -310,6 +311,7 @@ std::optional<SceneMemory::Findings> SceneMemory::findings(uint64_t number) cons
                   .blocks_refused = state[volume_list::kRefused],
                   .blocks_outside = state[volume_list::kOutside],
                   .keyframes = static_cast<uint32_t>(keyframes_.size()),
+                  .view_kept = frame.found->map_as<uint32_t>()[kOutdatedAt / sizeof(uint32_t)] == 0,
                   .added = frame.added};
 }
 

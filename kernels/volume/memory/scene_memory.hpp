@@ -99,6 +99,7 @@ class SceneMemory {
     uint32_t blocks_refused = 0;  ///< for which the frame found no memory
     uint32_t blocks_outside = 0;  ///< too far from where the camera began
     uint32_t keyframes = 0;       ///< so far
+    bool view_kept = false;       ///< what is known was not rendered anew: nothing had changed
     bool added = false;           ///< it was to be added; it was not if the camera was not found
   };
   /// Of one of the last kFramesInFlight frames, once its Commands have been waited for; empty: it

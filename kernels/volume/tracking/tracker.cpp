@@ -28,7 +28,6 @@ Tracker::Tracker(const std::shared_ptr<gpu::Device>& device, Extent extent)
       move_(device, {}, gpu::kOneGroup),
       predict_(device),
       pose_(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
-      target_pose_(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
       start_(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
       before_(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
       found_(gpu::Buffer::create(device, gpu::Element::vec4, volume_tracking_move::kFoundStride)) {
@@ -86,7 +85,7 @@ void Tracker::record_pose(gpu::Commands& commands, const gpu::BufferPtr& pose) {
 void Tracker::record_target(gpu::Commands& commands, const Volume::View& view,
                             const gpu::BufferPtr& layers) {
   const auto pixels = static_cast<uint32_t>(frame_[0].extent.pixels());
-  commands.copy(pose_, target_pose_, target_pose_->bytes());
+  target_pose_ = view.pose;
   commands.dispatch(appearance_,
                     {.reflectance = view.reflectance,
                      .layers = layers,

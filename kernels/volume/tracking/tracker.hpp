@@ -47,8 +47,8 @@ class Tracker {
   /// Normal and depth of that frame, as Volume::Frame::surface.
   const gpu::BufferPtr& surface() const { return frame_[0].surface; }
 
-  /// Records what the next frames are brought onto: a view from pose(), of the size and with the
-  /// lens of the last frame, under the light that `layers` have (R.rgb, S) of that frame.
+  /// Records what the next frames are brought onto: a view of the size and with the lens of the
+  /// last frame, under the light that `layers` have (R.rgb, S) of that frame.
   void record_target(gpu::Commands& commands, const Volume::View& view,
                      const gpu::BufferPtr& layers);
   /// Records moving pose() to where the frame matches the target, from where it is if the motion

@@ -36,7 +36,7 @@ void follow(const Lab& lab, const std::string& name, RgbdSource& source, const S
   const Lens lens = source.lens();
   Volume volume(lab.device(), {.voxel = float(settings.voxel)});
   Tracker tracker(lab.device(), extent);
-  const Volume::View view(lab.device(), extent);
+  Volume::View view(lab.device(), extent);
   Tracker::Params params;
   const auto photometric = float(settings.photometric);
   params.photometric = {photometric, photometric, 0};

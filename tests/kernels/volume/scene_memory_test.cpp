@@ -256,6 +256,7 @@ TEST_F(SceneMemoryTest, AStillCameraAddsNoMore) {
   // The first frame has nothing to match, which the host hears some frames later.
   EXPECT_LE(added, 7 + int(gpu::kFramesInFlight));
   EXPECT_FALSE(found(memory).added);
+  EXPECT_TRUE(found(memory).view_kept);
   // A thing in front of a quarter of the picture.
   std::vector<uint16_t> steps = frame.steps;
   for (size_t i = 0; i < steps.size(); ++i)

@@ -25,7 +25,7 @@ class TrackerTest : public VolumeFixture {
     Volume volume(device, {.voxel = 0.02F, .blocks = 8192});
     const Extent extent = extent_of(path(0));
     Tracker tracker(device, extent);
-    const Volume::View view(device, extent);
+    Volume::View view(device, extent);
     Errors errors;
     for (int i = 0; i < 30; ++i) {
       const Camera camera = path(0.05 * i);
@@ -110,6 +110,7 @@ TEST_F(TrackerTest, StepsAgreeWithReference) {
                                       : brightness[n]);
     }
     view.depth = scalars(view_depth);
+    view.pose = pose_of(view_camera);
     view.reflectance = upload(reflectance);
     const auto depths = scalars(seen.depth), lit = upload(layers), view_pose = pose_of(view_camera),
                start_pose = pose_of(start), picture = upload(to_pixels(seen.layers));
@@ -245,7 +246,7 @@ TEST_F(TrackerTest, SaysThatItIsLost) {
   for (size_t i = 0; i < std::size(frames); ++i) {
     Volume volume(device, {.voxel = 0.02F, .blocks = 8192});
     Tracker tracker(device, extent);
-    const Volume::View view(device, extent);
+    Volume::View view(device, extent);
     const auto good = scalars(seen.depth), depth = scalars(frames[i]);
     run([&](gpu::Commands& commands) {
       tracker.record_frame(commands, lens, good, picture);
