@@ -245,7 +245,11 @@ gboolean sink_event(GstBaseTransform* transform, GstEvent* event) {
     element_of(transform).set_flushing(false);
     element_of(transform).flush("flush");
   }
-  if (GST_EVENT_TYPE(event) == GST_EVENT_STREAM_START) element_of(transform).flush("new stream");
+  if (GST_EVENT_TYPE(event) == GST_EVENT_STREAM_START) {
+    const gchar* id = nullptr;
+    gst_event_parse_stream_start(event, &id);
+    element_of(transform).start_stream(id);
+  }
   if (GST_EVENT_TYPE(event) == GST_EVENT_EOS) element_of(transform).ended();
   const bool caps = GST_EVENT_TYPE(event) == GST_EVENT_CAPS;
   const gboolean good = GST_BASE_TRANSFORM_CLASS(parent_class)->sink_event(transform, event);

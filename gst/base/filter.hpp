@@ -52,9 +52,10 @@ struct FrameContext {
 
   bool fresh = false;  ///< the filter was reset before this frame: start, caps that differ in more
                        ///< than frame rate and pixel aspect ratio, flush, seek, gap
-  bool draw = false;   ///< pixels go out: set `picture`
-  bool alpha = false;  ///< these pixels have alpha, w of the picture
-  bool gray = false;   ///< the buffer's pixels have no color
+  bool new_stream = false;    ///< and it is the first of a stream
+  bool draw = false;          ///< pixels go out: set `picture`
+  bool alpha = false;         ///< these pixels have alpha, w of the picture
+  bool gray = false;          ///< the buffer's pixels have no color
   bool repeated = false;      ///< the picture of the frame before came again, byte by byte
   bool keep_planes = false;   ///< repeats are frequent: keep the planes of this frame for the next
   bool same_picture = false;  ///< out: the picture is the one drawn last

@@ -161,6 +161,11 @@ void FilterElement::flush(const char* reason) {
   filter_->flushed();
 }
 
+void FilterElement::start_stream(const char* id) {
+  flush("new stream");
+  if (std::exchange(stream_id_, id) != id) new_stream_ = true;
+}
+
 void FilterElement::wait(Slot& slot, const char* reason) {
   if (slot.commands->done()) {
     slot.commands->wait();
@@ -333,6 +338,7 @@ void FilterElement::run_frame(GstBuffer* in, GstBuffer* out,
                      .in = in,
                      .time = stream_time(in),
                      .fresh = fresh,
+                     .new_stream = new_stream_.exchange(false),
                      .draw = !out_layers_,
                      .alpha = !out_layers_ && GST_VIDEO_INFO_HAS_ALPHA(&out_info_),
                      .gray = !in_layers_ && GST_VIDEO_INFO_IS_GRAY(&in_info_),

@@ -47,6 +47,8 @@ class FilterElement {
   void set_flushing(bool flushing);
   /// The next frame starts afresh, without what users asked for; `reason` is for the log.
   void flush(const char* reason);
+  /// So it does, and is the first of a stream; not if `id` is that of the stream before.
+  void start_stream(const char* id);
   /// The stream ended, or will stop.
   void ended();
   /// Runs an action signal; posts a warning and returns false if it throws. From any thread.
@@ -145,7 +147,7 @@ class FilterElement {
   GstVideoFormat reported_format_ = GST_VIDEO_FORMAT_UNKNOWN;  // last, by check_format
   bool in_layers_ = false, in_images_ = false, out_layers_ = false;
   bool configured_ = false;
-  std::atomic<bool> fresh_{true}, flushing_{false}, stats_read_{false};
+  std::atomic<bool> fresh_{true}, new_stream_{false}, flushing_{false}, stats_read_{false};
   bool transforms_ = false;  // a frame, now
   std::unique_ptr<FrameInput> input_;
   std::unique_ptr<FrameOutput> output_;
@@ -159,6 +161,7 @@ class FilterElement {
   uint64_t number_ = 0;  // frames since `configure`
   uint64_t frames_ = 0;  // completed since the stream began
   GstClockTime last_time_ = GST_CLOCK_TIME_NONE;
+  std::string stream_id_;
   std::atomic<GstClockTime> latency_{0};
 
   mutable std::mutex mutex_;  // device_name_, stats_, late_ms_

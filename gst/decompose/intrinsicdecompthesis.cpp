@@ -145,8 +145,6 @@ class ThesisMethod final : public DecompositionMethod {
     mask_->forget();
     before_ = {};
     stroke_work_.reset();
-    scene_work_.reset();
-    strokes_.forget_scene();
   }
 
   uint64_t decompose(FrameContext& frame) override {
@@ -157,6 +155,7 @@ class ThesisMethod final : public DecompositionMethod {
     const uint64_t number = method_->recorded();
     stroke_work_.take(frame, number, set, frame.draw && set.show == Show::mosaic);
     const KnownReflectance* known = scene_work_.recall(frame, number, set, stroke_work_.wanted());
+    if (scene_work_.began()) strokes_.forget_scene();
     stroke_work_.see(number, scene_work_.seen());
     take_strokes(frame);
     const PlanePtr input = frame.layers[Role::input];

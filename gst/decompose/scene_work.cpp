@@ -138,7 +138,7 @@ bool SceneWork::begin(FrameContext& frame, const SceneMemory::Depth& depth,
     return false;
   }
   made_with_ = params;
-  has_scene_ = true;
+  began_ = has_scene_ = true;
   if (!params.scene_load.empty()) load(frame, params.scene_load);
   return true;
 }
@@ -207,9 +207,11 @@ void SceneWork::warn_of(FrameContext& frame, const SceneMemory::Findings& found)
 
 const KnownReflectance* SceneWork::recall(FrameContext& frame, uint64_t number,
                                           const SceneParams& params, const Wanted& wanted) {
-  remembers_ = false;
+  remembers_ = began_ = false;
   seen_.reset();
-  if (!params.scene_memory && memory_) reset();
+  if (frame.fresh) told_.clear();
+  const bool forgets = forgets_.exchange(false) || frame.new_stream || !params.scene_memory;
+  if (memory_ && (forgets || (frame.fresh && !memory_->look_for_camera()))) reset();
   const GstInverseDepthMeta* meta =
       frame.in && params.scene_memory ? gst_buffer_get_inverse_depth_meta(frame.in) : nullptr;
   if (!meta) {
@@ -271,14 +273,15 @@ void SceneWork::describe(GstStructure* stats, uint64_t number) const {
   const auto of_frame = memory_ ? memory_->findings(number) : std::nullopt;
   if (!of_frame) return;
   const SceneMemory::Findings& found = *of_frame;
-  gst_structure_set(
-      stats, "scene-camera-found", G_TYPE_BOOLEAN, found.found, "scene-frames-lost", G_TYPE_UINT,
-      found.frames_lost, "scene-match-rms", G_TYPE_DOUBLE, static_cast<double>(found.rms),
-      "scene-matched", G_TYPE_DOUBLE, static_cast<double>(found.matched), "scene-blocks",
-      G_TYPE_UINT, found.blocks, "scene-blocks-visible", G_TYPE_UINT, found.blocks_visible,
-      "scene-blocks-refused", G_TYPE_UINT, found.blocks_refused, "scene-memory-mib", G_TYPE_DOUBLE,
-      found.blocks * double{Volume::kBlockBytes} / kMiB, "scene-keyframes", G_TYPE_UINT,
-      found.keyframes, "scene-added", G_TYPE_BOOLEAN, found.added, nullptr);
+  gst_structure_set(stats, "scene-camera-found", G_TYPE_BOOLEAN, found.found, "scene-frames-lost",
+                    G_TYPE_UINT, found.frames_lost, "scene-match-rms", G_TYPE_DOUBLE,
+                    static_cast<double>(found.rms), "scene-matched", G_TYPE_DOUBLE,
+                    static_cast<double>(found.matched), "scene-blocks", G_TYPE_UINT, found.blocks,
+                    "scene-blocks-visible", G_TYPE_UINT, found.blocks_visible,
+                    "scene-blocks-refused", G_TYPE_UINT, found.blocks_refused, "scene-memory-mib",
+                    G_TYPE_DOUBLE, found.blocks * double{Volume::kBlockBytes} / kMiB,
+                    "scene-keyframes", G_TYPE_UINT, found.keyframes, "scene-added", G_TYPE_BOOLEAN,
+                    found.added, "scene-view-kept", G_TYPE_BOOLEAN, found.view_kept, nullptr);
   if (!found.front) return;
   const bool touches = memory_->touch(number).has_value();
   gst_structure_set(stats, "scene-front", G_TYPE_DOUBLE, static_cast<double>(*found.front),
@@ -294,6 +297,9 @@ std::vector<Action> scene_actions() {
                        static_cast<Decomposer&>(filter).method().scene()->save(path ? path : "");
                      },
                      true});
+  actions.push_back({"forget-scene", {}, [](Filter& filter, const GValue*) {
+                       static_cast<Decomposer&>(filter).method().scene()->forget();
+                     }});
   return actions;
 }
 

@@ -63,8 +63,6 @@ class SceneWork {
  public:
   void configure(const std::shared_ptr<gpu::Device>& device) { device_ = device; }
   void release();
-  /// Forgets the scene.
-  void reset();
 
   /// Before the method decomposes `frame`, as its frame `number`: what is known of it; null:
   /// nothing. Adds warnings about its depth.
@@ -85,8 +83,12 @@ class SceneWork {
   std::optional<Touch> touch(uint64_t number) const {
     return memory_ ? memory_->touch(number) : std::nullopt;
   }
+  /// Whether that frame is the first of another scene than the frame before.
+  bool began() const { return began_; }
   /// After the method.
   void remember(FrameContext& frame);
+  /// Forgets the scene at the next frame. From any thread.
+  void forget() { forgets_ = true; }
   /// Writes the scene to a file at the next frame or the end (save_scene). From any thread. Throws
   /// Error(output) if there is none, or the name is not one.
   void save(const std::string& path);
@@ -99,6 +101,8 @@ class SceneWork {
   /// A depth image that is mapped while this lives.
   class Image;
 
+  /// Forgets the scene.
+  void reset();
   /// Adds a warning that was not given since the last reset.
   void warn(FrameContext& frame, const std::string& text);
   void warn_of(FrameContext& frame, const SceneMemory::Findings& found);
@@ -115,15 +119,16 @@ class SceneWork {
   std::optional<KnownReflectance> known_;
   std::optional<SeenStrokes> seen_;
   bool remembers_ = false;  // this frame
+  bool began_ = false;
   std::set<std::string> told_;
   bool written_ = false;  // since the last frame
-  std::atomic<bool> has_scene_ = false;
+  std::atomic<bool> has_scene_ = false, forgets_ = false;
   std::mutex mutex_;
   std::vector<std::string> wanted_;  // files
 };
 
 /// The action signals of a decomposer whose method has DecompositionMethod::scene: those of
-/// strokes, and save-scene.
+/// strokes, save-scene and forget-scene.
 std::vector<Action> scene_actions();
 
 }  // namespace inverse

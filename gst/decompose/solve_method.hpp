@@ -42,8 +42,6 @@ class SolveMethod : public DecompositionMethod {
   void reset() override {
     method_->reset();
     stroke_work_.reset();
-    scene_work_.reset();
-    strokes_.forget_scene();
   }
   bool converged(std::optional<uint64_t> completed) const override {
     return completed && method_->converged(*completed, settings_.params());
@@ -76,6 +74,7 @@ class SolveMethod : public DecompositionMethod {
     info.strokes = stroke_work_.solved();
     info.tracker = stroke_work_.tracker();
     info.known = scene_work_.recall(frame, number, params, stroke_work_.wanted());
+    if (scene_work_.began()) strokes_.forget_scene();
     info.seen = scene_work_.seen();
     stroke_work_.see(number, info.seen);
     frame.layers = method_->record(frame.commands, frame.layers[Role::input], params, info);

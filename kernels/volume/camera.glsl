@@ -5,6 +5,7 @@ vec3 turned(vec4 q, vec3 v) {
   vec3 t = 2.0 * cross(q.xyz, v);
   return v + q.w * t + cross(q.xyz, t);
 }
+vec4 product(vec4 p, vec4 q) { return vec4(p.w * q.xyz + q.w * p.xyz + cross(p.xyz, q.xyz), p.w * q.w - dot(p.xyz, q.xyz)); }
 vec3 to_world(vec4 rotation, vec4 place, vec3 p) { return turned(rotation, p) + place.xyz; }
 vec3 to_camera(vec4 rotation, vec4 place, vec3 p) { return turned(vec4(-rotation.xyz, rotation.w), p - place.xyz); }
 // lens: focal lengths and center, in pixels.

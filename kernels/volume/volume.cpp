@@ -34,6 +34,8 @@ Volume::View::View(const std::shared_ptr<gpu::Device>& device, Extent size)
       surface(gpu::Buffer::create(device, gpu::Element::vec4, size.pixels())),
       reflectance(gpu::Buffer::create(device, gpu::Element::vec4, size.pixels())),
       strokes(gpu::Buffer::create(device, gpu::Element::word, size.pixels())),
+      pose(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
+      outdated(gpu::Buffer::create(device, gpu::Element::word, 1)),
       nearest(gpu::Buffer::create(device, gpu::Element::word, tiles().pixels())),
       farthest(gpu::Buffer::create(device, gpu::Element::word, tiles().pixels())) {}
 
@@ -47,6 +49,7 @@ Volume::Volume(const std::shared_ptr<gpu::Device>& device, const Params& params)
       ranges_(device),
       march_(device),
       normals_(device),
+      outdated_(device),
       table_(gpu::Buffer::create(device, gpu::Element::word, 2ULL * entries_)),
       keys_(gpu::Buffer::create(device, gpu::Element::word, params.blocks)),
       fresh_(gpu::Buffer::create(device, gpu::Element::word, params.blocks)),
@@ -99,6 +102,7 @@ VolumeData Volume::data() const {
 }
 
 void Volume::restore(const VolumeData& data) {
+  changed();
   const size_t blocks = data.keys.size();
   if (data.voxel != params_.voxel || data.truncation != params_.truncation)
     throw Error(ErrorKind::limit, "its voxels have a side of " + std::to_string(data.voxel) +
@@ -152,6 +156,7 @@ void Volume::record_list(gpu::Commands& commands, const Lens& lens, Extent exten
 
 void Volume::record_integrate(gpu::Commands& commands, const Frame& frame,
                               const gpu::BufferPtr& layers, Added added) {
+  changed();
   const float truncation = params_.truncation * params_.voxel;
   // The counts of this frame; they stand beside each other.
   constexpr uint64_t kFrom = volume_allocate::kRefused * sizeof(uint32_t),
@@ -200,43 +205,54 @@ void Volume::record_integrate(gpu::Commands& commands, const Frame& frame,
 }
 
 void Volume::record_march(gpu::Commands& commands, const Lens& lens, const gpu::BufferPtr& pose,
-                          const View& view) {
-  record_list(commands, lens, view.extent, pose);
+                          View& view) {
+  constexpr float kPixels = 0.5F, kVoxels = 1.0F / 3;
+  const bool changed = view.version != version_ || view.lens.values() != lens.values();
+  view.version = version_;
+  view.lens = lens;
+  commands.dispatch(outdated_, {.pose = pose, .view_pose = view.pose, .outdated = view.outdated},
+                    {.max_turn = kPixels / std::max(lens.fx, lens.fy),
+                     .max_shift = kVoxels * params_.voxel,
+                     .changed = uint32_t{changed}},
+                    gpu::Items{1});
+  record_list(commands, lens, view.extent, view.pose);
   commands.fill(view.nearest, std::bit_cast<uint32_t>(std::numeric_limits<float>::max()));
   commands.fill(view.farthest);
   const Extent tiles = view.tiles();
-  commands.dispatch(ranges_,
-                    {.list = list_,
-                     .state = state_,
-                     .keys = keys_,
-                     .pose = pose,
-                     .nearest = view.nearest,
-                     .farthest = view.farthest},
-                    {.lens = lens.values(),
-                     .tiles = tiles,
-                     .voxel = params_.voxel,
-                     .min_depth = params_.min_depth},
-                    params_.blocks);
-  commands.dispatch(march_,
-                    {.table = table_,
-                     .voxels = voxels_,
-                     .colors = colors_,
-                     .nearest = view.nearest,
-                     .farthest = view.farthest,
-                     .pose = pose,
-                     .depth = view.depth,
-                     .reflectance = view.reflectance,
-                     .strokes = view.strokes},
-                    {.lens = lens.values(),
-                     .size = view.extent,
-                     .tiles = tiles.width,
-                     .table_mask = entries_ - 1,
-                     .voxel = params_.voxel,
-                     .truncation = params_.truncation * params_.voxel},
-                    static_cast<uint32_t>(view.extent.pixels()));
-  commands.dispatch(normals_, {.depth = view.depth, .surface = view.surface},
-                    {.lens = lens.values(), .size = view.extent},
-                    static_cast<uint32_t>(view.extent.pixels()));
+  commands.when(view.outdated, 0, [&] {
+    commands.dispatch(ranges_,
+                      {.list = list_,
+                       .state = state_,
+                       .keys = keys_,
+                       .pose = view.pose,
+                       .nearest = view.nearest,
+                       .farthest = view.farthest},
+                      {.lens = lens.values(),
+                       .tiles = tiles,
+                       .voxel = params_.voxel,
+                       .min_depth = params_.min_depth},
+                      params_.blocks);
+    commands.dispatch(march_,
+                      {.table = table_,
+                       .voxels = voxels_,
+                       .colors = colors_,
+                       .nearest = view.nearest,
+                       .farthest = view.farthest,
+                       .pose = view.pose,
+                       .depth = view.depth,
+                       .reflectance = view.reflectance,
+                       .strokes = view.strokes},
+                      {.lens = lens.values(),
+                       .size = view.extent,
+                       .tiles = tiles.width,
+                       .table_mask = entries_ - 1,
+                       .voxel = params_.voxel,
+                       .truncation = params_.truncation * params_.voxel},
+                      static_cast<uint32_t>(view.extent.pixels()));
+    commands.dispatch(normals_, {.depth = view.depth, .surface = view.surface},
+                      {.lens = lens.values(), .size = view.extent},
+                      static_cast<uint32_t>(view.extent.pixels()));
+  });
 }
 
 }  // namespace inverse

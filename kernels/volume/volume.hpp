@@ -12,6 +12,7 @@
 #include "kernels/volume_list.spv.hpp"
 #include "kernels/volume_march.spv.hpp"
 #include "kernels/volume_normals.spv.hpp"
+#include "kernels/volume_outdated.spv.hpp"
 #include "kernels/volume_ranges.spv.hpp"
 
 namespace inverse {
@@ -59,15 +60,23 @@ class Volume {
     gpu::BufferPtr surface;      ///< as Frame::surface
     gpu::BufferPtr reflectance;  ///< rgb: ln reflectance, w: confidence, 0…1
     gpu::BufferPtr strokes;      ///< a word a pixel, 0: none
+    gpu::BufferPtr pose;         ///< two vec4: where the camera was when it was rendered
+    gpu::BufferPtr outdated;     ///< a word: 1 if the last record_march rendered it, else 0
     /// Throws Error(out_of_memory).
     View(const std::shared_ptr<gpu::Device>& device, Extent extent);
     /// 8 x 8 pixels, where rays start and end.
     Extent tiles() const { return {(extent.width + 7) / 8, (extent.height + 7) / 8}; }
     gpu::BufferPtr nearest, farthest;
+    Lens lens;
+    uint64_t version = 0;  ///< of the volume when it was rendered; 0: it was not
   };
-  /// Renders the view of a camera at `pose`.
+  /// Renders the view of a camera at `pose`, unless nothing was added since and the camera is still
+  /// where the view was rendered from: turned by less than half a pixel, and moved by less than
+  /// a third of a voxel.
   void record_march(gpu::Commands& commands, const Lens& lens, const gpu::BufferPtr& pose,
-                    const View& view);
+                    View& view);
+  /// What others wrote into its buffers changes views.
+  void changed() { ++version_; }
 
   /// All that it has, or takes the place of that; waits for the device. `restore` throws
   /// Error(limit) if it has not enough blocks, or voxels of another size.
@@ -94,12 +103,14 @@ class Volume {
   std::shared_ptr<gpu::Device> device_;
   Params params_;
   uint32_t entries_;
+  uint64_t version_ = 1;  // what it has changes with it
   gpu::Program<shaders::volume_allocate> allocate_;
   gpu::Program<shaders::volume_list> list_blocks_;
   gpu::Program<shaders::volume_integrate> integrate_;
   gpu::Program<shaders::volume_ranges> ranges_;
   gpu::Program<shaders::volume_march> march_;
   gpu::Program<shaders::volume_normals> normals_;
+  gpu::Program<shaders::volume_outdated> outdated_;
   gpu::BufferPtr table_, keys_, fresh_, free_, state_, start_, list_, colored_, voxels_, colors_;
 };
 

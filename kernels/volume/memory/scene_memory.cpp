@@ -20,12 +20,12 @@ constexpr uint64_t kPoseBytes = 8 * sizeof(float);
 constexpr uint32_t kCells = shaders::volume_memory_thumbnail::kThumbnailWidth *
                             shaders::volume_memory_thumbnail::kThumbnailHeight;
 constexpr uint64_t kThumbnailBytes = kCells * 4 * sizeof(float);
-constexpr uint64_t kLeftBytes = sizeof(uint32_t);
+constexpr uint64_t kLeftBytes = sizeof(uint32_t), kOutdatedBytes = sizeof(uint32_t);
 // Of what is read back: what tracking found, the volume's state, the pose, the thumbnail, how many
-// voxels strokes are to spread from, what is touched.
+// voxels strokes are to spread from, whether the view was rendered, what is touched.
 constexpr uint64_t kStateAt = kFoundBytes, kPoseAt = kStateAt + kStateBytes,
                    kThumbnailAt = kPoseAt + kPoseBytes, kLeftAt = kThumbnailAt + kThumbnailBytes,
-                   kTouchAt = kLeftAt + kLeftBytes,
+                   kOutdatedAt = kLeftAt + kLeftBytes, kTouchAt = kOutdatedAt + kOutdatedBytes,
                    kReadBytes = kTouchAt + TouchFinder::kResultBytes;
 // Additions of frames after which strokes are drawn into what is new.
 constexpr uint32_t kStrokesEvery = 4;
@@ -42,7 +42,7 @@ Pose pose_in(const gpu::BufferPtr& read) {
 Tracker::Params from_afar(Tracker::Params params) {
   params.steps = {4, 6, 10};
   params.max_distance = {0.05F, 0.15F, 0.3F};
-  params.photometric = 0;
+  params.photometric = {};
   params.min_share = std::max(params.min_share, 0.5F);  // other places may look a little alike
   return params;
 }
@@ -161,16 +161,16 @@ std::optional<KnownReflectance> SceneMemory::record_recall(gpu::Commands& comman
   if (strokes_ && frames_[number].number)
     strokes_->heard(*(frames_[number].found->map_as<uint32_t>() + kLeftAt / sizeof(uint32_t)));
   std::optional<Pose> candidate = learn(number);
-  // In a scene from a file the camera is lost at first.
-  if (std::exchange(restored_, false)) {
+  if (std::exchange(searches_, false)) {
     commands.fill(tracker_.found());
-    candidate = keyframes_.size() > 0 ? keyframes_.frames()[0].pose : Pose{};
+    const Pose first = keyframes_.size() > 0 ? keyframes_.frames()[0].pose : Pose{};
+    candidate = depth.pose.value_or(first);
   }
   read(commands, number, depth);
   tracker_.record_frame(commands, lens_, depth_, resized(commands, picture));
   tracked_ = added_ > 0 && (params_.track || !depth.pose);
   if (!tracked_) {
-    commands.copy(upload(number, depth.pose.value_or(Pose{})), tracker_.pose(), kPoseBytes);
+    tracker_.record_pose(commands, upload(number, depth.pose.value_or(Pose{})));
   } else if (candidate) {
     commands.dispatch(retry_,
                       {.found = tracker_.found(),
@@ -244,7 +244,8 @@ void SceneMemory::record_remember(gpu::Commands& commands, const Plane& layers) 
       {.source = found, .bytes = kFoundBytes},
       {.source = volume_.state(), .bytes = kStateBytes, .target_offset = kStateAt},
       {.source = tracker_.pose(), .bytes = kPoseBytes, .target_offset = kPoseAt},
-      {.source = thumbnail_plane_, .bytes = kThumbnailBytes, .target_offset = kThumbnailAt}};
+      {.source = thumbnail_plane_, .bytes = kThumbnailBytes, .target_offset = kThumbnailAt},
+      {.source = view_.outdated, .bytes = kOutdatedBytes, .target_offset = kOutdatedAt}};
   InFlight& frame = frames_[number_];
   frame.added = adds;
   frame.touches = looks;
@@ -276,7 +277,12 @@ void SceneMemory::restore(const SceneData& scene) {
   volume_.restore(scene.volume);
   keyframes_.set(scene.keyframes);
   added_ = params_.always;
-  restored_ = true;
+  searches_ = true;
+}
+
+bool SceneMemory::look_for_camera() {
+  searches_ = keyframes_.size() > 0;
+  return searches_;
 }
 
 void SceneMemory::set_strokes(const StrokesPtr& strokes) {
@@ -337,6 +343,7 @@ std::optional<SceneMemory::Findings> SceneMemory::findings(uint64_t number) cons
                   .blocks_refused = state[volume_list::kRefused],
                   .blocks_outside = state[volume_list::kOutside],
                   .keyframes = static_cast<uint32_t>(keyframes_.size()),
+                  .view_kept = frame.found->map_as<uint32_t>()[kOutdatedAt / sizeof(uint32_t)] == 0,
                   .added = frame.added,
                   .front = front};
 }

@@ -71,6 +71,10 @@ class SceneMemory {
   /// Volume::restore's errors.
   void restore(const SceneData& scene);
 
+  /// What was before the next frame is another part of the stream: the camera is looked for in the
+  /// scene. False: nothing of it is known yet, so begin anew.
+  bool look_for_camera();
+
   /// Strokes, of which those in the scene are drawn into it; null: none.
   void set_strokes(const StrokesPtr& strokes);
   /// Of the frame of the last `record_recall`: where it sees them. Empty: no stroke is in the
@@ -109,6 +113,7 @@ class SceneMemory {
     uint32_t blocks_refused = 0;  ///< for which the frame found no memory
     uint32_t blocks_outside = 0;  ///< too far from where the camera began
     uint32_t keyframes = 0;       ///< so far
+    bool view_kept = false;       ///< what is known was not rendered anew: nothing had changed
     bool added = false;           ///< it was to be added; it was not if the camera was not found
     std::optional<float> front;   ///< share of known depth in front of the scene, if looked for
   };
@@ -167,7 +172,7 @@ class SceneMemory {
   std::optional<TouchFinder> touch_;  // made when it is first looked for
   bool updates_ = true, touches_ = false;
   bool keeps_views_ = false;
-  bool restored_ = false;  // and no frame was shown since
+  bool searches_ = false;  // for the camera, in the next frame
   bool viewed_ = false;    // this frame
   uint32_t tries_ = 0;     // frames since the camera was lost, in a row
 };

@@ -133,11 +133,12 @@ void SceneStrokes::record_marks(gpu::Commands& commands, const Volume& volume) {
   changed_ = false;
 }
 
-void SceneStrokes::record(gpu::Commands& commands, const Volume& volume, bool grown) {
+void SceneStrokes::record(gpu::Commands& commands, Volume& volume, bool grown) {
   const bool marks = changed_ || (grown && !order_.empty());
   if (marks) busy_ = gpu::kFramesInFlight + 1;
   if (busy_ == 0) return;
   --busy_;
+  volume.changed();
   // The last front of the frame before goes on.
   commands.copy(state_, state_, kArguments, kArguments * Shader::FILL_PASSES);
   commands.copy(start_, state_, start_->bytes() - kArguments, kArguments, kArguments);

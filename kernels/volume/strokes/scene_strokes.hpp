@@ -27,7 +27,7 @@ class SceneStrokes {
   void set(const StrokesPtr& list);
   /// Records what is to be done in a frame. `grown`: the volume may have new voxels since the last
   /// call with it.
-  void record(gpu::Commands& commands, const Volume& volume, bool grown);
+  void record(gpu::Commands& commands, Volume& volume, bool grown);
   /// Records closing of the holes of one pixel that strokes have in a view: a word a pixel, as
   /// Volume::View::strokes.
   void record_close(gpu::Commands& commands, const Volume::View& view,

@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "gpu/workgroup_sum.glsl"
+#include "volume/camera.glsl"
 #include "align.glsl"
 #include "tracking.glsl"
 
@@ -21,8 +22,6 @@ layout(push_constant) uniform Push {
 } push;
 
 float a[kUnknowns * (kUnknowns + 1)];  // rows of the upper triangle, then what the equations equal
-
-vec4 product(vec4 p, vec4 q) { return vec4(p.w * q.xyz + q.w * p.xyz + cross(p.xyz, q.xyz), p.w * q.w - dot(p.xyz, q.xyz)); }
 
 void main() {
   vec4 total[kSums];
@@ -69,7 +68,7 @@ void main() {
   float rms = sqrt(total[6].w / max(weights, 1e-20)), share = total[7].y / max(total[7].z, 1.0);
   bool good = solved && share >= push.min_share && rms <= push.max_rms;
   vec4 before = LOAD(found, kFound);
-  STORE(found, kFound, good ? vec4(1.0, 0.0, 0.0, 0.0) : vec4(0.0, before.y + 1.0, 0.0, 0.0));
+  STORE(found, kFound, good ? vec4(1.0, 0.0, before.z + 1.0, 0.0) : vec4(0.0, before.y + 1.0, 0.0, 0.0));
   STORE(found, kFit, vec4(rms, share, total[7].w / max(total[7].z, 1.0), smallest));
   STORE(found, kMotion, vec4(shift, angle));
   if (good) return;

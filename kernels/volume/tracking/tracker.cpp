@@ -26,9 +26,10 @@ Tracker::Tracker(const std::shared_ptr<gpu::Device>& device, Extent extent)
       align_(device),
       align_geometry_(device, {.photometric = false}),
       move_(device, {}, gpu::kOneGroup),
+      predict_(device),
       pose_(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
-      target_pose_(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
       start_(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
+      before_(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
       found_(gpu::Buffer::create(device, gpu::Element::vec4, volume_tracking_move::kFoundStride)) {
   for (Levels* levels : {&frame_, &target_}) {
     Extent size = extent;
@@ -63,8 +64,6 @@ void Tracker::record_levels(gpu::Commands& commands, Levels& levels) const {
 
 void Tracker::record_frame(gpu::Commands& commands, const Lens& lens, const gpu::BufferPtr& depth,
                            const gpu::BufferPtr& picture) {
-  if (!cleared_) commands.fill(found_);  // counts frames since the camera was lost
-  cleared_ = true;
   float scale = 1;
   for (size_t l = 0; l < frame_.size(); ++l, scale /= 2)
     frame_[l].lens =
@@ -78,10 +77,15 @@ void Tracker::record_frame(gpu::Commands& commands, const Lens& lens, const gpu:
   record_levels(commands, frame_);
 }
 
+void Tracker::record_pose(gpu::Commands& commands, const gpu::BufferPtr& pose) {
+  commands.copy(pose, pose_, pose_->bytes());
+  commands.fill(found_);
+}
+
 void Tracker::record_target(gpu::Commands& commands, const Volume::View& view,
                             const gpu::BufferPtr& layers) {
   const auto pixels = static_cast<uint32_t>(frame_[0].extent.pixels());
-  commands.copy(pose_, target_pose_, target_pose_->bytes());
+  target_pose_ = view.pose;
   commands.dispatch(appearance_,
                     {.reflectance = view.reflectance,
                      .layers = layers,
@@ -94,11 +98,12 @@ void Tracker::record_target(gpu::Commands& commands, const Volume::View& view,
 
 void Tracker::record_align(gpu::Commands& commands, const Params& params) {
   commands.copy(pose_, start_, pose_->bytes());
+  commands.dispatch(predict_, {.found = found_, .before = before_, .pose = pose_}, gpu::Items{1});
   for (size_t l = frame_.size(); l-- > 0;)
     for (uint32_t step = 0; step < params.steps[l]; ++step) {
       const Level& level = frame_[l];
       const gpu::Items groups = align_.kernel()->groups(items_of(level.extent));
-      commands.dispatch(params.photometric > 0 ? align_ : align_geometry_,
+      commands.dispatch(params.photometric[l] > 0 ? align_ : align_geometry_,
                         {.surface = level.surface,
                          .pose = pose_,
                          .model = target_[l].surface,
@@ -110,7 +115,7 @@ void Tracker::record_align(gpu::Commands& commands, const Params& params) {
                          .size = level.extent,
                          .max_distance = params.max_distance[l],
                          .min_cosine = params.min_cosine,
-                         .photometric = params.photometric},
+                         .photometric = params.photometric[l]},
                         items_of(level.extent));
       commands.dispatch(move_, {.sums = sums_, .start = start_, .pose = pose_, .found = found_},
                         {.groups = groups.x * groups.y,

@@ -10,6 +10,7 @@
 #include "kernels/volume_tracking_brightness.spv.hpp"
 #include "kernels/volume_tracking_halve.spv.hpp"
 #include "kernels/volume_tracking_move.spv.hpp"
+#include "kernels/volume_tracking_predict.spv.hpp"
 
 namespace inverse {
 
@@ -22,8 +23,9 @@ class Tracker {
     std::array<uint32_t, 3> steps{2, 4, 6};                 ///< at full, half and quarter size
     std::array<float, 3> max_distance{0.05F, 0.1F, 0.15F};  ///< of points that match, meters
     float min_cosine = 0.8F;                                ///< of the angle between their normals
-    float photometric =
-        0.03F;  ///< meters that a difference of 1 in ln brightness is worth; 0: none; 0: not used
+    /// Meters that a difference of 1 in ln brightness is worth, as max_distance; 0: not used. At
+    /// quarter size print that repeats would draw the camera to the wrong repetition.
+    std::array<float, 3> photometric{0.03F, 0.03F, 0};
     float damping = 1e-5F;    ///< of a step, per m² and rad²
     float min_share = 0.35F;  ///< of pixels with a depth that must match
     float max_rms = 0.03F;    ///< of the distances of matched points, meters
@@ -45,14 +47,18 @@ class Tracker {
   /// Normal and depth of that frame, as Volume::Frame::surface.
   const gpu::BufferPtr& surface() const { return frame_[0].surface; }
 
-  /// Records what the next frames are brought onto: a view from pose(), of the size and with the
-  /// lens of the last frame, under the light that `layers` have (R.rgb, S) of that frame.
+  /// Records what the next frames are brought onto: a view of the size and with the lens of the
+  /// last frame, under the light that `layers` have (R.rgb, S) of that frame.
   void record_target(gpu::Commands& commands, const Volume::View& view,
                      const gpu::BufferPtr& layers);
-  /// Records moving pose() from where it is to where the frame matches the target.
+  /// Records moving pose() to where the frame matches the target, from where it is if the motion
+  /// between the last two frames, if both were found, goes on.
   void record_align(gpu::Commands& commands, const Params& params);
 
-  /// Two vec4 (Pose). The caller may write it between frames.
+  /// Records that the camera of the next target is at `pose`, two vec4 (Pose): that of the first.
+  void record_pose(gpu::Commands& commands, const gpu::BufferPtr& pose);
+
+  /// Two vec4 (Pose).
   const gpu::BufferPtr& pose() const { return pose_; }
   /// tracking.glsl.
   const gpu::BufferPtr& found() const { return found_; }
@@ -71,11 +77,11 @@ class Tracker {
   gpu::Program<shaders::volume_tracking_appearance> appearance_;
   gpu::Program<shaders::volume_tracking_align> align_, align_geometry_;
   gpu::Program<shaders::volume_tracking_move> move_;
+  gpu::Program<shaders::volume_tracking_predict> predict_;
   using Levels = std::array<Level, 3>;
   void record_levels(gpu::Commands& commands, Levels& levels) const;
   Levels frame_, target_;
-  gpu::BufferPtr pose_, target_pose_, start_, found_, sums_;
-  bool cleared_ = false;
+  gpu::BufferPtr pose_, target_pose_, start_, before_, found_, sums_;
 };
 
 }  // namespace inverse

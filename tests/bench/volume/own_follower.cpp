@@ -16,7 +16,7 @@ class Own final : public Follower {
         tracker_(lab.device(), setting.extent),
         view_(lab.device(), setting.extent),
         commands_(lab.device()) {
-    params_.photometric = photometric;
+    params_.photometric = {photometric, photometric, 0};
     bytes = lab.device()->memory_bytes() - before_;
   }
 
@@ -27,7 +27,7 @@ class Own final : public Follower {
     commands_.begin();
     tracker_.record_frame(commands_, setting_.lens, frame.depth, picture);
     if (given)
-      commands_.copy(place, tracker_.pose(), place->bytes());
+      tracker_.record_pose(commands_, place);
     else
       tracker_.record_align(commands_, params_);
     commands_.stage("following");
@@ -83,7 +83,7 @@ NamedFollower own(const char* name, float photometric) {
 }  // namespace
 
 std::vector<NamedFollower> own_followers() {
-  return {own("ours", Tracker::Params{}.photometric), own("ours, geometry alone", 0)};
+  return {own("ours", Tracker::Params{}.photometric[0]), own("ours, geometry alone", 0)};
 }
 
 }  // namespace inverse::bench

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <stdexcept>
 #include <utility>
 
@@ -18,12 +19,18 @@ namespace {
 class Room final : public RgbdSource {
  public:
   Room(const Lab& lab, RoomPath path, const RgbdSettings& settings)
-      : room_(lab.device(), furnished_room()), path_(path), settings_(settings) {}
+      : room_(lab.device(), furnished_room()), path_(path), settings_(settings) {
+    std::minstd_rand engine(1);
+    for (int n = 0, at = 0; n < settings.frames; ++n) {
+      times_.push_back(at / settings.rate);
+      at += 1 + static_cast<int>(engine() % static_cast<unsigned>(settings.gap + 1));
+    }
+  }
   int frames() const override { return settings_.frames; }
   Extent extent() const override { return settings_.size; }
   Lens lens() const override { return room_lens(settings_.size); }
   RgbdFrame frame(const Lab& lab, int n) override {
-    const Pose pose = room_pose(path_, n / settings_.rate);
+    const Pose pose = room_pose(path_, times_.at(size_t(n)));
     const uint64_t pixels = extent().pixels();
     const auto at = pose_on(lab, pose);
     RgbdFrame frame{lab.buffer(pixels),
@@ -59,6 +66,7 @@ class Room final : public RgbdSource {
   VirtualRoom room_;
   RoomPath path_;
   RgbdSettings settings_;
+  std::vector<double> times_;  // of frames, seconds
 };
 
 Pose pose_of(const nlohmann::json& matrix) {
@@ -127,6 +135,7 @@ class Recording final : public RgbdSource {
 Options rgbd_options(RgbdSettings& settings, Options own) {
   own.insert({{"--frames", integer(settings.frames)},
               {"--rate", number(settings.rate)},
+              {"--gap", integer(settings.gap)},
               {"--noise", number(settings.noise)},
               {"--size", {true, [&](const char* value) {
                             return sscanf(value, "%ux%u", &settings.size.width,

@@ -16,11 +16,12 @@ struct RgbdSettings {
   int frames = 240;
   Extent size{320, 240};               ///< of the virtual room
   double rate = 30, noise = 1;         ///< of its frames a second; of depth (0: exact)
+  int gap = 0;                         ///< after each of its frames 0 to `gap` are lost, at random
   HandTarget hand = HandTarget::none;  ///< what a hand in it touches
   int hand_from = 0;                   ///< the frame at which its time begins
 };
 
-/// --frames, --rate, --noise and --size, and what `own` are.
+/// --frames, --rate, --gap, --noise and --size, and what `own` are.
 Options rgbd_options(RgbdSettings& settings, Options own);
 
 /// What the camera gives: on the device.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Tracking and fusion of a depth camera: error of its path, and time by part.
 //
-//   tracking-bench [--frames N] [--size WxH] [--rate FPS] [--noise N] [--voxel M] [--photometric M]
+//   tracking-bench [--frames N] [--size WxH] [--rate FPS] [--gap N] [--noise N] [--voxel M]
+//   [--photometric M]
 //                  orbit|wall|FOLDER…
 //
 // orbit and wall are paths in the virtual room (kernels/virtual_room), whose depth has the noise
@@ -27,7 +28,7 @@ namespace {
 
 struct Settings : RgbdSettings {
   double voxel = 0.01;
-  double photometric = double{Tracker::Params{}.photometric};
+  double photometric = double{Tracker::Params{}.photometric[0]};
 };
 
 void follow(const Lab& lab, const std::string& name, RgbdSource& source, const Settings& settings) {
@@ -35,9 +36,10 @@ void follow(const Lab& lab, const std::string& name, RgbdSource& source, const S
   const Lens lens = source.lens();
   Volume volume(lab.device(), {.voxel = float(settings.voxel)});
   Tracker tracker(lab.device(), extent);
-  const Volume::View view(lab.device(), extent);
+  Volume::View view(lab.device(), extent);
   Tracker::Params params;
-  params.photometric = float(settings.photometric);
+  const auto photometric = float(settings.photometric);
+  params.photometric = {photometric, photometric, 0};
   double squares = 0, most = 0, last = 0;
   int lost = 0;
   std::map<std::string, std::vector<double>> times;
@@ -48,7 +50,7 @@ void follow(const Lab& lab, const std::string& name, RgbdSource& source, const S
     commands.begin();
     tracker.record_frame(commands, lens, frame.depth, frame.picture);
     if (n == 0)
-      commands.copy(truth, tracker.pose(), truth->bytes());
+      tracker.record_pose(commands, truth);
     else
       tracker.record_align(commands, params);
     commands.stage("tracking");

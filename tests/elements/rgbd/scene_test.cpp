@@ -293,6 +293,63 @@ TEST(Scene, IsSavedOnRequest) {
   EXPECT_GT(std::filesystem::file_size(folder / "room.ply"), 100'000U);
 }
 
+// A seek goes elsewhere in the same scene; a new stream, or who asks for it, begins another one.
+TEST(Scene, OutlivesASeek) {
+  struct Case {
+    bool kept;
+    std::function<void(GstElement*)> end;
+  };
+  const auto push = [](GstElement* line, std::initializer_list<GstEvent*> events) {
+    GstPad* pad = gst_element_get_static_pad(find_element(line, "before"), "src");
+    for (GstEvent* event : events) gst_pad_push_event(pad, event);
+    gst_object_unref(pad);
+  };
+  const auto segment = [] {
+    GstSegment time;
+    gst_segment_init(&time, GST_FORMAT_TIME);
+    return gst_event_new_segment(&time);
+  };
+  const Case cases[] = {
+      {true,
+       [&](GstElement* line) {
+         push(line, {gst_event_new_flush_start(), gst_event_new_flush_stop(TRUE), segment()});
+       }},
+      {false,
+       [&](GstElement* line) {
+         push(line, {gst_event_new_stream_start("other"), segment()});
+       }},
+      {false,
+       [](GstElement* line) {
+         g_signal_emit_by_name(find_element(line, "decomposer"), "forget-scene");
+       }},
+  };
+  for (size_t i = 0; i < std::size(cases); ++i) {
+    int n = 0;
+    std::vector<guint> blocks;
+    const LineResult line = run_line(
+        std::string("rgbdtestsrc is-live=false samples=1 num-buffers=24 speed=3 ! ") + kSize +
+            " ! identity name=before ! intrinsicdecomp name=decomposer show=reflectance "
+            "scene-depth=3 ! " +
+            kShown,
+        240, [&](GstElement* pipeline) {
+          watch_buffers(find_element(pipeline, "before"), "src", [&, pipeline](GstBuffer*) {
+            if (n++ == 12) cases[i].end(pipeline);
+          });
+          watch_buffers(find_element(pipeline, "out"), "sink", [&, pipeline](GstBuffer*) {
+            GstStructure* stats = nullptr;
+            g_object_get(find_element(pipeline, "decomposer"), "stats", &stats, nullptr);
+            guint now = 0;
+            if (stats && gst_structure_get_uint(stats, "scene-blocks", &now)) blocks.push_back(now);
+            if (stats) gst_structure_free(stats);
+          });
+        });
+    EXPECT_GE(line.frames.size(), 20U) << i << line.first_error();
+    EXPECT_TRUE(line.warnings.empty()) << i << line.warnings.front();
+    const bool falls = !std::ranges::is_sorted(blocks);
+    EXPECT_EQ(falls, !cases[i].kept) << i;
+  }
+}
+
 // Sizes and settings that change while it runs forget the scene and lose no frame.
 TEST(Scene, ChangesWhileItRuns) {
   int n = 0;

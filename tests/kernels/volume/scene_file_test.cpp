@@ -36,7 +36,7 @@ class SceneFileTest : public VolumeFixture {
   }
   Pixels view_of(Volume& volume) {
     const Camera from = camera(0.3);
-    const Volume::View view(device, extent_of(from));
+    Volume::View view(device, extent_of(from));
     const auto pose = pose_of(from);
     run([&](gpu::Commands& commands) { volume.record_march(commands, lens_of(from), pose, view); });
     Pixels all = download(view.depth), reflectance = download(view.reflectance);

@@ -213,6 +213,33 @@ TEST_F(SceneMemoryTest, FindsALostCameraByItsKeyframes) {
   }
 }
 
+// After a seek the scene is the same, and the camera elsewhere in it.
+TEST_F(SceneMemoryTest, LooksForTheCameraAfterASeek) {
+  for (const bool posed : {false, true}) {
+    SceneMemory memory(device, extent_of(turning(0)), params());
+    const Frame first = seen_by(turning(0));
+    EXPECT_FALSE(memory.look_for_camera()) << "nothing is known yet";
+    for (int i = 0; i <= 40; ++i) {
+      const Frame frame = seen_by(turning(0.025 * i));
+      SceneMemory::Depth depth = frame.depth();
+      if (i == 0) depth.pose = pose_of_camera(frame.camera);
+      show(memory, frame, depth);
+    }
+    const uint32_t blocks = found(memory).blocks;
+    EXPECT_TRUE(memory.look_for_camera());
+    SceneMemory::Depth depth = first.depth();
+    if (posed) depth.pose = pose_of_camera(first.camera);
+    int frames = 1;
+    Pixels known = show(memory, first, depth);
+    for (; frames < 40 && !found(memory).found; ++frames) known = show(memory, first, depth);
+    EXPECT_LE(frames, posed ? 1 : 12);
+    for (int i = 0; i < 4; ++i) known = show(memory, first, depth);
+    ASSERT_TRUE(found(memory).found);
+    EXPECT_LT(match(known, first).distance, 0.08);
+    EXPECT_GE(found(memory).blocks, blocks);
+  }
+}
+
 // What a camera that stands still sees is known after a while; what changes, or comes into sight,
 // is added again.
 TEST_F(SceneMemoryTest, AStillCameraAddsNoMore) {
@@ -229,6 +256,7 @@ TEST_F(SceneMemoryTest, AStillCameraAddsNoMore) {
   // The first frame has nothing to match, which the host hears some frames later.
   EXPECT_LE(added, 7 + int(gpu::kFramesInFlight));
   EXPECT_FALSE(found(memory).added);
+  EXPECT_TRUE(found(memory).view_kept);
   // A thing in front of a quarter of the picture.
   std::vector<uint16_t> steps = frame.steps;
   for (size_t i = 0; i < steps.size(); ++i)

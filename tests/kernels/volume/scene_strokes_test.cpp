@@ -47,7 +47,7 @@ class SceneStrokesTest : public VolumeFixture {
     return words(strokes.state())[SceneStrokes::kLeftOffset / sizeof(uint32_t)];
   }
   /// Records frames until strokes do not spread any more.
-  void settle(SceneStrokes& strokes, const Volume& volume, bool grown = false) {
+  void settle(SceneStrokes& strokes, Volume& volume, bool grown = false) {
     for (int frame = 0; frame < 200; ++frame) {
       run([&](gpu::Commands& commands) {
         strokes.record(commands, volume, std::exchange(grown, false));
@@ -176,7 +176,7 @@ TEST_F(SceneStrokesTest, SinglePixelsAreClosed) {
   SceneStrokes strokes(device, volume);
   std::mt19937 random(4);
   for (const Extent extent : {Extent{1, 1}, Extent{2, 3}, Extent{37, 23}}) {
-    const Volume::View view(device, extent);
+    Volume::View view(device, extent);
     std::vector<uint32_t> ids(extent.pixels());
     for (size_t i = 0; i < ids.size(); ++i)
       ids[i] = random() % 5 == 0 ? 0 : 1 + (i % extent.width / 9 + i / extent.width / 7) % 128;

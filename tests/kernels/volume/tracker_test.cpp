@@ -25,7 +25,7 @@ class TrackerTest : public VolumeFixture {
     Volume volume(device, {.voxel = 0.02F, .blocks = 8192});
     const Extent extent = extent_of(path(0));
     Tracker tracker(device, extent);
-    const Volume::View view(device, extent);
+    Volume::View view(device, extent);
     Errors errors;
     for (int i = 0; i < 30; ++i) {
       const Camera camera = path(0.05 * i);
@@ -38,7 +38,7 @@ class TrackerTest : public VolumeFixture {
       run([&](gpu::Commands& commands) {
         tracker.record_frame(commands, lens, depths, picture);
         if (i == 0)
-          commands.copy(truth, tracker.pose(), truth->bytes());
+          tracker.record_pose(commands, truth);
         else
           tracker.record_align(commands, params);
         volume.record_integrate(commands, {lens, extent, tracker.pose(), depths, tracker.surface()},
@@ -110,14 +110,15 @@ TEST_F(TrackerTest, StepsAgreeWithReference) {
                                       : brightness[n]);
     }
     view.depth = scalars(view_depth);
+    view.pose = pose_of(view_camera);
     view.reflectance = upload(reflectance);
     const auto depths = scalars(seen.depth), lit = upload(layers), view_pose = pose_of(view_camera),
                start_pose = pose_of(start), picture = upload(to_pixels(seen.layers));
     run([&](gpu::Commands& commands) {
       tracker.record_frame(commands, lens, depths, picture);
-      commands.copy(view_pose, tracker.pose(), view_pose->bytes());
+      tracker.record_pose(commands, view_pose);
       tracker.record_target(commands, view, lit);
-      commands.copy(start_pose, tracker.pose(), start_pose->bytes());
+      tracker.record_pose(commands, start_pose);
       tracker.record_align(commands, params);
     });
     Camera camera = view_camera;
@@ -143,7 +144,7 @@ TEST_F(TrackerTest, StepsAgreeWithReference) {
         reference::align({estimate, reference::normals(camera, depth), brightness},
                          {camera, reference::normals(camera, view_depth), view_brightness},
                          {double{params.max_distance[level]}, double{params.min_cosine},
-                          double{params.photometric}, double{params.damping}});
+                          double{params.photometric[level]}, double{params.damping}});
     const Pixels pose = download(tracker.pose());
     double moved = 0;
     for (size_t c = 0; c < 3; ++c) {
@@ -168,10 +169,46 @@ TEST_F(TrackerTest, FollowsACamera) {
   EXPECT_LT(errors.turn, 0.01);
 }
 
+// Without steps, the pose is where the search starts.
+TEST_F(TrackerTest, StartsWhereTheMotionLeads) {
+  std::mt19937 engine(7);
+  std::uniform_real_distribution<double> any(-1, 1);
+  Tracker tracker(device, {32, 24});
+  Tracker::Params params;
+  params.steps = {};
+  for (const double scale : {1e-6, 0.01, 1.0, 1e4}) {
+    const auto random_camera = [&] {
+      Camera camera = camera_at(32, 24, {scale * any(engine), scale * any(engine), any(engine)},
+                                {any(engine), any(engine), scale + 2});
+      return camera;
+    };
+    const Camera before = random_camera(), last = random_camera();
+    const auto first = pose_of(before), second = pose_of(last);
+    const Camera expected = reference::predict(before, last);
+    for (const float found : {0.0F, 1.0F, 2.0F, 9.0F}) {
+      const auto state = upload(Pixels{1, 0, found, 0});
+      run([&](gpu::Commands& commands) {
+        tracker.record_pose(commands, first);
+        tracker.record_align(commands, params);
+        tracker.record_pose(commands, second);
+        commands.copy(state, tracker.found(), state->bytes());
+        tracker.record_align(commands, params);
+      });
+      const Camera& start = found < 2 ? last : expected;
+      const Pixels pose = download(tracker.pose());
+      double same = 0;
+      for (size_t c = 0; c < 4; ++c) same += double{pose[c]} * start.rotation[c];
+      EXPECT_NEAR(std::abs(same), 1, 1e-5);
+      for (size_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(double{pose[4 + c]}, start.place[c], 1e-6 * (1 + scale)) << found;
+    }
+  }
+}
+
 TEST_F(TrackerTest, FollowsPaintWhereGeometrySlides) {
   Tracker::Params params;
   const Errors both = follow(along_a_wall, Scene::wall, params);
-  params.photometric = 0;
+  params.photometric = {};
   const Errors geometry = follow(along_a_wall, Scene::wall, params);
   EXPECT_GT(geometry.place, 0.2);
   EXPECT_LT(both.place, 0.01);
@@ -209,11 +246,11 @@ TEST_F(TrackerTest, SaysThatItIsLost) {
   for (size_t i = 0; i < std::size(frames); ++i) {
     Volume volume(device, {.voxel = 0.02F, .blocks = 8192});
     Tracker tracker(device, extent);
-    const Volume::View view(device, extent);
+    Volume::View view(device, extent);
     const auto good = scalars(seen.depth), depth = scalars(frames[i]);
     run([&](gpu::Commands& commands) {
       tracker.record_frame(commands, lens, good, picture);
-      commands.copy(start, tracker.pose(), start->bytes());
+      tracker.record_pose(commands, start);
       volume.record_integrate(commands, {lens, extent, tracker.pose(), good, tracker.surface()},
                               picture, {});
       volume.record_march(commands, lens, tracker.pose(), view);

@@ -2,6 +2,9 @@
 // The volume against its specification, and against the scene that it was made from.
 #include "kernels/volume/volume.hpp"
 
+#include <Eigen/Geometry>
+#include <random>
+
 #include "tests/kernels/volume/volume_fixture.hpp"
 
 namespace inverse::testing {
@@ -81,7 +84,7 @@ TEST_F(VolumeTest, AgreesWithSpecification) {
   EXPECT_LE(off_color, colored / 100);
 
   const Camera camera = camera_at(80, 60, {0.1, 0.25, 0.05}, {-0.1, 0.6, 2});
-  const Volume::View view(device, extent_of(camera));
+  Volume::View view(device, extent_of(camera));
   const auto pose = pose_of(camera);
   run([&](gpu::Commands& commands) { volume.record_march(commands, lens_of(camera), pose, view); });
   const Pixels depth = download(view.depth);
@@ -99,6 +102,65 @@ TEST_F(VolumeTest, AgreesWithSpecification) {
   EXPECT_GT(same, both * 95 / 100);
 }
 
+// A view is rendered anew where the camera has moved by more than it may, or the scene changed.
+TEST_F(VolumeTest, KeepsAViewThatNothingChanges) {
+  Volume volume(device, kParams);
+  const auto add = [&](const Camera& camera) {
+    const Seen seen = look(camera);
+    integrate(volume, camera, reference::normals(camera, seen.depth), seen.layers);
+  };
+  Camera before = walk(1)[0];
+  add(before);
+  Volume::View view(device, extent_of(before));
+  const auto renders = [&](const Camera& camera) {
+    const auto pose = pose_of(camera);
+    run([&](gpu::Commands& commands) {
+      volume.record_march(commands, lens_of(camera), pose, view);
+    });
+    return words(view.outdated)[0] == 1;
+  };
+  EXPECT_TRUE(renders(before));
+  EXPECT_FALSE(renders(before));
+  const double turn = 0.5 / std::max(before.fx, before.fy), shift = double{kParams.voxel} / 3;
+  std::mt19937 engine(5);
+  std::normal_distribution<double> normal;
+  int kept = 0;
+  for (int i = 0; i < 60; ++i) {
+    // By about as much as it may, about any axis.
+    const double by = i % 3 == 0 ? 1e-3 : std::exp(0.4 * normal(engine));
+    if (std::abs(by - 1) < 0.02) continue;  // within rounding of single precision
+    Eigen::Vector3d axis(normal(engine), normal(engine), normal(engine)),
+        way(normal(engine), normal(engine), normal(engine));
+    Camera camera = before;
+    const Eigen::Quaterniond was(before.rotation[3], before.rotation[0], before.rotation[1],
+                                 before.rotation[2]),
+        now = Eigen::AngleAxisd(i % 2 ? by * turn : 0, axis.normalized()) * was;
+    const double sign = i % 5 == 0 ? -1 : 1;  // the same turn
+    camera.rotation = {sign * now.x(), sign * now.y(), sign * now.z(), sign * now.w()};
+    for (size_t c = 0; c < 3; ++c)
+      camera.place[c] += (i % 2 ? 0 : by * shift) * way.normalized()[Eigen::Index(c)];
+    const bool moved = reference::elsewhere(camera, before, turn, shift);
+    EXPECT_EQ(renders(camera), moved) << i << ' ' << by;
+    if (moved)
+      before = camera;
+    else
+      ++kept;
+  }
+  EXPECT_GT(kept, 20);
+  EXPECT_LT(kept, 55);
+  Camera far = before;
+  far.place = {1e30, 0, 0};
+  EXPECT_TRUE(renders(far));
+  far.place[0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(renders(far)) << "of a pose that is no number nothing is kept";
+  EXPECT_TRUE(renders(before));
+  add(walk(2)[1]);
+  EXPECT_TRUE(renders(before)) << "the scene has changed";
+  EXPECT_FALSE(renders(before));
+  before.fx *= 1.1;
+  EXPECT_TRUE(renders(before)) << "the lens has changed";
+}
+
 TEST_F(VolumeTest, ShowsWhatItHasSeen) {
   Volume volume(device, kParams);
   const std::vector<Camera> cameras = walk(6);
@@ -109,7 +171,7 @@ TEST_F(VolumeTest, ShowsWhatItHasSeen) {
   const Camera camera = camera_at(120, 90, {0.1, 0.25, 0.05}, {-0.1, 0.6, 2});
   const Seen truth = look(camera);
   const reference::Plane normals = reference::normals(camera, truth.depth);
-  const Volume::View view(device, extent_of(camera));
+  Volume::View view(device, extent_of(camera));
   const auto pose = pose_of(camera);
   run([&](gpu::Commands& commands) { volume.record_march(commands, lens_of(camera), pose, view); });
   const Pixels depth = download(view.depth), surface = download(view.surface),

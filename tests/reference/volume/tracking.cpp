@@ -90,6 +90,15 @@ Alignment align(const Sight& frame, const Sight& view, const AlignParams& params
   return result;
 }
 
+Camera predict(const Camera& before, const Camera& last) {
+  const Eigen::Quaterniond q = quaternion(last), moved = q * quaternion(before).conjugate() * q;
+  const Vector place = vector(last.place) + (vector(last.place) - vector(before.place));
+  Camera result = last;
+  result.rotation = {moved.x(), moved.y(), moved.z(), moved.w()};
+  for (size_t c = 0; c < 3; ++c) result.place[c] = place[Eigen::Index(c)];
+  return result;
+}
+
 std::vector<double> smooth(int width, int height, const std::vector<double>& depth) {
   Plane shape(width, height);
   std::vector<double> result(depth.size(), 0);

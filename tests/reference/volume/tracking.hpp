@@ -29,6 +29,9 @@ struct Alignment {
 /// where the point p falls on the point q with the normal n and the ln brightness a of the view.
 Alignment align(const Sight& frame, const Sight& view, const AlignParams& params);
 
+/// `last`, moved by what moves `before` to it: the turn in the world's axes, and the shift.
+Camera predict(const Camera& before, const Camera& last);
+
 /// A depth image, smoothed within surfaces.
 std::vector<double> smooth(int width, int height, const std::vector<double>& depth);
 

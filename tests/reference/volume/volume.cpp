@@ -144,6 +144,13 @@ double Volume::march(const Camera& camera, int x, int y, double from, double to)
   return 0;
 }
 
+bool elsewhere(const Camera& a, const Camera& b, double max_turn, double max_shift) {
+  double along = 0, square = 0;
+  for (size_t c = 0; c < 4; ++c) along += a.rotation[c] * b.rotation[c];
+  for (size_t c = 0; c < 3; ++c) square += (a.place[c] - b.place[c]) * (a.place[c] - b.place[c]);
+  return 2 * std::acos(std::min(1.0, std::abs(along))) > max_turn || std::sqrt(square) > max_shift;
+}
+
 Plane normals(const Camera& camera, const std::vector<double>& depth) {
   constexpr double kJump = 0.03;
   Plane result(camera.width, camera.height);

@@ -50,6 +50,10 @@ struct Volume {
   double march(const Camera& camera, int x, int y, double from, double to) const;
 };
 
+/// Whether a camera is turned by more than `max_turn` radians from another one, or more than
+/// `max_shift` meters away.
+bool elsewhere(const Camera& a, const Camera& b, double max_turn, double max_shift);
+
 /// Unit normals toward the camera of a depth image; 0 where there is none.
 Plane normals(const Camera& camera, const std::vector<double>& depth);
 
