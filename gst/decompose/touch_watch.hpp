@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <optional>
-#include <utility>
 
 #include "kernels/volume/touch/touch_finder.hpp"
 
@@ -12,10 +14,13 @@ class TouchWatch {
  public:
   enum class Event : uint8_t { none, began, moved, ended };
 
-  /// What a completed frame touches.
-  Event see(const std::optional<Touch>& touch) {
+  /// What a completed frame touches. One that is far from the touch before is another.
+  Event see(std::optional<Touch> touch) {
     constexpr unsigned kToBegin = 2, kToEnd = 3;  // frames in a row
-    near_ = touch ? near_ + 1 : 0;
+    const bool other = touch && (on_ || near_ > 0) && !reaches(touch->place);
+    if (on_ && other) touch.reset();
+    if (touch) last_ = touch->place;
+    near_ = !touch ? 0 : other ? 1 : near_ + 1;
     away_ = touch ? 0 : away_ + 1;
     if (!on_ && near_ >= kToBegin) return on_ = true, Event::began;
     if (on_ && away_ >= kToEnd) return on_ = false, Event::ended;
@@ -25,6 +30,13 @@ class TouchWatch {
   void forget() { *this = {}; }
 
  private:
+  /// Whether a hand may have come there since the frame before.
+  bool reaches(const std::array<float, 3>& place) const {
+    constexpr float kFar = 0.12F;  // meters
+    return std::hypot(place[0] - last_[0], place[1] - last_[1], place[2] - last_[2]) < kFar;
+  }
+
+  std::array<float, 3> last_{};  // where it touched
   unsigned near_ = 0, away_ = 0;
   bool on_ = false;
 };

@@ -113,11 +113,12 @@ float clearance(const RoomScene& scene, const std::vector<HandPart>& parts) {
   float nearest = 1e9F;
   for (const HandPart& part : parts) {
     const Vec3 along = minus(part.to, part.from);
-    const float steps = std::ceil(length(along) / kStep) + 1;
-    for (float n = 0; n <= steps; ++n)
+    const int steps = static_cast<int>(length(along) / kStep) + 1;
+    for (int n = 0; n <= steps; ++n) {
+      const Vec3 at = moved(part.from, static_cast<float>(n) / static_cast<float>(steps), along);
       for (const Solid& solid : scene.solids)
-        nearest =
-            std::min(nearest, distance_to(solid, moved(part.from, n / steps, along)) - part.radius);
+        nearest = std::min(nearest, distance_to(solid, at) - part.radius);
+    }
   }
   return std::max(nearest, 0.0F);
 }
