@@ -58,7 +58,8 @@ void StrokeWork::reset() {
 
 bool StrokeWork::requested(const StrokeParams& params) const {
   return editor_.changed(params.strokes) || (lists_.all && params.stroke_follow != followed_) ||
-         params.stroke_touch != touches_ || (params.stroke_mode == StrokeMode::select && !selects_);
+         params.stroke_touch != touches_ ||
+         (lists_.selected || params.stroke_mode == StrokeMode::select) != selects_;
 }
 
 void StrokeWork::take(FrameContext& frame, uint64_t number, const StrokeParams& params,
