@@ -9,6 +9,7 @@
 #include "kernels/image/plane.hpp"
 #include "kernels/image/strokes/seen_strokes.hpp"
 #include "kernels/volume/known_reflectance.hpp"
+#include "kernels/volume/streaming/host_blocks.hpp"
 #include "kernels/volume/strokes/place_stroke.hpp"
 #include "kernels/volume/strokes/scene_strokes.hpp"
 #include "kernels/volume/tracking/tracker.hpp"
@@ -65,7 +66,7 @@ class SceneMemory {
   void record_remember(gpu::Commands& commands, const Plane& layers);
 
   /// All that is remembered, of frames whose commands are submitted; waits for the device.
-  SceneData data() const { return {volume_.data(), keyframes_.frames()}; }
+  SceneData data();
   /// Remembers that instead, before the first frame: the camera is looked for in it. Throws
   /// Volume::restore's errors.
   void restore(const SceneData& scene);
@@ -96,6 +97,7 @@ class SceneMemory {
     float matched = 1;            ///< share of the depth image that is where it was expected
     uint32_t blocks = 0;          ///< of 8 x 8 x 8 voxels that there are
     uint32_t blocks_visible = 0;  ///< of which the frame saw
+    uint32_t blocks_host = 0;     ///< of which there is no copy on the device
     uint32_t blocks_refused = 0;  ///< for which the frame found no memory
     uint32_t blocks_outside = 0;  ///< too far from where the camera began
     uint32_t keyframes = 0;       ///< so far
@@ -135,6 +137,7 @@ class SceneMemory {
     gpu::BufferPtr image, pose, found, depth;
     bool has_depth = false;  // of the view
     bool added = false;
+    uint32_t blocks_host = 0;
     Lens lens;
     std::optional<uint64_t> number;  // of the frame, once it is recorded
   };
@@ -151,6 +154,9 @@ class SceneMemory {
   uint64_t next_ = 0;     // frame to be added
   bool tracked_ = false;  // this frame
   Keyframes keyframes_;
+  HostBlocks host_blocks_;
+  std::optional<HostBlocks::Known> last_known_;
+  uint64_t stroke_lists_ = 0;            // so far
   std::optional<SceneStrokes> strokes_;  // made for the first one in the scene
   StrokesPtr stroke_list_;
   bool keeps_views_ = false;

@@ -240,6 +240,43 @@ TEST_F(SceneMemoryTest, LooksForTheCameraAfterASeek) {
   }
 }
 
+// What is out of sight leaves the device and comes back.
+TEST_F(SceneMemoryTest, RemembersMoreThanTheDeviceHasRoomFor) {
+  SceneMemory::Params small = params();
+  small.volume.blocks = 1650;
+  SceneMemory memory(device, extent_of(turning(0)), small);
+  uint32_t most = 0, refused = 0;
+  Pixels known;
+  const auto walk = [&](int from, int to) {
+    for (int i = from; i != to; i += to > from ? 1 : -1) {
+      const Frame frame = seen_by(turning(0.03 * i));
+      SceneMemory::Depth depth = frame.depth();
+      if (i == 0 && from == 0) depth.pose = pose_of_camera(frame.camera);
+      known = show(memory, frame, depth);
+      const SceneMemory::Findings now = found(memory);
+      EXPECT_TRUE(now.found || i == from) << i;
+      most = std::max(most, now.blocks + now.blocks_host);
+      refused += now.blocks_refused;
+    }
+  };
+  walk(0, 90);
+  EXPECT_GT(most, small.volume.blocks + 100);
+  const SceneData saved = memory.data();
+  EXPECT_GT(saved.volume.keys.size(), small.volume.blocks + 100);
+  walk(90, -1);
+  EXPECT_LE(found(memory).blocks, small.volume.blocks);
+  EXPECT_EQ(refused, 0U);
+  const Frame first = seen_by(turning(0));
+  EXPECT_LT(match(known, first).distance, 0.08);
+  EXPECT_GT(match(known, first).share, 0.9);
+  // A file of it is not too large for the same pool.
+  SceneMemory other(device, extent_of(turning(0)), small);
+  other.restore(saved);
+  for (int i = 0; i < 60; ++i) known = show(other, first, first.depth());
+  EXPECT_TRUE(found(other).found);
+  EXPECT_GT(match(known, first).share, 0.9);
+}
+
 // What a camera that stands still sees is known after a while; what changes, or comes into sight,
 // is added again.
 TEST_F(SceneMemoryTest, AStillCameraAddsNoMore) {
