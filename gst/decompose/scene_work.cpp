@@ -256,7 +256,9 @@ const KnownReflectance* SceneWork::recall(FrameContext& frame, uint64_t number,
 }
 
 void SceneWork::remember(FrameContext& frame) {
-  if (remembers_) memory_->record_remember(frame.commands, *frame.layers[Role::intrinsic]);
+  if (!remembers_) return;
+  memory_->record_remember(frame.commands, *frame.layers[Role::intrinsic]);
+  if (!frame.draw) frame.layers.scene = memory_->record_seen(frame.commands);
 }
 
 void SceneWork::describe(GstStructure* stats, uint64_t number) const {

@@ -75,7 +75,7 @@ class SceneWork {
   }
   /// Whether that frame is the first of another scene than the frame before.
   bool began() const { return began_; }
-  /// After the method.
+  /// After the method. Layers that are sent on get what the frame sees of the scene.
   void remember(FrameContext& frame);
   /// Forgets the scene at the next frame. From any thread.
   void forget() { forgets_ = true; }

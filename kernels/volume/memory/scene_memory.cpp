@@ -62,6 +62,9 @@ SceneMemory::SceneMemory(const std::shared_ptr<gpu::Device>& device, Extent dept
       resize_(device),
       retry_(device),
       thumbnail_(device),
+      see_(device),
+      surfaces_(device, extent_),
+      poses_(device, {shaders::volume_memory_see::kPoseRows, 1}),
       depth_(gpu::Buffer::create(device, gpu::Element::scalar, extent_.pixels())),
       kept_depth_(gpu::Buffer::create(device, gpu::Element::scalar, extent_.pixels())),
       certain_(gpu::Buffer::create(device, gpu::Element::vec4,
@@ -264,6 +267,30 @@ SceneData SceneMemory::data() {
   SceneData scene{volume_.data(), keyframes_.frames()};
   host_blocks_.append_to(scene.volume);
   return scene;
+}
+
+std::shared_ptr<const SeenScene> SceneMemory::record_seen(gpu::Commands& commands) {
+  if (added_ == 0) return nullptr;
+  const Volume::Params& volume = volume_.params();
+  SeenScene seen{.extent = extent_,
+                 .lens = lens_,
+                 .surface = surfaces_.acquire(),
+                 .pose = poses_.acquire(),
+                 .table = volume_.table(),
+                 .voxels = volume_.voxels(),
+                 .table_mask = volume_.table_mask(),
+                 .voxel = volume.voxel,
+                 .truncation = volume.truncation * volume.voxel};
+  const auto pixels = static_cast<uint32_t>(extent_.pixels());
+  commands.dispatch(see_,
+                    {.view = view_.surface,
+                     .measured = tracker_.surface(),
+                     .camera = view_.pose,
+                     .found = tracked_ ? tracker_.found() : certain_,
+                     .surface = seen.surface->buffer,
+                     .pose = seen.pose->buffer},
+                    {.pixels = pixels}, pixels);
+  return std::make_shared<const SeenScene>(std::move(seen));
 }
 
 void SceneMemory::restore(const SceneData& scene) {

@@ -9,6 +9,7 @@
 #include "kernels/image/plane.hpp"
 #include "kernels/image/strokes/seen_strokes.hpp"
 #include "kernels/volume/known_reflectance.hpp"
+#include "kernels/volume/seen_scene.hpp"
 #include "kernels/volume/streaming/host_blocks.hpp"
 #include "kernels/volume/strokes/place_stroke.hpp"
 #include "kernels/volume/strokes/scene_strokes.hpp"
@@ -18,6 +19,7 @@
 #include "kernels/volume_memory_read_depth.spv.hpp"
 #include "kernels/volume_memory_resize.spv.hpp"
 #include "kernels/volume_memory_retry.spv.hpp"
+#include "kernels/volume_memory_see.spv.hpp"
 #include "kernels/volume_memory_thumbnail.spv.hpp"
 #include "keyframes.hpp"
 #include "scene_file.hpp"
@@ -64,6 +66,8 @@ class SceneMemory {
                                                 const Depth& depth, const Plane& picture);
   /// Records adding the reflectance of that frame's layers (R.rgb, S).
   void record_remember(gpu::Commands& commands, const Plane& layers);
+  /// Records what that frame sees of the scene, after `record_remember`; null: nothing is known.
+  std::shared_ptr<const SeenScene> record_seen(gpu::Commands& commands);
 
   /// All that is remembered, of frames whose commands are submitted; waits for the device.
   SceneData data();
@@ -132,6 +136,8 @@ class SceneMemory {
   gpu::Program<shaders::volume_memory_resize> resize_;
   gpu::Program<shaders::volume_memory_retry> retry_;
   gpu::Program<shaders::volume_memory_thumbnail> thumbnail_;
+  gpu::Program<shaders::volume_memory_see> see_;
+  PlanePool surfaces_, poses_;
   gpu::BufferPtr depth_, kept_depth_, stroke_ids_, resized_, certain_, thumbnail_plane_;
   struct InFlight {
     gpu::BufferPtr image, pose, found, depth;
