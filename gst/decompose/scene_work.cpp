@@ -199,7 +199,7 @@ void SceneWork::warn_of(FrameContext& frame, const SceneMemory::Findings& found)
   if (found.found) told_.erase(kLost);
   if (found.frames_lost >= kLongLost) warn(frame, kLost);
   if (found.blocks_refused > 0)
-    warn(frame, "the remembered scene has reached " +
+    warn(frame, "what the camera sees of the scene has reached " +
                     std::to_string(made_with_.scene_memory_limit) +
                     " MiB: new surfaces are not remembered; raise scene-memory-limit or "
                     "voxel-size");
@@ -266,7 +266,9 @@ const KnownReflectance* SceneWork::recall(FrameContext& frame, uint64_t number,
 }
 
 void SceneWork::remember(FrameContext& frame) {
-  if (remembers_) memory_->record_remember(frame.commands, *frame.layers[Role::intrinsic]);
+  if (!remembers_) return;
+  memory_->record_remember(frame.commands, *frame.layers[Role::intrinsic]);
+  if (!frame.draw) frame.layers.scene = memory_->record_seen(frame.commands);
 }
 
 void SceneWork::describe(GstStructure* stats, uint64_t number) const {
@@ -277,11 +279,12 @@ void SceneWork::describe(GstStructure* stats, uint64_t number) const {
                     G_TYPE_UINT, found.frames_lost, "scene-match-rms", G_TYPE_DOUBLE,
                     static_cast<double>(found.rms), "scene-matched", G_TYPE_DOUBLE,
                     static_cast<double>(found.matched), "scene-blocks", G_TYPE_UINT, found.blocks,
-                    "scene-blocks-visible", G_TYPE_UINT, found.blocks_visible,
-                    "scene-blocks-refused", G_TYPE_UINT, found.blocks_refused, "scene-memory-mib",
-                    G_TYPE_DOUBLE, found.blocks * double{Volume::kBlockBytes} / kMiB,
-                    "scene-keyframes", G_TYPE_UINT, found.keyframes, "scene-added", G_TYPE_BOOLEAN,
-                    found.added, "scene-view-kept", G_TYPE_BOOLEAN, found.view_kept, nullptr);
+                    "scene-blocks-visible", G_TYPE_UINT, found.blocks_visible, "scene-blocks-host",
+                    G_TYPE_UINT, found.blocks_host, "scene-blocks-refused", G_TYPE_UINT,
+                    found.blocks_refused, "scene-memory-mib", G_TYPE_DOUBLE,
+                    found.blocks * double{Volume::kBlockBytes} / kMiB, "scene-keyframes",
+                    G_TYPE_UINT, found.keyframes, "scene-added", G_TYPE_BOOLEAN, found.added,
+                    "scene-view-kept", G_TYPE_BOOLEAN, found.view_kept, nullptr);
   if (!found.front) return;
   const bool touches = memory_->touch(number).has_value();
   gst_structure_set(stats, "scene-front", G_TYPE_DOUBLE, static_cast<double>(*found.front),

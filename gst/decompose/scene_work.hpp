@@ -46,7 +46,8 @@ PropertyTable<P> scene_properties() {
                 "Distance from the camera up to which the scene is remembered, meters; a change "
                 "forgets it"),
       number<P>("scene-memory-limit", &P::scene_memory_limit, 8, 65536,
-                "Memory of the device for the remembered scene, MiB; a change forgets it"),
+                "Memory of the device for the remembered scene, MiB; the host keeps what is out of "
+                "sight beyond it; a change forgets the scene"),
       text<P>("scene-load", &P::scene_load,
               "File of a scene (.scene) that is known from the start; the camera is looked for in "
               "it",
@@ -85,7 +86,7 @@ class SceneWork {
   }
   /// Whether that frame is the first of another scene than the frame before.
   bool began() const { return began_; }
-  /// After the method.
+  /// After the method. Layers that are sent on get what the frame sees of the scene.
   void remember(FrameContext& frame);
   /// Forgets the scene at the next frame. From any thread.
   void forget() { forgets_ = true; }

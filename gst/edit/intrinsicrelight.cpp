@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicrelight: adds lamps to a scene.
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,9 +30,11 @@ const PropertyTable<Params>& table() {
   using R = RelightParams;
   Property<P> lamps = text<P>(
       "lamps", &P::lamps,
-      "JSON list of up to 8 lamps, x and y in pixels, z above the picture: "
+      "JSON list of up to 8 lamps, x and y in pixels, z above the picture; with room, in meters in "
+      "the axes of the remembered scene: "
       "[{\"kind\":\"point|spot|directional\",\"position\":[x,y,z],\"direction\":[x,y,z],"
-      "\"color\":\"#rrggbb\",\"power\":0.1,\"angle\":30,\"softness\":0.3,\"radius\":0.02}]");
+      "\"color\":\"#rrggbb\",\"power\":0.1,\"angle\":30,\"softness\":0.3,\"radius\":0.02,"
+      "\"room\":false}]");
   lamps.wrong = wrong_lamps;
   static const PropertyTable<P> table{
       lamps,
@@ -45,8 +48,11 @@ const PropertyTable<Params>& table() {
                   "The file of location; without one, as shading"},
                  {static_cast<int>(Surface::shading), "shading",
                   "Normals that are estimated from shading: approximate"},
-                 {static_cast<int>(Surface::flat), "flat", "All surfaces face the viewer"}},
-                "Source of the shape of the scene"),
+                 {static_cast<int>(Surface::flat), "flat", "All surfaces face the viewer"},
+                 {static_cast<int>(Surface::scene), "scene",
+                  "The remembered scene of the decomposer, with shadows; without one, as auto"}},
+                "Source of the shape of the scene, but for lamps in the room, which light the "
+                "remembered one"),
       text<P>("location", &P::location,
               "PNG file of the geometry of a still scene: gray = depth along the optical axis (0 = "
               "unknown), RGB = normals from -1 to 1 (x right, y up, z to the camera)",
@@ -60,7 +66,8 @@ const PropertyTable<Params>& table() {
                 "Horizontal field of view of the camera, degrees, for depth"),
       number<P>("plane-depth", of_light(&R::plane_depth), 0, 10000,
                 "Distance of the plane from which the z of lamps is measured from the camera, "
-                "meters, for depth; 0 = median depth"),
+                "meters, for depth; 0 = median depth, with geometry=scene 2"),
+      flag<P>("shadows", of_light(&R::shadows), "Lamps in the remembered scene cast shadows"),
       choice<P>(
           "lamp-mode", &P::lamp_mode, "GstInverseLampMode",
           {{static_cast<int>(LampMode::off), "off", "Navigation events do nothing"},
@@ -80,7 +87,8 @@ const PropertyTable<Params>& table() {
                 "Power of lamps that the mouse adds: shading that they add at a distance of 1"),
       number<P>("lamp-height", &P::lamp_height, -1000.F, 1000.F,
                 "Height above the picture of lamps that the mouse adds: widths of the frame, or "
-                "meters if depth is known"),
+                "meters if depth is known; in a remembered scene, before the surface under the "
+                "mouse"),
       flag<P>("show-lamps", of_light(&R::markers), "Draw where lamps are"),
       flag<P>("use-mask", of_light(&R::use_mask),
               "Multiply the change by the mask layer if the frame has one"),
@@ -94,6 +102,7 @@ class RelightElement final : public Filter {
 
   void start() override {
     file_ = nullptr;
+    told_ = false;
     const std::string location = parameters_.snapshot().location;
     if (location.empty()) return;
     std::string warning;
@@ -105,9 +114,13 @@ class RelightElement final : public Filter {
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     extent_ = extent;
     relight_.emplace(device, extent);
+    views_.emplace(device);
     relight_->set_surface(file_);
   }
-  void release() override { relight_.reset(); }
+  void release() override {
+    relight_.reset();
+    views_.reset();
+  }
   void reset() override { relight_->reset(); }
   void flushed() override { editor_.flush(); }
 
@@ -122,10 +135,23 @@ class RelightElement final : public Filter {
     frame.warnings = std::exchange(warnings_, {});
     for (std::string& warning : editor_.take_warnings())
       frame.warnings.push_back(std::move(warning));
+    warn_without_scene(frame, params);
+    using Surface = RelightParams::Surface;
+    const bool adds =
+        params.lamp_mode == LampMode::add &&
+        (params.light.surface == Surface::automatic || params.light.surface == Surface::scene);
+    const bool reads = params.lamp_mode != LampMode::off && frame.layers.scene &&
+                       (adds || std::ranges::any_of(params.light.lamps, &Lamp::room));
+    views_->record(frame.commands, frame.number, reads ? frame.layers.scene.get() : nullptr, adds);
+    adds_in_room_[frame.number] = adds;
     const uint32_t before = frame.commands.dispatches();
     relight_->record(frame.commands, frame.layers, params.light);
     if (frame.commands.dispatches() > before) frame.commands.stage("relight");
     plane_depths_[frame.number] = relight_->plane_depth();
+  }
+
+  void completed(uint64_t number, double) override {
+    editor_.see(views_->view(number), adds_in_room_[number]);
   }
 
   void describe(GstStructure* stats, uint64_t number) const override {
@@ -137,12 +163,24 @@ class RelightElement final : public Filter {
   LampEditor& editor() { return editor_; }
 
  private:
+  void warn_without_scene(FrameContext& frame, const Params& params) {
+    if (frame.layers.scene || told_ || !std::ranges::any_of(params.light.lamps, &Lamp::room))
+      return;
+    told_ = true;
+    frame.warnings.emplace_back(
+        "lamps with \"room\":true stand in a remembered scene, but frames come without one: these "
+        "lamps give no light; use a source with depth, and a decomposer with scene-memory=true");
+  }
+
   Parameters<Params> parameters_{table()};
   LampEditor editor_;
   Extent extent_{};
   std::shared_ptr<const SurfaceFile> file_;
   std::vector<std::string> warnings_;
+  bool told_ = false;  // that a scene is missing
   std::optional<Relight> relight_;
+  std::optional<LampViews> views_;
+  gpu::FrameRing<bool> adds_in_room_{};
   gpu::FrameRing<float> plane_depths_{};
 };
 

@@ -21,28 +21,58 @@ LampList lamps_of(const std::string& text, Extent frame) {
 
 /// From pixels of `from` to those of `to`.
 void scale(Lamp& lamp, Extent from, Extent to) {
+  if (lamp.room) return;
   const Place at = scaled({lamp.position[0], lamp.position[1]}, from, to);
   lamp.position[0] = at[0], lamp.position[1] = at[1];
 }
 
-/// The place of a lamp of a list, in pixels of `frame`.
-Place place_in(const Lamp& lamp, Extent own, Extent frame) {
-  return scaled(place_of(lamp, own), own, frame);
+using KnownView = const std::optional<LampView>&;
+
+/// The place of a lamp of a list, in pixels of `frame`; none if that is not known.
+std::optional<Place> place_in(const Lamp& lamp, Extent own, Extent frame, KnownView view) {
+  if (!lamp.room) return scaled(place_of(lamp, own), own, frame);
+  const std::optional<Lamp> seen = view ? view->over(lamp, frame) : std::nullopt;
+  return seen ? std::optional(place_of(*seen, frame)) : std::nullopt;
+}
+
+/// Moves a lamp of a list to a place in pixels of `frame`; one in the room stays as far from the
+/// camera as it is.
+void move_lamp(Lamp& lamp, Extent own, Place to, Extent frame, KnownView view) {
+  if (!lamp.room) return move_to(lamp, scaled(to, frame, own), own);
+  std::optional<Lamp> seen = view ? view->over(lamp, frame) : std::nullopt;
+  if (!seen) return;
+  move_to(*seen, to, frame);
+  Lamp moved = view->in_room(*seen, frame);
+  // Turned there and back, a direction that did not change would not be quite the same.
+  if (lamp.kind != Lamp::Kind::directional) moved.direction = lamp.direction;
+  lamp = moved;
 }
 
 /// The lamp that is nearest to a place within reach, if one is.
-std::optional<size_t> lamp_at(const LampList& list, Place place, Extent frame) {
+std::optional<size_t> lamp_at(const LampList& list, Place place, Extent frame, KnownView view) {
   std::optional<size_t> nearest;
   float min_distance =
       std::max(static_cast<float>(std::max(frame.width, frame.height)) * kGrasp, 4.F);
   for (size_t i = 0; i < list.lamps.size(); ++i) {
-    const Place at = place_in(list.lamps[i], list.frame, frame);
-    const float off = std::hypot(at[0] - place[0], at[1] - place[1]);
+    const auto at = place_in(list.lamps[i], list.frame, frame, view);
+    if (!at) continue;
+    const float off = std::hypot((*at)[0] - place[0], (*at)[1] - place[1]);
     if (off > min_distance) continue;
     min_distance = off;
     nearest = i;
   }
   return nearest;
+}
+
+/// A new lamp in the room, its height before the surface that is seen at a place; empty where none
+/// is known.
+std::optional<Lamp> before_surface(Lamp lamp, Place place, Extent frame, const LampView& view) {
+  constexpr float kNearest = 0.05F;  // meters from the camera
+  const float depth = view.depth_at(place, frame);
+  if (!(depth > 0)) return {};
+  lamp.position = {place[0], place[1], std::max(depth - lamp.position[2], kNearest)};
+  if (lamp.kind == Lamp::Kind::directional) move_to(lamp, place, frame);
+  return view.in_room(lamp, frame);
 }
 
 }  // namespace
@@ -56,8 +86,12 @@ void LampEditor::mouse(const Log& log, const MouseEvent& event, const LampParams
   const Place place = *mouse;
   Extent frame;
   std::optional<Drag> drag;
+  std::optional<LampView> view;
+  bool adds_in_room = false;
   {
     const Lock lock(mutex_);
+    view = view_;
+    adds_in_room = adds_in_room_;
     frame = frame_;
     drag = drag_;
     if (event.kind == Kind::release) drag_.reset();
@@ -68,10 +102,10 @@ void LampEditor::mouse(const Log& log, const MouseEvent& event, const LampParams
     if (drag->lamp >= list.lamps.size()) return;  // removed meanwhile
     const Place to{std::clamp(place[0] + drag->off[0], 0.F, static_cast<float>(frame.width)),
                    std::clamp(place[1] + drag->off[1], 0.F, static_cast<float>(frame.height))};
-    move_to(list.lamps[drag->lamp], scaled(to, frame, list.frame), list.frame);
+    move_lamp(list.lamps[drag->lamp], list.frame, to, frame, view);
     return set(log, text_of(list));
   }
-  std::optional<size_t> pressed = lamp_at(list, place, frame);
+  std::optional<size_t> pressed = lamp_at(list, place, frame, view);
   if (params.lamp_mode == LampMode::remove) {
     if (!pressed) return;
     list.lamps.erase(list.lamps.begin() + static_cast<long>(*pressed));
@@ -87,13 +121,18 @@ void LampEditor::mouse(const Log& log, const MouseEvent& event, const LampParams
               .position = {0, 0, params.lamp_height},
               .color = params.lamp_color & 0xffffff,
               .power = params.lamp_power};
-    move_to(lamp, scaled(place, frame, list.frame), list.frame);
+    std::optional<Lamp> in_room;
+    if (view && adds_in_room) in_room = before_surface(lamp, place, frame, *view);
+    if (in_room)
+      lamp = *in_room;
+    else
+      move_to(lamp, scaled(place, frame, list.frame), list.frame);
     pressed = list.lamps.size();
     list.lamps.push_back(lamp);
     set(log, text_of(list));
   }
   if (!pressed) return;
-  const Place at = place_in(list.lamps[*pressed], list.frame, frame);
+  const Place at = place_in(list.lamps[*pressed], list.frame, frame, view).value_or(place);
   const Lock lock(mutex_);
   drag_ = Drag{*pressed, {at[0] - place[0], at[1] - place[1]}};
 }
@@ -125,9 +164,16 @@ std::vector<Lamp> LampEditor::take(const std::string& lamps, Extent frame) {
   return lamps_;
 }
 
+void LampEditor::see(std::optional<LampView> view, bool adds) {
+  const Lock lock(mutex_);
+  view_ = std::move(view);
+  adds_in_room_ = adds;
+}
+
 void LampEditor::flush() {
   const Lock lock(mutex_);
   drag_.reset();
+  view_.reset();
 }
 
 }  // namespace inverse

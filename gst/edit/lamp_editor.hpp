@@ -7,6 +7,7 @@
 
 #include "gst/base/json/list_editor.hpp"
 #include "kernels/edit/relight/lamps.hpp"
+#include "lamp_view.hpp"
 
 namespace inverse {
 
@@ -36,6 +37,9 @@ class LampEditor : public ListEditor {
   void add(const Log& log, const std::string& lamp);
   void remove(const Log& log, unsigned index);  ///< from 1 on
 
+  /// What a completed frame saw of a remembered scene; empty: nothing. Lamps in the room follow the
+  /// mouse in it, and with `adds` new ones stand in it.
+  void see(std::optional<LampView> view, bool adds);
   /// The lamps of the property for a frame of this size, in its pixels.
   std::vector<Lamp> take(const std::string& lamps, Extent frame);
   /// Ends a drag: its picture is gone.
@@ -48,6 +52,8 @@ class LampEditor : public ListEditor {
   };
 
   std::optional<Drag> drag_;
+  std::optional<LampView> view_;
+  bool adds_in_room_ = false;
   std::optional<std::pair<std::string, Extent>> taken_;
   std::vector<Lamp> lamps_;  // of taken_
 };

@@ -15,7 +15,7 @@ namespace {
 using namespace json_list;
 
 constexpr float kMaxHeight = 1000;
-constexpr const char* kLimit = "eight fields";
+constexpr const char* kLimit = "nine fields";
 
 constexpr std::array kKinds{"point", "spot", "directional"};  // by Lamp::Kind
 
@@ -35,6 +35,10 @@ Lamp::Kind kind_of(const Json& json, const std::string& name) {
 Lamp lamp_of(const Json& json, const std::string& name) {
   if (!json.is_object()) refuse(name + " must be an object with kind and position");
   Lamp lamp;
+  if (const auto room = json.find("room"); room != json.end()) {
+    if (!room->is_boolean()) refuse("the room of " + name + " must be true or false");
+    lamp.room = room->get<bool>();
+  }
   std::set<std::string> given;
   for (const auto& [key, value] : json.items()) {
     given.insert(key);
@@ -42,7 +46,8 @@ Lamp lamp_of(const Json& json, const std::string& name) {
     if (key == "kind") {
       lamp.kind = kind_of(value, name);
     } else if (key == "position") {
-      lamp.position = vector_of(value, kMaxCoordinate, kMaxHeight, "the position of " + name);
+      lamp.position = vector_of(value, lamp.room ? kMaxHeight : kMaxCoordinate, kMaxHeight,
+                                "the position of " + name);
     } else if (key == "direction") {
       lamp.direction = vector_of(value, kMaxCoordinate, kMaxCoordinate, "the direction of " + name);
       if (!(std::hypot(lamp.direction[0], lamp.direction[1], lamp.direction[2]) > 0))
@@ -57,10 +62,11 @@ Lamp lamp_of(const Json& json, const std::string& name) {
       lamp.softness = number_of(value, 0, 1, "the " + of);
     } else if (key == "radius") {
       lamp.radius = number_of(value, 0, kMaxHeight, "the " + of);
-    } else {
-      refuse(name + " has the field \"" + key.substr(0, 40) +
-             "\", but only kind, position, direction, color, power, angle, softness and radius are "
-             "known");
+    } else if (key != "room") {
+      refuse(
+          name + " has the field \"" + key.substr(0, 40) +
+          "\", but only kind, position, direction, color, power, angle, softness, radius and room "
+          "are known");
     }
   }
   if (!given.contains("kind"))
@@ -81,10 +87,11 @@ double short_of(float value) {
 
 OrderedJson json_of(const Lamp& lamp) {
   constexpr int kFine = 4;  // digits
+  const int of_place = lamp.room ? kFine : 1;
   OrderedJson entry{{"kind", kKinds[static_cast<size_t>(lamp.kind)]}};
   const bool directional = lamp.kind == Lamp::Kind::directional;
   if (!directional)
-    entry["position"] = {rounded(lamp.position[0], 1), rounded(lamp.position[1], 1),
+    entry["position"] = {rounded(lamp.position[0], of_place), rounded(lamp.position[1], of_place),
                          rounded(lamp.position[2], kFine)};
   if (lamp.kind != Lamp::Kind::point)
     entry["direction"] = {short_of(lamp.direction[0]), short_of(lamp.direction[1]),
@@ -96,6 +103,7 @@ OrderedJson json_of(const Lamp& lamp) {
     entry["softness"] = short_of(lamp.softness);
   }
   if (!directional) entry["radius"] = short_of(lamp.radius);
+  if (lamp.room) entry["room"] = true;
   return entry;
 }
 

@@ -4,10 +4,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 
 #include "plane.hpp"
 
 namespace inverse {
+
+struct SeenScene;  // kernels/volume/seen_scene.hpp
 
 /// Content of a plane of a decomposed frame.
 enum class Role : uint8_t {
@@ -52,6 +55,8 @@ constexpr Role indirect_role(uint32_t n) {
 struct Layers {
   Extent extent;
   std::array<PlanePtr, static_cast<size_t>(Role::count)> planes;
+  /// What the frame sees of a remembered scene; null: no scene is remembered.
+  std::shared_ptr<const SeenScene> scene = nullptr;
 
   PlanePtr& operator[](Role role) { return planes[static_cast<size_t>(role)]; }
   const PlanePtr& operator[](Role role) const { return planes[static_cast<size_t>(role)]; }

@@ -25,39 +25,10 @@ layout(push_constant) uniform Push {
   float truncation;
 } push;
 #include "find_block.glsl"
+#include "distance.glsl"
 
 const uint kMaxSteps = 512u;
-const float kMinSeen = 0.33;
 const int kRefinements = 2;
-
-// The eight voxels around a place of the world in voxels, of which the first one's center is below it.
-uint corner(ivec3 voxel, uint n, uint block, ivec3 block_at) {
-  ivec3 v = voxel + ivec3(n & 1u, n >> 1 & 1u, n >> 2);
-  ivec3 at = block_of(v);
-  uint found = at == block_at ? block : find_block(at);
-  return found == kNoBlock ? kNoBlock : found * kBlockVoxels + place_in_block(v);
-}
-float corner_weight(vec3 share, uint n) {
-  vec3 w = mix(1.0 - share, share, vec3(n & 1u, n >> 1 & 1u, n >> 2));
-  return w.x * w.y * w.z;
-}
-
-// Interpolated distance of the voxels that were seen; 2 if they are less than a third.
-float distance_at(vec3 at) {
-  ivec3 voxel = ivec3(floor(at - 0.5));
-  vec3 share = at - 0.5 - vec3(voxel);
-  ivec3 block_at = block_of(voxel);
-  uint block = find_block(block_at);
-  float sum = 0.0, total = 0.0;
-  for (uint n = 0u; n < 8u; ++n) {
-    uint index = corner(voxel, n, block, block_at);
-    Voxel v = voxel_of(index == kNoBlock ? 0u : FETCH1(voxels, int(index)));
-    float weight = v.weight > 0.0 ? corner_weight(share, n) : 0.0;
-    sum += weight * v.distance;
-    total += weight;
-  }
-  return total >= kMinSeen ? sum / total : 2.0;
-}
 
 void main() {
   uint line = line_index();

@@ -93,12 +93,25 @@ VolumeData Volume::data() const {
     const auto* from = to->map_as<uint32_t>();
     return std::vector<uint32_t>(from, from + words);
   };
-  // Places are taken in order, and none is given back.
-  const uint64_t blocks =
-      params_.blocks - read(state_, volume_allocate::kStateWords)[volume_allocate::kFree];
-  const uint64_t voxels = blocks * volume_allocate::kBlockVoxels;
-  return {params_.voxel, params_.truncation, read(keys_, blocks), read(voxels_, voxels),
-          read(colors_, 2 * voxels)};
+  VolumeData data{params_.voxel, params_.truncation, read(keys_, params_.blocks), {}, {}};
+  // Places are taken in order; some may have been given back.
+  constexpr uint64_t kVoxels = volume_allocate::kBlockVoxels;
+  while (!data.keys.empty() && data.keys.back() == kNoBlock) data.keys.pop_back();
+  const uint64_t places = data.keys.size();
+  data.voxels = read(voxels_, places * kVoxels);
+  data.colors = read(colors_, places * 2 * kVoxels);
+  uint64_t blocks = 0;
+  for (uint64_t place = 0; place < places; ++place) {
+    if (data.keys[place] == kNoBlock) continue;
+    data.keys[blocks] = data.keys[place];
+    std::copy_n(&data.voxels[place * kVoxels], kVoxels, &data.voxels[blocks * kVoxels]);
+    std::copy_n(&data.colors[2 * place * kVoxels], 2 * kVoxels, &data.colors[2 * blocks * kVoxels]);
+    ++blocks;
+  }
+  data.keys.resize(blocks);
+  data.voxels.resize(blocks * kVoxels);
+  data.colors.resize(blocks * 2 * kVoxels);
+  return data;
 }
 
 void Volume::restore(const VolumeData& data) {

@@ -93,6 +93,8 @@ class Volume {
   const gpu::BufferPtr& keys() const { return keys_; }
   const gpu::BufferPtr& voxels() const { return voxels_; }
   const gpu::BufferPtr& colors() const { return colors_; }
+  /// A stack of places, of which the first kFree (state.glsl) are free.
+  const gpu::BufferPtr& free_blocks() const { return free_; }
   /// A word a block: its voxels that have a reflectance.
   const gpu::BufferPtr& colored() const { return colored_; }
 

@@ -9,7 +9,7 @@
 
 // Light of lamps is added to a share of the light that is there:
 //
-//   T = (1 - matte (1 - ambient)) S C(S) L + matte E        E = sum of lamps
+//   T = (1 - matte (1 - ambient)) S C(S) L + matte E        E = sum of lamps: those over the picture, and those in a scene
 //
 // T is given to the layers as S' = (1 - matte (1 - ambient)) S + matte mean E, and its color to L' = T / (S' C(S')).
 layout(constant_id = 1) const bool COLOR = false;  // light has a color: write L'. Else all of it is white
@@ -17,9 +17,6 @@ layout(constant_id = 1) const bool COLOR = false;  // light has a color: write L
 const uint kFlat = 0u;    // faces the viewer, in the picture plane
 const uint kSlopes = 1u;  // in the picture plane, with normals of slopes on a grid
 const uint kMap = 2u;     // normals and depth of pixels; depth 0: in the picture plane
-const int kPoint = 0;
-const int kSpot = 1;
-const int kDirectional = 2;
 
 PLANE_IN(0, intrinsic);
 PLANE_IN(1, mask);
@@ -27,25 +24,29 @@ PLANE_IN(2, surface);  // kSlopes: dh/dx, dh/dy; kMap: unit normal, depth in met
 PLANE_IN(3, lamps);    // relight.glsl
 PLANE_IN(4, light);    // rgb, direct share of S
 PLANE_IN(5, slope);
-PLANE_OUT(6, edited);
-PLANE_OUT(7, lit);     // COLOR
-SCALAR_OUT(8, kept);   // COLOR: share of S' that was in S
+PLANE_IN(6, scene_light);  // scene_light.comp
+PLANE_OUT(7, edited);
+PLANE_OUT(8, lit);     // COLOR
+SCALAR_OUT(9, kept);   // COLOR: share of S' that was in S
 layout(push_constant) uniform Push {
   uvec2 size;
   uvec2 grid;   // of slopes
+  uvec2 view;   // of the light of lamps in a scene; 0: there is none
   float cells;  // grid cells a pixel
   float relief;
   float scale;        // 1 / width of the frame, or 1 / focal length
   float plane_depth;  // meters
   float ambient;
   float marker;  // radius of markers, pixels; 0: none
-  int count;     // of lamps
+  int count;     // of lamps over the picture, which are the first ones of the table
+  int marks;     // of all lamps
   uint surface;
   uint has_mask, has_light, has_slope;  // what is not there is 1, 1 and white
   uint first_row;
 } push;
 
-const float kMinDistance2 = 1e-12;
+#include "lamp_light.glsl"
+#include "volume/jump.glsl"
 
 vec2 slope_at(uvec2 at) {
   vec2 place = clamp((vec2(at) + 0.5) * push.cells - 0.5, vec2(0.0), vec2(push.grid - 1u));
@@ -56,32 +57,42 @@ vec2 slope_at(uvec2 at) {
              mix(FETCH(surface, below + low.x).xy, FETCH(surface, below + high.x).xy, part.x), part.y);
 }
 
-// Light of all lamps on a surface.
+// Light of the lamps over the picture on a surface.
 vec3 light_on(vec3 place, vec3 normal) {
   vec3 sum = vec3(0.0);
-  for (int k = 0; k < push.count; ++k) {
-    vec4 lamp = FETCH(lamps, kLampRows * k + kPlace), axis = FETCH(lamps, kLampRows * k + kAxis);
-    vec4 color = FETCH(lamps, kLampRows * k + kLight);
-    int kind = int(axis.w);
-    if (kind == kDirectional) {
-      sum += color.rgb * max(-dot(normal, axis.xyz), 0.0);
-      continue;
-    }
-    vec3 to = lamp.xyz - place;
-    float square = max(dot(to, to), kMinDistance2);
-    vec3 way = to * inversesqrt(square);
-    float share = max(dot(normal, way), 0.0) / max(square, lamp.w);
-    if (kind == kSpot)
-      share *= 1.0 - falling((-dot(way, axis.xyz) - color.w) * FETCH(lamps, kLampRows * k + kMark).z);
-    sum += color.rgb * share;
-  }
+  for (int k = 0; k < push.count; ++k) sum += light_of(k, place, normal);
   return min(sum, vec3(kLargest));
+}
+
+// Light of the lamps in the scene on a pixel: between those pixels of the view around it that are of the same surface as the nearest
+// one.
+vec3 scene_light_at(uvec2 at) {
+  vec2 place = clamp((vec2(at) + 0.5) * vec2(push.view) / vec2(push.size) - 0.5, vec2(0.0), vec2(push.view - 1u));
+  ivec2 low = ivec2(place), high = min(low + 1, ivec2(push.view) - 1);
+  vec2 part = place - vec2(low);
+  int above = low.y * int(push.view.x), below = high.y * int(push.view.x);
+  vec4 seen[4] = vec4[](FETCH(scene_light, above + low.x), FETCH(scene_light, above + high.x), FETCH(scene_light, below + low.x), FETCH(scene_light, below + high.x));
+  vec4 weights = vec4((1.0 - part.x) * (1.0 - part.y), part.x * (1.0 - part.y), (1.0 - part.x) * part.y, part.x * part.y);
+  float depth = 0.0, most = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    if (!(seen[i].w > 0.0 && weights[i] > most)) continue;
+    most = weights[i];
+    depth = seen[i].w;
+  }
+  vec3 sum = vec3(0.0);
+  float total = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    if (!(seen[i].w > 0.0 && abs(seen[i].w - depth) <= kJump * depth)) continue;
+    sum += weights[i] * seen[i].rgb;
+    total += weights[i];
+  }
+  return total > 0.0 ? sum / total : vec3(0.0);
 }
 
 // The marker that covers a pixel: reflectance; below 0: none.
 vec3 marker_at(vec2 at) {
   vec3 color = vec3(-1.0);
-  for (int k = 0; k < push.count; ++k) {
+  for (int k = 0; k < push.marks; ++k) {
     vec4 mark = FETCH(lamps, kLampRows * k + kMark);
     float off = distance(at, mark.xy) / push.marker;
     if (off > 1.0) continue;
@@ -115,7 +126,9 @@ void main() {
       }
     }
     vec2 off = vec2(at.x, y) + 0.5 - 0.5 * vec2(push.size);
-    vec3 added = matte * light_on(vec3(off * scale, above), normal);
+    vec3 of_lamps = light_on(vec3(off * scale, above), normal);
+    if (push.view.x > 0u) of_lamps = min(of_lamps + scene_light_at(uvec2(at.x, y)), vec3(kLargest));
+    vec3 added = matte * of_lamps;
     vec3 total = keep * (has_slope ? colored_light(FETCH(slope, 0), layers.w) : layers.www) * before.rgb + added;
     float own = keep * layers.w, gray = mean3(added), now = min(own + gray, kLargest);
     bool same = keep == 1.0 && gray == 0.0;

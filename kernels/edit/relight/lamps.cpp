@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "kernels/edit_relight_apply.spv.hpp"
+#include "kernels/edit_relight_place.spv.hpp"
 
 namespace inverse {
 namespace {
@@ -55,8 +56,10 @@ void move_to(Lamp& lamp, Place place, Extent frame) {
   lamp.direction = above > 0 ? Lamp::Vector{x, y, -std::sqrt(above)} : unit({x, y, 0});
 }
 
+float View::depth(float z) const { return std::max(plane_depth - z, kMinDepth); }
+
 Lamp::Vector View::place(float x, float y, float z) const {
-  const float depth = std::max(plane_depth - z, kMinDepth);
+  const float depth = this->depth(z);
   const float scale = focal_length > 0 ? depth / focal_length : 1 / static_cast<float>(frame.width);
   return {(x - static_cast<float>(frame.width) / 2) * scale,
           (y - static_cast<float>(frame.height) / 2) * scale,
@@ -64,21 +67,27 @@ Lamp::Vector View::place(float x, float y, float z) const {
 }
 
 std::vector<std::array<float, 4>> lamp_table(const std::vector<Lamp>& lamps, float strength,
-                                             const View& view) {
+                                             const View& view, bool in_scene) {
+  using Place = shaders::edit_relight_place;
   std::vector<std::array<float, 4>> table;
   for (const Lamp& lamp : lamps) {
     if (table.size() == kMaxLamps * Shader::kLampRows) break;
-    const Lamp::Vector at = view.place(lamp.position[0], lamp.position[1], lamp.position[2]);
+    Lamp::Vector at = lamp.position;
+    if (!lamp.room)
+      at = in_scene ? Lamp::Vector{0, 0, view.depth(lamp.position[2])}
+                    : view.place(lamp.position[0], lamp.position[1], lamp.position[2]);
+    const int axes = lamp.room ? Place::kOfRoom : in_scene ? Place::kOfCamera : 0;
     const Lamp::Vector axis = unit(lamp.direction);
     const float power = lamp.power * strength;
     const double edge = static_cast<double>(lamp.angle) * kDegree;
     const auto cos_edge = static_cast<float>(std::cos(edge));
     const auto cos_full =
         static_cast<float>(std::cos(edge * (1 - static_cast<double>(lamp.softness))));
-    const Place mark = place_of(lamp, view.frame);
+    const inverse::Place mark = place_of(lamp, view.frame);
     const auto channel = [&](uint32_t shift) { return linear_of(lamp.color >> shift); };
     table.push_back({at[0], at[1], at[2], lamp.radius * lamp.radius});
-    table.push_back({axis[0], axis[1], axis[2], static_cast<float>(lamp.kind)});
+    table.push_back(
+        {axis[0], axis[1], axis[2], static_cast<float>(static_cast<int>(lamp.kind) + axes)});
     table.push_back({power * channel(16), power * channel(8), power * channel(0), cos_edge});
     table.push_back({mark[0], mark[1], 1 / std::max(cos_full - cos_edge, kHardEdge),
                      static_cast<float>(lamp.color & 0xffffff)});

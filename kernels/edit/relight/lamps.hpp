@@ -11,7 +11,8 @@ namespace inverse {
 /// A lamp that is added to a scene.
 ///
 /// Axes: x to the right, y down, z towards the viewer. Its place is seen at the pixel x, y of the
-/// frame, z above the picture plane: in widths of the frame, or in meters if depth is known.
+/// frame, z above the picture plane: in widths of the frame, or in meters if depth is known. A lamp
+/// in the room has the axes of a remembered scene instead, those of SeenScene::pose.
 struct Lamp {
   enum class Kind : uint8_t { point, spot, directional };
   using Vector = std::array<float, 3>;
@@ -27,6 +28,8 @@ struct Lamp {
   float softness = 0.3F;  ///< of a spot: share of the angle inside of the edge in which light falls
   /// Distances below count as this one: of point and spot. Unit of z.
   float radius = 0.02F;
+  /// In the room: position and direction are in the axes of the scene, meters.
+  bool room = false;
 
   bool operator==(const Lamp&) const = default;
 };
@@ -38,8 +41,8 @@ struct LampList {
   std::vector<Lamp> lamps;
 };
 
-/// Where a lamp is seen in a frame. A directional one is where its light would be brightest on a
-/// ball that fills the frame.
+/// Where a lamp that is not in the room is seen in a frame. A directional one is where its light
+/// would be brightest on a ball that fills the frame.
 Place place_of(const Lamp& lamp, Extent frame);
 /// Moves a lamp there; z stays, as do the directions of spots.
 void move_to(Lamp& lamp, Place place, Extent frame);
@@ -54,10 +57,13 @@ struct View {
   float plane_depth = 0;
 
   Lamp::Vector place(float x, float y, float z) const;
+  /// From the camera of a height above the picture plane, meters.
+  float depth(float z) const;
 };
 
-/// A table for apply.comp: LAMP_… (relight.glsl) vec4 for each of the first kMaxLamps.
+/// A table for apply.comp: kLampRows (relight.glsl) vec4 for each of the first kMaxLamps. Those in
+/// the room are for place.comp; with `in_scene` the others are, too.
 std::vector<std::array<float, 4>> lamp_table(const std::vector<Lamp>& lamps, float strength,
-                                             const View& view);
+                                             const View& view, bool in_scene = false);
 
 }  // namespace inverse

@@ -35,7 +35,9 @@ Relight::Relight(const std::shared_ptr<gpu::Device>& device, Extent extent)
       no_share_(gpu::Buffer::create(device, gpu::Element::scalar, 1)),
       relief_(device, extent),
       apply_{{{device, {.color = false}}, {device, {.color = true}}}},
-      share_(device) {}
+      share_(device),
+      place_(device),
+      light_scene_(device) {}
 
 void Relight::set_surface(std::shared_ptr<const SurfaceFile> file) {
   file_ = std::move(file);
@@ -44,7 +46,6 @@ void Relight::set_surface(std::shared_ptr<const SurfaceFile> file) {
 
 uint32_t Relight::prepare_surface(gpu::Commands& commands, const Layers& layers,
                                   const RelightParams& params) {
-  view_ = {.frame = extent_};
   using Surface = RelightParams::Surface;
   if (params.surface == Surface::flat) return Apply::kFlat;
   if (params.surface == Surface::shading || !file_) {
@@ -67,21 +68,68 @@ uint32_t Relight::prepare_surface(gpu::Commands& commands, const Layers& layers,
   return Apply::kMap;
 }
 
+void Relight::record_scene(gpu::Commands& commands, const SeenScene& scene, int first, int count,
+                           bool shadows) {
+  const auto pixels = static_cast<uint32_t>(scene.extent.pixels());
+  if (!placed_)
+    placed_ = gpu::Buffer::create(device_, gpu::Element::vec4, Apply::kLampRows * kMaxLamps);
+  if (!scene_light_ || scene_light_->count() != pixels)
+    scene_light_ = gpu::Buffer::create(device_, gpu::Element::vec4, pixels);
+  commands.dispatch(place_, {.lamps = lamps_, .pose = scene.pose->buffer, .placed = placed_},
+                    {.lens = scene.lens.values(),
+                     .size = extent_,
+                     .view = scene.extent,
+                     .count = static_cast<uint32_t>(first + count)},
+                    static_cast<uint32_t>(first + count));
+  commands.dispatch(light_scene_,
+                    {.lamps = placed_,
+                     .surface = scene.surface->buffer,
+                     .pose = scene.pose->buffer,
+                     .table = scene.table,
+                     .voxels = scene.voxels,
+                     .light = scene_light_},
+                    {.lens = scene.lens.values(),
+                     .size = scene.extent,
+                     .first = first,
+                     .count = count,
+                     .table_mask = scene.table_mask,
+                     .voxel = scene.voxel,
+                     .truncation = scene.truncation,
+                     .shadows = shadows ? 1U : 0U},
+                    pixels);
+  // Their pools write them again once nobody holds them, which is not before this is submitted.
+  commands.keep(scene.surface);
+  commands.keep(scene.pose);
+}
+
 void Relight::record(gpu::Commands& commands, Layers& layers, const RelightParams& params) {
   const float ambient = limited(params.ambient, 0, 1), strength = limited(params.strength, 0, 1e6F);
   std::vector<Lamp> lamps;
   for (const Lamp& lamp : params.lamps)
-    if (lamps.size() < kMaxLamps && (strength * lamp.power > 0 || params.markers))
+    if (lamps.size() < kMaxLamps && (strength * lamp.power > 0 || params.markers) &&
+        (!lamp.room || layers.scene))
       lamps.push_back(lamp);
+  const bool all_in_scene = params.surface == RelightParams::Surface::scene && layers.scene;
+  const auto first_in_scene = std::stable_partition(
+      lamps.begin(), lamps.end(), [&](const Lamp& l) { return !l.room && !all_in_scene; });
+  const auto over_picture = static_cast<int>(first_in_scene - lamps.begin()),
+             marks = static_cast<int>(lamps.size());
   if (lamps.empty() && ambient == 1) return reset();
   const bool matte = params.use_mask && layers[Role::mask];
   const PlanePtr& slope = layers[Role::slope];
   const bool light = layers.global();
   const bool color = light || slope || !std::all_of(lamps.begin(), lamps.end(), is_white);
-  const uint32_t surface = lamps.empty() ? Apply::kFlat : prepare_surface(commands, layers, params);
-  commands.write_table(
-      lamps_, gpu::Element::vec4,
-      lamps.empty() ? std::vector<std::array<float, 4>>(1) : lamp_table(lamps, strength, view_));
+  view_ = {.frame = extent_};
+  const uint32_t surface =
+      over_picture > 0 ? prepare_surface(commands, layers, params) : Apply::kFlat;
+  if (all_in_scene)
+    view_.plane_depth = params.plane_depth > 0 ? std::min(params.plane_depth, 1e4F) : kScenePlane;
+  commands.write_table(lamps_, gpu::Element::vec4,
+                       lamps.empty() ? std::vector<std::array<float, 4>>(1)
+                                     : lamp_table(lamps, strength, view_, all_in_scene));
+  const bool scene = over_picture < marks;
+  if (scene)
+    record_scene(commands, *layers.scene, over_picture, marks - over_picture, params.shadows);
   // Decided before anything here refers to the planes a second time.
   const PlanePtr edited = plane_to_edit(layers[Role::intrinsic], planes_);
   const PlanePtr lit = color ? plane_to_edit(layers[Role::light], planes_) : nullptr;
@@ -96,14 +144,16 @@ void Relight::record(gpu::Commands& commands, Layers& layers, const RelightParam
        .surface = surface == Apply::kMap      ? map_
                   : surface == Apply::kSlopes ? relief_.slopes()
                                               : nothing_,
-       .lamps = lamps_,
+       .lamps = scene ? placed_ : lamps_,
        .light = light ? layers[Role::light]->buffer : from,
        .slope = slope ? slope->buffer : nothing_,
+       .scene_light = scene ? scene_light_ : nothing_,
        .edited = gpu::by_rows(gpu::aliased(edited->buffer)),
        .lit = color ? gpu::Out(gpu::by_rows(gpu::aliased(lit->buffer))) : gpu::Out(no_light_),
        .kept = color ? gpu::Out(gpu::by_rows(kept_)) : gpu::Out(no_share_)},
       {.size = layers.extent,
        .grid = surface == Apply::kSlopes ? relief_.grid() : Extent{1, 1},
+       .view = scene ? layers.scene->extent : Extent{},
        .cells = surface == Apply::kSlopes ? 1 / static_cast<float>(relief_.factor()) : 1,
        .relief = limited(params.relief, -100, 100),
        .scale = depth ? 1 / view_.focal_length : 1 / static_cast<float>(extent_.width),
@@ -114,7 +164,8 @@ void Relight::record(gpu::Commands& commands, Layers& layers, const RelightParam
                                     kMarkerShare,
                                 2.F)
                      : 0,
-       .count = static_cast<int32_t>(lamps.size()),
+       .count = over_picture,
+       .marks = marks,
        .surface = surface,
        .has_mask = matte ? 1U : 0U,
        .has_light = light ? 1U : 0U,

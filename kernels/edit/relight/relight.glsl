@@ -8,3 +8,7 @@ const int kPlace = 0;  // x, y, z; radius^2. Of directional lamps unused
 const int kAxis = 1;   // direction of its light; kind
 const int kLight = 2;  // power, RGB; cosine of the edge of its cone
 const int kMark = 3;   // place in pixels; 1 / (cosine where its cone is full - that of the edge); color, 0xRRGGBB
+// Added to the kind of lamps in a remembered scene, until place.comp has put them into its axes.
+const int kKinds = 3;
+const int kOfRoom = 3;    // given in the world
+const int kOfCamera = 6;  // given by the pixel of its mark and its depth, z of its place

@@ -63,13 +63,17 @@ SceneMemory::SceneMemory(const std::shared_ptr<gpu::Device>& device, Extent dept
       resize_(device),
       retry_(device),
       thumbnail_(device),
+      see_(device),
+      surfaces_(device, extent_),
+      poses_(device, {shaders::volume_memory_see::kPoseRows, 1}),
       depth_(gpu::Buffer::create(device, gpu::Element::scalar, extent_.pixels())),
       kept_depth_(gpu::Buffer::create(device, gpu::Element::scalar, extent_.pixels())),
       certain_(gpu::Buffer::create(device, gpu::Element::vec4,
                                    volume_memory_keep_found::kFoundStride, gpu::Memory::upload)),
       thumbnail_plane_(gpu::Buffer::create(device, gpu::Element::vec4, kCells)),
       device_(device),
-      keyframes_(params.keyframes) {
+      keyframes_(params.keyframes),
+      host_blocks_(device) {
   auto* certain = certain_->map_as<float>();
   std::fill_n(certain, kFoundBytes / sizeof(float), 0.0F);
   certain[0] = 1;
@@ -142,12 +146,16 @@ std::optional<Pose> SceneMemory::learn(uint64_t number) {
     const float matched = numbers[4 * volume_tracking_move::kFit + 1];
     if (!stands(pose, matched)) still_ = {pose, matched, 0};
     keyframes_.add(picture, pose);
+    const auto* state = frames_[number].found->map_as<uint32_t>() + kStateAt / sizeof(uint32_t);
+    last_known_ = {pose, state[volume_list::kFree]};
     return {};
   }
   // Each candidate as long as it takes to hear that it was right.
   const std::vector<Pose> poses = keyframes_.like(picture, params_.candidates);
   if (poses.empty()) return {};
-  return poses[tries_++ / (gpu::kFramesInFlight + 1) % poses.size()];
+  const Pose& pose = poses[tries_++ / (gpu::kFramesInFlight + 1) % poses.size()];
+  if (last_known_) last_known_->pose = pose;
+  return pose;
 }
 
 std::optional<KnownReflectance> SceneMemory::record_recall(gpu::Commands& commands, uint64_t number,
@@ -233,6 +241,9 @@ void SceneMemory::record_remember(gpu::Commands& commands, const Plane& layers) 
       commands.stage("scene-strokes");
     }
   }
+  if (last_known_)
+    host_blocks_.record(commands, number_, volume_, {lens_, extent_, tracker_.pose()}, *last_known_,
+                        stroke_lists_);
   tracker_.record_target(commands, view_, here);
   const Tracker::Small small = tracker_.small();
   commands.dispatch(
@@ -248,6 +259,7 @@ void SceneMemory::record_remember(gpu::Commands& commands, const Plane& layers) 
       {.source = view_.outdated, .bytes = kOutdatedBytes, .target_offset = kOutdatedAt}};
   InFlight& frame = frames_[number_];
   frame.added = adds;
+  frame.blocks_host = static_cast<uint32_t>(host_blocks_.size());
   frame.touches = looks;
   if (looks)
     parts.push_back({.source = touch_->result(),
@@ -270,11 +282,46 @@ void SceneMemory::record_remember(gpu::Commands& commands, const Plane& layers) 
   frames_[number_].number = number_;
 }
 
+SceneData SceneMemory::data() {
+  SceneData scene{volume_.data(), keyframes_.frames()};
+  host_blocks_.append_to(scene.volume);
+  return scene;
+}
+
+std::shared_ptr<const SeenScene> SceneMemory::record_seen(gpu::Commands& commands) {
+  if (added_ == 0) return nullptr;
+  const Volume::Params& volume = volume_.params();
+  SeenScene seen{.extent = extent_,
+                 .lens = lens_,
+                 .surface = surfaces_.acquire(),
+                 .pose = poses_.acquire(),
+                 .table = volume_.table(),
+                 .voxels = volume_.voxels(),
+                 .table_mask = volume_.table_mask(),
+                 .voxel = volume.voxel,
+                 .truncation = volume.truncation * volume.voxel};
+  const auto pixels = static_cast<uint32_t>(extent_.pixels());
+  commands.dispatch(see_,
+                    {.view = view_.surface,
+                     .measured = tracker_.surface(),
+                     .camera = view_.pose,
+                     .found = tracked_ ? tracker_.found() : certain_,
+                     .surface = seen.surface->buffer,
+                     .pose = seen.pose->buffer},
+                    {.pixels = pixels}, pixels);
+  return std::make_shared<const SeenScene>(std::move(seen));
+}
+
 void SceneMemory::restore(const SceneData& scene) {
   for (const Keyframes::Frame& frame : scene.keyframes)
     if (frame.picture.depth.size() != kCells)
       throw Error(ErrorKind::file, "its keyframes have another size; save it again");
-  volume_.restore(scene.volume);
+  // Room for what comes into sight.
+  VolumeData blocks = scene.volume;
+  host_blocks_.take_rest(blocks, params_.volume.blocks / 4 * 3);
+  volume_.restore(blocks);
+  const auto room = params_.volume.blocks - static_cast<uint32_t>(blocks.keys.size());
+  last_known_ = {scene.keyframes.empty() ? Pose{} : scene.keyframes[0].pose, room};
   keyframes_.set(scene.keyframes);
   added_ = params_.always;
   searches_ = true;
@@ -288,6 +335,7 @@ bool SceneMemory::look_for_camera() {
 void SceneMemory::set_strokes(const StrokesPtr& strokes) {
   if (strokes == stroke_list_) return;
   stroke_list_ = strokes;
+  ++stroke_lists_;
   const bool any = strokes && std::ranges::any_of(strokes->strokes, &Stroke::in_scene);
   if (!strokes_ && any) {
     strokes_.emplace(device_, volume_);
@@ -340,6 +388,7 @@ std::optional<SceneMemory::Findings> SceneMemory::findings(uint64_t number) cons
                   .matched = fit[1],
                   .blocks = volume_.params().blocks - state[volume_list::kFree],
                   .blocks_visible = state[volume_list::kListed],
+                  .blocks_host = frame.blocks_host,
                   .blocks_refused = state[volume_list::kRefused],
                   .blocks_outside = state[volume_list::kOutside],
                   .keyframes = static_cast<uint32_t>(keyframes_.size()),

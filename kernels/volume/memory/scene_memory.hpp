@@ -9,6 +9,8 @@
 #include "kernels/image/plane.hpp"
 #include "kernels/image/strokes/seen_strokes.hpp"
 #include "kernels/volume/known_reflectance.hpp"
+#include "kernels/volume/seen_scene.hpp"
+#include "kernels/volume/streaming/host_blocks.hpp"
 #include "kernels/volume/strokes/place_stroke.hpp"
 #include "kernels/volume/strokes/scene_strokes.hpp"
 #include "kernels/volume/touch/touch_finder.hpp"
@@ -18,6 +20,7 @@
 #include "kernels/volume_memory_read_depth.spv.hpp"
 #include "kernels/volume_memory_resize.spv.hpp"
 #include "kernels/volume_memory_retry.spv.hpp"
+#include "kernels/volume_memory_see.spv.hpp"
 #include "kernels/volume_memory_thumbnail.spv.hpp"
 #include "keyframes.hpp"
 #include "scene_file.hpp"
@@ -64,9 +67,11 @@ class SceneMemory {
                                                 const Depth& depth, const Plane& picture);
   /// Records adding the reflectance of that frame's layers (R.rgb, S).
   void record_remember(gpu::Commands& commands, const Plane& layers);
+  /// Records what that frame sees of the scene, after `record_remember`; null: nothing is known.
+  std::shared_ptr<const SeenScene> record_seen(gpu::Commands& commands);
 
   /// All that is remembered, of frames whose commands are submitted; waits for the device.
-  SceneData data() const { return {volume_.data(), keyframes_.frames()}; }
+  SceneData data();
   /// Remembers that instead, before the first frame: the camera is looked for in it. Throws
   /// Volume::restore's errors.
   void restore(const SceneData& scene);
@@ -110,6 +115,7 @@ class SceneMemory {
     float matched = 1;            ///< share of the depth image that is where it was expected
     uint32_t blocks = 0;          ///< of 8 x 8 x 8 voxels that there are
     uint32_t blocks_visible = 0;  ///< of which the frame saw
+    uint32_t blocks_host = 0;     ///< of which there is no copy on the device
     uint32_t blocks_refused = 0;  ///< for which the frame found no memory
     uint32_t blocks_outside = 0;  ///< too far from where the camera began
     uint32_t keyframes = 0;       ///< so far
@@ -145,12 +151,15 @@ class SceneMemory {
   gpu::Program<shaders::volume_memory_resize> resize_;
   gpu::Program<shaders::volume_memory_retry> retry_;
   gpu::Program<shaders::volume_memory_thumbnail> thumbnail_;
+  gpu::Program<shaders::volume_memory_see> see_;
+  PlanePool surfaces_, poses_;
   gpu::BufferPtr depth_, kept_depth_, stroke_ids_, resized_, certain_, thumbnail_plane_;
   struct InFlight {
     gpu::BufferPtr image, pose, found, depth;
     bool has_depth = false;  // of the view
     bool added = false;
     bool touches = false;  // touch was looked for
+    uint32_t blocks_host = 0;
     Lens lens;
     std::optional<uint64_t> number;  // of the frame, once it is recorded
   };
@@ -167,6 +176,9 @@ class SceneMemory {
   uint64_t next_ = 0;     // frame to be added
   bool tracked_ = false;  // this frame
   Keyframes keyframes_;
+  HostBlocks host_blocks_;
+  std::optional<HostBlocks::Known> last_known_;
+  uint64_t stroke_lists_ = 0;            // so far
   std::optional<SceneStrokes> strokes_;  // made for the first one in the scene
   StrokesPtr stroke_list_;
   std::optional<TouchFinder> touch_;  // made when it is first looked for

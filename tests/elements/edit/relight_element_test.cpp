@@ -229,6 +229,12 @@ TEST_F(RelightElement, SignalsChangeTheProperty) {
   EXPECT_EQ(
       lamps(),
       R"([{"kind":"point","position":[1.0,2.0,3.0],"color":"#ff8000","power":0.1,"radius":0.02}])");
+  EXPECT_TRUE(
+      call("add-lamp", R"({"kind":"point","room":true,"position":[1.23456,-2,3],"radius":0.1})"));
+  EXPECT_TRUE(call("remove-lamp", 1U));
+  EXPECT_EQ(lamps(),
+            R"([{"kind":"point","position":[1.2346,-2.0,3.0],"color":"#ffffff","power":0.1,)"
+            R"("radius":0.1,"room":true}])");
   EXPECT_TRUE(call("add-lamp", R"({"kind":"directional","direction":[0,1,-1],"power":2})"));
   EXPECT_FALSE(call("remove-lamp", 3U));
   EXPECT_FALSE(call("remove-lamp", 0U));
@@ -276,6 +282,8 @@ TEST_F(RelightElement, BadLampsAreRefusedInWords) {
            {R"([{"kind":"spot","position":[1,2,3],"softness":2}])", "softness"},
            {R"([{"kind":"point","position":[1,2,3],"radius":null}])", "radius"},
            {R"([{"kind":"point","position":[1,2,3],"size":3}])", "\"size\""},
+           {R"([{"kind":"point","position":[1,2,3],"room":1}])", "the room of lamp 1"},
+           {R"([{"kind":"point","position":[1001,2,3],"room":true}])", "x of the position"},
            {R"({"frame":[0,3],"lamps":[]})", "width"},
            {std::string(1000, '['), "deep"}}) {
     set(text);

@@ -251,7 +251,6 @@ TEST(Scene, IsWrittenAndKnownFromAFile) {
            {"scene-load=" + folder / "missing.scene", "missing.scene cannot be read"},
            {"scene-load=" + folder / "bad.scene", "no scene of this version"},
            {"voxel-size=0.02 scene-load=" + folder / "room.scene", "voxels have a side of"},
-           {"scene-memory-limit=8 scene-load=" + folder / "room.scene", "there is memory for"},
            {"scene-location=" + folder / "room.txt", "name it .ply"},
            {"scene-location=" + folder / "no/room.ply", "cannot write"}}) {
     const Found bad = with_file("num-buffers=4", settings);

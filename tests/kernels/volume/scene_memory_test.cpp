@@ -240,6 +240,43 @@ TEST_F(SceneMemoryTest, LooksForTheCameraAfterASeek) {
   }
 }
 
+// What is out of sight leaves the device and comes back.
+TEST_F(SceneMemoryTest, RemembersMoreThanTheDeviceHasRoomFor) {
+  SceneMemory::Params small = params();
+  small.volume.blocks = 1650;
+  SceneMemory memory(device, extent_of(turning(0)), small);
+  uint32_t most = 0, refused = 0;
+  Pixels known;
+  const auto walk = [&](int from, int to) {
+    for (int i = from; i != to; i += to > from ? 1 : -1) {
+      const Frame frame = seen_by(turning(0.03 * i));
+      SceneMemory::Depth depth = frame.depth();
+      if (i == 0 && from == 0) depth.pose = pose_of_camera(frame.camera);
+      known = show(memory, frame, depth);
+      const SceneMemory::Findings now = found(memory);
+      EXPECT_TRUE(now.found || i == from) << i;
+      most = std::max(most, now.blocks + now.blocks_host);
+      refused += now.blocks_refused;
+    }
+  };
+  walk(0, 90);
+  EXPECT_GT(most, small.volume.blocks + 100);
+  const SceneData saved = memory.data();
+  EXPECT_GT(saved.volume.keys.size(), small.volume.blocks + 100);
+  walk(90, -1);
+  EXPECT_LE(found(memory).blocks, small.volume.blocks);
+  EXPECT_EQ(refused, 0U);
+  const Frame first = seen_by(turning(0));
+  EXPECT_LT(match(known, first).distance, 0.08);
+  EXPECT_GT(match(known, first).share, 0.9);
+  // A file of it is not too large for the same pool.
+  SceneMemory other(device, extent_of(turning(0)), small);
+  other.restore(saved);
+  for (int i = 0; i < 60; ++i) known = show(other, first, first.depth());
+  EXPECT_TRUE(found(other).found);
+  EXPECT_GT(match(known, first).share, 0.9);
+}
+
 // What a camera that stands still sees is known after a while; what changes, or comes into sight,
 // is added again.
 TEST_F(SceneMemoryTest, AStillCameraAddsNoMore) {
@@ -366,6 +403,87 @@ TEST_F(SceneMemoryTest, KernelsAgreeWithReference) {
       ASSERT_NEAR(double{got_cells[4 * i + 1]}, cell.depth[i], 1e-3) << i;
     }
   }
+}
+
+TEST_F(SceneMemoryTest, WhatAFrameSeesAgreesWithReference) {
+  gpu::Program<shaders::volume_memory_see> see(device);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> unit(0, 1);
+  const float extremes[] = {0, -1, 1e-30F, 1e30F, kInf, kNan, 100};
+  constexpr uint32_t kPixels = 4000;
+  Pixels view, measured;
+  for (uint32_t n = 0; n < kPixels; ++n) {
+    const float z = 0.3F + 5 * unit(random);
+    for (Pixels* to : {&view, &measured}) {
+      const bool normal = random() % 8 > 0;
+      for (int c = 0; c < 3; ++c) to->push_back(normal ? unit(random) - 0.5F : 0);
+      const float off = to == &view ? 0 : 0.3F * unit(random) * unit(random);
+      to->push_back(random() % 6 > 0 ? z + off : extremes[random() % std::size(extremes)]);
+    }
+  }
+  const Pixels camera{.1F, .2F, .3F, .9F, 4, 5, 6, 0};
+  for (const float found : {1.F, 0.F}) {
+    const auto surface = buffer(kPixels), pose = buffer(3);
+    const auto there = upload(view), here = upload(measured), at = upload(camera),
+               state = upload(Pixels{found, 0, 0, 0});
+    run([&](gpu::Commands& commands) {
+      commands.dispatch(see,
+                        {.view = there,
+                         .measured = here,
+                         .camera = at,
+                         .found = state,
+                         .surface = surface,
+                         .pose = pose},
+                        {.pixels = kPixels}, kPixels);
+    });
+    Pixels expected = camera;
+    expected.insert(expected.end(), {found, 0, 0, 0});
+    EXPECT_EQ(download(pose), expected);
+    const Pixels got = download(surface);
+    size_t off = 0;
+    for (uint32_t n = 0; n < kPixels; ++n) {
+      const reference::Vec4 meant =
+          found > 0 ? reference::seen_surface(pixel_of(view, n), pixel_of(measured, n))
+                    : reference::Vec4{};
+      for (size_t c = 0; c < 4; ++c)
+        if (double{got[4 * n + c]} != meant[c]) ++off;
+    }
+    EXPECT_LE(off, 8U) << "but for rounding at the limit";
+  }
+}
+
+// Frames wait for who reads them while the memory goes on.
+TEST_F(SceneMemoryTest, WhatAFrameSeesStays) {
+  SceneMemory memory(device, extent_of(around(0)), params());
+  std::vector<std::shared_ptr<const SeenScene>> seen;
+  std::vector<Pixels> surfaces;
+  const Frame other = seen_by(around(3));
+  for (int i = 0; i < 6; ++i) {
+    const Frame frame = seen_by(around(0.04 * i));
+    // The last one is elsewhere, too far away to be followed there.
+    const SceneMemory::Depth depth = i < 5 ? frame.depth() : other.depth();
+    show(memory, frame, depth);
+    run([&](gpu::Commands& commands) { seen.push_back(memory.record_seen(commands)); });
+    ASSERT_NE(seen.back(), nullptr);
+    surfaces.push_back(download(seen.back()->surface));
+    const Pixels pose = download(seen.back()->pose);
+    EXPECT_EQ(pose[8], found(memory).found ? 1 : 0);
+    const Seen exact = look(frame.camera);
+    size_t near = 0, all = 0;
+    for (size_t n = 0; n < exact.depth.size(); ++n) {
+      if (!(exact.depth[n] < 4)) continue;
+      ++all;
+      near += std::abs(double{surfaces.back()[4 * n + 3]} - exact.depth[n]) < 0.05;
+    }
+    if (found(memory).found) {
+      EXPECT_GT(near, all * 9 / 10) << i;
+    } else {
+      EXPECT_EQ(surfaces.back(), Pixels(surfaces.back().size(), 0)) << i;
+    }
+  }
+  EXPECT_FALSE(found(memory).found);
+  for (size_t i = 0; i < seen.size(); ++i)
+    EXPECT_EQ(download(seen[i]->surface), surfaces[i]) << "frame " << i;
 }
 
 TEST(KeyframesTest, KeepsWhatIsNewAndFindsWhatIsAlike) {

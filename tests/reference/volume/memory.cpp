@@ -2,6 +2,7 @@
 #include "memory.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace inverse::reference {
 
@@ -28,6 +29,17 @@ Plane resize(const Plane& plane, int width, int height) {
       }
     }
   return resized;
+}
+
+Vec4 seen_surface(const Vec4& view, const Vec4& measured) {
+  constexpr double kMargin = 0.02, kSteps = 4;
+  const auto has_normal = [](const Vec4& seen) {
+    return seen[3] > 0 && seen[0] * seen[0] + seen[1] * seen[1] + seen[2] * seen[2] > 0;
+  };
+  const double noise = 0.0012 + 0.0019 * (measured[3] - 0.4) * (measured[3] - 0.4);
+  const bool same = std::abs(measured[3] - view[3]) < kMargin + kSteps * noise;
+  if (has_normal(measured) && !(has_normal(view) && same)) return measured;
+  return has_normal(view) ? view : Vec4{};
 }
 
 Thumbnail thumbnail(int width, int height, const std::vector<double>& brightness,

@@ -15,6 +15,10 @@ std::vector<double> read_depth(const std::vector<uint16_t>& steps, double unit);
 /// it falls in.
 Plane resize(const Plane& plane, int width, int height);
 
+/// What a frame sees: normal and depth of the view of the scene, or of the depth image where the
+/// view has none or another surface is in front of it or behind it. 0 where neither has a normal.
+Vec4 seen_surface(const Vec4& view, const Vec4& measured);
+
 /// A frame in 16 x 12 cells of its size, rounded down, at least a pixel each: mean ln brightness,
 /// and mean of the depth that is known (0: none).
 struct Thumbnail {

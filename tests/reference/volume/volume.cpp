@@ -144,6 +144,17 @@ double Volume::march(const Camera& camera, int x, int y, double from, double to)
   return 0;
 }
 
+Voxel merged(const Voxel& a, const Voxel& b) {
+  const double weight = a.weight + b.weight, sure = a.sure + b.sure;
+  Voxel both = a;
+  if (weight > 0) both.distance = (a.distance * a.weight + b.distance * b.weight) / weight;
+  for (size_t c = 0; c < 3; ++c)
+    if (sure > 0) both.color[c] = (a.color[c] * a.sure + b.color[c] * b.sure) / sure;
+  both.weight = std::min(weight, 255.0);
+  both.sure = std::min(sure, 1.0);
+  return both;
+}
+
 bool elsewhere(const Camera& a, const Camera& b, double max_turn, double max_shift) {
   double along = 0, square = 0;
   for (size_t c = 0; c < 4; ++c) along += a.rotation[c] * b.rotation[c];

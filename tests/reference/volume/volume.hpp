@@ -50,6 +50,9 @@ struct Volume {
   double march(const Camera& camera, int x, int y, double from, double to) const;
 };
 
+/// What two means of a voxel are together.
+Voxel merged(const Voxel& a, const Voxel& b);
+
 /// Whether a camera is turned by more than `max_turn` radians from another one, or more than
 /// `max_shift` meters away.
 bool elsewhere(const Camera& a, const Camera& b, double max_turn, double max_shift);

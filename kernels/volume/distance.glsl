@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// distance_at(): the signed distance between voxels. Needs find_block.glsl, voxel.glsl, and WORD_IN `voxels`.
+const float kMinSeen = 0.33;
+
+// The eight voxels around a place of the world in voxels, of which the first one's center is below it.
+uint corner(ivec3 voxel, uint n, uint block, ivec3 block_at) {
+  ivec3 v = voxel + ivec3(n & 1u, n >> 1 & 1u, n >> 2);
+  ivec3 at = block_of(v);
+  uint found = at == block_at ? block : find_block(at);
+  return found == kNoBlock ? kNoBlock : found * kBlockVoxels + place_in_block(v);
+}
+float corner_weight(vec3 share, uint n) {
+  vec3 w = mix(1.0 - share, share, vec3(n & 1u, n >> 1 & 1u, n >> 2));
+  return w.x * w.y * w.z;
+}
+
+// Interpolated distance of the voxels that were seen, in truncations; 2 if they are less than a third.
+float distance_at(vec3 at) {
+  ivec3 voxel = ivec3(floor(at - 0.5));
+  vec3 share = at - 0.5 - vec3(voxel);
+  ivec3 block_at = block_of(voxel);
+  uint block = find_block(block_at);
+  float sum = 0.0, total = 0.0;
+  for (uint n = 0u; n < 8u; ++n) {
+    uint index = corner(voxel, n, block, block_at);
+    Voxel v = voxel_of(index == kNoBlock ? 0u : FETCH1(voxels, int(index)));
+    float weight = v.weight > 0.0 ? corner_weight(share, n) : 0.0;
+    sum += weight * v.distance;
+    total += weight;
+  }
+  return total >= kMinSeen ? sum / total : 2.0;
+}
+
+// The unit normal of the surface near a place, out of it: differences of the distance `reach` voxels to both sides along the axes. 0
+// where one of them is not known.
+vec3 normal_at(vec3 at, float reach) {
+  vec3 slope = vec3(0.0);
+  for (int c = 0; c < 3; ++c) {
+    vec3 off = vec3(0.0);
+    off[c] = reach;
+    float low = distance_at(at - off), high = distance_at(at + off);
+    if (max(low, high) > 1.0) return vec3(0.0);
+    slope[c] = high - low;
+  }
+  float square = dot(slope, slope);
+  return square > 0.0 ? slope * inversesqrt(square) : vec3(0.0);
+}

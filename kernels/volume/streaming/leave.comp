@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "volume/blocks.glsl"
+#include "volume/camera.glsl"
+#include "moves.glsl"
+
+// Counts the blocks that may leave the pool, as the camera does not see them, by their distance from it; or picks the farthest of them,
+// in any order. One block of the pool an invocation.
+WORD_IN(0, keys);
+PLANE_IN(1, pose);
+WORD_INOUT(2, leaving);
+layout(push_constant) uniform Push {
+  vec4 lens;
+  uvec2 size;
+  uint blocks;
+  float voxel;
+  float max_depth;  // meters that the camera sees
+  float step;       // of the counts, meters
+  float margin;     // meters out of sight
+} push;
+
+layout(constant_id = 1) const bool kPicks = true;
+
+void main() {
+  uint block = line_index();
+  if (block >= push.blocks) return;
+  uint key = FETCH1(keys, int(block));
+  if (key == kNoBlock) return;
+  float side = float(kBlockSide) * push.voxel, reach = 0.5 * sqrt(3.0) * side + push.margin;
+  vec3 center = to_camera(FETCH(pose, 0), FETCH(pose, 1), (vec3(block_of_key(key)) + 0.5) * side);
+  // As list.comp.
+  vec2 low = (vec2(-0.5) - push.lens.zw) / push.lens.xy, high = (vec2(push.size) - 0.5 - push.lens.zw) / push.lens.xy;
+  vec2 beyond = max((low * center.z - center.xy) / sqrt(1.0 + low * low), (center.xy - high * center.z) / sqrt(1.0 + high * high));
+  bool seen = center.z > -reach && center.z < push.max_depth + reach && max(beyond.x, beyond.y) < reach;
+  float distance = length(center);
+  if (seen || !(distance >= 0.0)) return;
+  uint far = uint(min(distance / push.step, float(kDistances - 1u)));
+  if (!kPicks) {
+    atomicAdd(LOAD(leaving, kLeavingDistances + far), 1u);
+    return;
+  }
+  uint farther = 0u;
+  for (uint i = far + 1u; i < kDistances; ++i) farther += LOAD(leaving, kLeavingDistances + i);
+  if (farther >= kMoves) return;
+  uint n = atomicAdd(LOAD(leaving, kLeaving), 1u);
+  if (n < kMoves)
+    STORE(leaving, kLeavingPlaces + n, block);
+  else
+    atomicAdd(LOAD(leaving, kLeaving), 0xffffffffu);
+}
