@@ -13,7 +13,7 @@
 namespace inverse::testing {
 namespace {
 
-constexpr int kSeen = 60, kTouches = kSeen + 30, kGone = kSeen + 56;  // frames
+constexpr int kSeen = 30, kTouches = kSeen + 15, kGone = kSeen + 28;  // frames
 
 /// A line with a hand that touches `hand`; `when(element, n)` is called before frame n is
 /// decomposed.
@@ -33,7 +33,7 @@ struct Line {
     const std::string line =
         "rgbdtestsrc name=source is-live=false samples=1 path=table num-buffers=" +
         std::to_string(frames) +
-        " ! video/x-raw,width=320,height=240,framerate=10/1 ! identity name=before ! "
+        " ! video/x-raw,width=320,height=240,framerate=5/1 ! identity name=before ! "
         "intrinsicdecomp name=decomposer show=reflectance " +
         settings + " ! " + after + " video/x-raw,format=RGBA ! appsink name=out sync=false";
     result = run_line(line, 400, [&](GstElement* pipeline) {
@@ -124,8 +124,8 @@ TEST(SceneTouch, IsOffAtFirst) {
 // A first touch picks a color up, the next one gives it to another thing (thesis, Fig. 4.9).
 TEST(SceneTouch, PicksAColorAndThenPaints) {
   std::string picked = "none";
-  const int again = kSeen + 60;
-  const Line line("dark-ball", true, "stroke-mode=pick", again + 58, "",
+  const int again = kSeen + 30;
+  const Line line("dark-ball", true, "stroke-mode=pick", again + 29, "",
                   [&](GstElement* element, int n) {
                     if (n != again) return;
                     gchar* text = nullptr;
@@ -137,7 +137,7 @@ TEST(SceneTouch, PicksAColorAndThenPaints) {
                                             "hand", "box");
                     gst_object_unref(pipeline);
                   });
-  ASSERT_EQ(line.result.frames.size(), size_t(again + 58)) << line.result.first_error();
+  ASSERT_EQ(line.result.frames.size(), size_t(again + 29)) << line.result.first_error();
   EXPECT_EQ(picked, "") << "the touch that picks draws nothing";
   EXPECT_EQ(line.mode, 3) << "recolor";
   // The ball has the darkest paint of all, and no color; the table around it is brown and cream.
@@ -185,7 +185,7 @@ TEST(SceneTouch, SelectsForElementsThatFollow) {
       count += std::abs(int{plain.result.frames[n][i]} - int{toned.result.frames[n][i]}) > 8;
     return count;
   };
-  EXPECT_EQ(changed(kSeen + 20), 0U) << "nothing is selected before the touch";
+  EXPECT_EQ(changed(kSeen + 10), 0U) << "nothing is selected before the touch";
   const size_t last = size_t(kGone) + 1, ball = changed(last);
   EXPECT_GT(ball, 500U);
   EXPECT_LT(ball, 3U * 3500U) << "the ball is some 2 000 pixels";
