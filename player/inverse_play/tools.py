@@ -53,9 +53,9 @@ def _select_tool(nick, meaning):
 
 
 def _drawn(factory, made):
-    """A tool for each value of an element's stroke-mode."""
+    """A tool for each value of an element's stroke-mode; colors are picked up by PICK."""
     mode = elements.properties(factory).get(STROKE_MODE)
-    return [made(nick, meaning) for nick, meaning in mode.choices if nick != "off"] if mode else []
+    return [made(nick, meaning) for nick, meaning in mode.choices if nick not in ("off", "pick")] if mode else []
 
 
 def offered(project):
