@@ -179,9 +179,9 @@ class ThesisMethod final : public DecompositionMethod {
   void ended() override { scene_work_.ended(settings_.properties().scene_location); }
   SceneWork* scene() override { return &scene_work_; }
   void completed(uint64_t number) override {
-    stroke_work_.completed(*log_, number, method_->stats(number).strokes, scene_work_.view(number));
-    strokes_.touch(*log_, scene_work_.touch(number), scene_work_.view(number),
-                   settings_.properties());
+    const auto view = scene_work_.view(number);
+    stroke_work_.completed(*log_, number, method_->stats(number).strokes, view);
+    strokes_.touch(*log_, scene_work_.touch(number), view, settings_.properties());
   }
 
   Work work(uint64_t number) const override { return {method_->stats(number).skipped, {}}; }

@@ -65,13 +65,14 @@ class SceneWork {
   void configure(const std::shared_ptr<gpu::Device>& device) { device_ = device; }
   void release();
 
-  /// Before the method decomposes `frame`, as its frame `number`: what is known of it; null:
-  /// nothing. Adds warnings about its depth.
+  /// What is asked of the scene for a frame.
   struct Wanted {
     StrokesPtr strokes;      ///< those in the scene are drawn into it
     bool keep_view = false;  ///< `view` has its depth
     bool touch = false;      ///< look for what touches the scene
   };
+  /// Before the method decomposes `frame`, as its frame `number`: what is known of it; null:
+  /// nothing. Adds warnings about its depth.
   const KnownReflectance* recall(FrameContext& frame, uint64_t number, const SceneParams& params,
                                  const Wanted& wanted);
   /// Where that frame sees strokes of the scene; null: nowhere.

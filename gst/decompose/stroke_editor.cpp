@@ -57,10 +57,8 @@ std::optional<Stroke::Kind> kind_of(StrokeMode mode) {
 
 /// Where a place of the scene is seen, in pixels of the frame.
 Stroke::Point seen_at(const std::array<float, 3>& place, Extent frame, const SceneView& view) {
-  const auto p = to_camera(view.pose, place);
-  const Stroke::Point pixel{view.lens.fx * p[0] / p[2] + view.lens.cx + 0.5F,
-                            view.lens.fy * p[1] / p[2] + view.lens.cy + 0.5F};
-  return scaled(pixel, view.extent, frame);
+  const auto [x, y] = projected(view.lens, to_camera(view.pose, place));
+  return scaled({x + 0.5F, y + 0.5F}, view.extent, frame);
 }
 
 StructurePtr began(const std::array<float, 3>& place, const Stroke::Point& point) {

@@ -27,9 +27,8 @@ std::optional<Lamp> LampView::over(const Lamp& in_room, Extent frame) const {
   if (lamp.kind == Lamp::Kind::directional) return lamp;
   const auto at = to_camera(pose, in_room.position);
   if (!(at[2] > kNearest)) return {};
-  const Place pixel =
-      scaled({lens.fx * at[0] / at[2] + lens.cx + .5F, lens.fy * at[1] / at[2] + lens.cy + .5F},
-             extent, frame);
+  const auto [x, y] = projected(lens, at);
+  const Place pixel = scaled({x + .5F, y + .5F}, extent, frame);
   lamp.position = {pixel[0], pixel[1], at[2]};
   return lamp;
 }

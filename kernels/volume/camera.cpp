@@ -2,6 +2,8 @@
 #include "camera.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 
 namespace inverse {
 namespace {
@@ -40,6 +42,23 @@ Pose pose_of_rows(std::span<const double, 12> rows) {
   for (Eigen::Index c = 0; c < 3; ++c)
     pose.place[static_cast<size_t>(c)] = static_cast<float>(matrix(c, 3));
   return pose;
+}
+
+std::array<float, 2> projected(const Lens& lens, const std::array<float, 3>& point) {
+  return {lens.fx * point[0] / point[2] + lens.cx, lens.fy * point[1] / point[2] + lens.cy};
+}
+
+bool in_sight(const Lens& lens, Extent size, float max_depth, const std::array<float, 3>& center,
+              float radius) {
+  const float z = center[2];
+  if (z < -radius || z > max_depth + radius) return false;
+  const auto beyond = [&](float f, float c, uint32_t pixels, float at) {
+    const float low = (-0.5F - c) / f, high = (static_cast<float>(pixels) - 0.5F - c) / f;
+    return std::max((low * z - at) / std::sqrt(1 + low * low),
+                    (at - high * z) / std::sqrt(1 + high * high));
+  };
+  return std::max(beyond(lens.fx, lens.cx, size.width, center[0]),
+                  beyond(lens.fy, lens.cy, size.height, center[1])) < radius;
 }
 
 std::array<double, 12> rows_of(const Pose& pose) {

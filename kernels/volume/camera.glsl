@@ -10,4 +10,11 @@ vec3 to_world(vec4 rotation, vec4 place, vec3 p) { return turned(rotation, p) + 
 vec3 to_camera(vec4 rotation, vec4 place, vec3 p) { return turned(vec4(-rotation.xyz, rotation.w), p - place.xyz); }
 // lens: focal lengths and center, in pixels.
 vec2 projected(vec4 lens, vec3 p) { return lens.xy * p.xy / p.z + lens.zw; }
+// Whether a ball may be in sight of a camera of `size` pixels that sees as far as max_depth.
+bool in_sight(vec4 lens, uvec2 size, float max_depth, vec3 center, float radius) {
+  // The distance of the center to each plane of the frustum.
+  vec2 low = (vec2(-0.5) - lens.zw) / lens.xy, high = (vec2(size) - 0.5 - lens.zw) / lens.xy;
+  vec2 beyond = max((low * center.z - center.xy) / sqrt(1.0 + low * low), (center.xy - high * center.z) / sqrt(1.0 + high * high));
+  return center.z > -radius && center.z < max_depth + radius && max(beyond.x, beyond.y) < radius;
+}
 vec3 ray_of(vec4 lens, vec2 pixel) { return vec3((pixel - lens.zw) / lens.xy, 1.0); }

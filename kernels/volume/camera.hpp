@@ -3,6 +3,8 @@
 #include <array>
 #include <span>
 
+#include "kernels/image/plane.hpp"
+
 namespace inverse {
 
 /// A pinhole camera without distortion: focal lengths and center in pixels, pixel centers at whole
@@ -25,6 +27,13 @@ Pose pose_of_rows(std::span<const double, 12> rows);
 /// A point of the camera in the world, and back; meters.
 std::array<float, 3> to_world(const Pose& pose, const std::array<float, 3>& point);
 std::array<float, 3> to_camera(const Pose& pose, const std::array<float, 3>& point);
+/// Where a point of the camera, in front of it, is seen: pixels, whose centers are at whole
+/// numbers.
+std::array<float, 2> projected(const Lens& lens, const std::array<float, 3>& point);
+/// Whether a ball, in the camera's axes, may be in sight of a camera of `size` that sees as far as
+/// max_depth; meters.
+bool in_sight(const Lens& lens, Extent size, float max_depth, const std::array<float, 3>& center,
+              float radius);
 /// These rows of a pose.
 std::array<double, 12> rows_of(const Pose& pose);
 

@@ -27,10 +27,7 @@ void main() {
   if (key == kNoBlock) return;
   float side = float(kBlockSide) * push.voxel, radius = 0.5 * sqrt(3.0) * side;
   vec3 center = to_camera(FETCH(pose, 0), FETCH(pose, 1), (vec3(block_of_key(key)) + 0.5) * side);
-  // The distance of the center to each plane of the frustum.
-  vec2 low = (vec2(-0.5) - push.lens.zw) / push.lens.xy, high = (vec2(push.size) - 0.5 - push.lens.zw) / push.lens.xy;
-  vec2 beyond = max((low * center.z - center.xy) / sqrt(1.0 + low * low), (center.xy - high * center.z) / sqrt(1.0 + high * high));
-  bool seen = center.z > -radius && center.z < push.max_depth + radius && max(beyond.x, beyond.y) < radius;
+  bool seen = in_sight(push.lens, push.size, push.max_depth, center, radius);
   bool first = LOAD(fresh, block) != 0u;
   if (!seen && !first) return;
   STORE(fresh, block, 0u);

@@ -68,7 +68,7 @@ Lamp::Vector View::place(float x, float y, float z) const {
 
 std::vector<std::array<float, 4>> lamp_table(const std::vector<Lamp>& lamps, float strength,
                                              const View& view, bool in_scene) {
-  using Place = shaders::edit_relight_place;
+  using Given = shaders::edit_relight_place;
   std::vector<std::array<float, 4>> table;
   for (const Lamp& lamp : lamps) {
     if (table.size() == kMaxLamps * Shader::kLampRows) break;
@@ -76,14 +76,14 @@ std::vector<std::array<float, 4>> lamp_table(const std::vector<Lamp>& lamps, flo
     if (!lamp.room)
       at = in_scene ? Lamp::Vector{0, 0, view.depth(lamp.position[2])}
                     : view.place(lamp.position[0], lamp.position[1], lamp.position[2]);
-    const int axes = lamp.room ? Place::kOfRoom : in_scene ? Place::kOfCamera : 0;
+    const int axes = lamp.room ? Given::kOfRoom : in_scene ? Given::kOfCamera : 0;
     const Lamp::Vector axis = unit(lamp.direction);
     const float power = lamp.power * strength;
     const double edge = static_cast<double>(lamp.angle) * kDegree;
     const auto cos_edge = static_cast<float>(std::cos(edge));
     const auto cos_full =
         static_cast<float>(std::cos(edge * (1 - static_cast<double>(lamp.softness))));
-    const inverse::Place mark = place_of(lamp, view.frame);
+    const Place mark = place_of(lamp, view.frame);
     const auto channel = [&](uint32_t shift) { return linear_of(lamp.color >> shift); };
     table.push_back({at[0], at[1], at[2], lamp.radius * lamp.radius});
     table.push_back(

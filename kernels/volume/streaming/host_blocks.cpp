@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "host_blocks.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -28,25 +27,11 @@ float distance_in_sight(uint32_t key, const Pose& pose, const HostBlocks::Camera
                         const Volume::Params& params) {
   const float side = 8 * params.voxel, reach = 0.5F * std::sqrt(3.0F) * side + kEnterMargin;
   const auto block = VolumeData::block_of(key);
-  const Eigen::Vector3f place(pose.place[0], pose.place[1], pose.place[2]);
-  const Eigen::Quaternionf turn(pose.rotation[3], pose.rotation[0], pose.rotation[1],
-                                pose.rotation[2]);
-  const Eigen::Vector3f world =
-      side * (Eigen::Vector3f(static_cast<float>(block[0]), static_cast<float>(block[1]),
-                              static_cast<float>(block[2])) +
-              Eigen::Vector3f::Constant(0.5F));
-  const Eigen::Vector3f center = turn.conjugate() * (world - place);
-  if (center.z() < -reach || center.z() > params.max_depth + reach) return -1;
-  const auto outside = [&](float f, float c, float size, float at) {
-    const float low = (-0.5F - c) / f, high = (size - 0.5F - c) / f;
-    return std::max((low * center.z() - at) / std::sqrt(1 + low * low),
-                    (at - high * center.z()) / std::sqrt(1 + high * high));
-  };
-  const Lens& lens = camera.lens;
-  const float beyond =
-      std::max(outside(lens.fx, lens.cx, static_cast<float>(camera.extent.width), center.x()),
-               outside(lens.fy, lens.cy, static_cast<float>(camera.extent.height), center.y()));
-  return beyond < reach ? center.norm() : -1;
+  std::array<float, 3> world{};
+  for (size_t c = 0; c < 3; ++c) world[c] = side * (static_cast<float>(block[c]) + 0.5F);
+  const auto center = to_camera(pose, world);
+  if (!in_sight(camera.lens, camera.extent, params.max_depth, center, reach)) return -1;
+  return std::hypot(center[0], center[1], center[2]);
 }
 
 }  // namespace

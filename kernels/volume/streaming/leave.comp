@@ -30,10 +30,7 @@ void main() {
   if (key == kNoBlock) return;
   float side = float(kBlockSide) * push.voxel, reach = 0.5 * sqrt(3.0) * side + push.margin;
   vec3 center = to_camera(FETCH(pose, 0), FETCH(pose, 1), (vec3(block_of_key(key)) + 0.5) * side);
-  // As list.comp.
-  vec2 low = (vec2(-0.5) - push.lens.zw) / push.lens.xy, high = (vec2(push.size) - 0.5 - push.lens.zw) / push.lens.xy;
-  vec2 beyond = max((low * center.z - center.xy) / sqrt(1.0 + low * low), (center.xy - high * center.z) / sqrt(1.0 + high * high));
-  bool seen = center.z > -reach && center.z < push.max_depth + reach && max(beyond.x, beyond.y) < reach;
+  bool seen = in_sight(push.lens, push.size, push.max_depth, center, reach);
   float distance = length(center);
   if (seen || !(distance >= 0.0)) return;
   uint far = uint(min(distance / push.step, float(kDistances - 1u)));

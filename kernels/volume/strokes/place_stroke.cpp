@@ -112,8 +112,7 @@ bool covers(const Stroke& stroke, Stroke::Point point, Extent frame, const Scene
   return std::ranges::any_of(stroke.balls, [&](const auto& ball) {
     const auto p = to_camera(view.pose, {ball[0], ball[1], ball[2]});
     if (!(p[2] > 0)) return false;
-    const float x = view.lens.fx * p[0] / p[2] + view.lens.cx,
-                y = view.lens.fy * p[1] / p[2] + view.lens.cy;
+    const auto [x, y] = projected(view.lens, p);
     return std::hypot(at[0] - x, at[1] - y) < ball[3] * focal_length(view.lens) / p[2];
   });
 }
