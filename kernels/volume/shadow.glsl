@@ -34,8 +34,8 @@ float lit_share(vec3 from, vec3 way, float reach, float spread) {
     float step_t = 1.0;
     if (v.weight > 0.0) {
       float half_width = clamp(spread * t, kMinHalfWidth, truncation), off = v.distance * truncation;
-      if (off < half_width + 1.5) {
-        // The nearest voxel is not near enough to tell.
+      // The voxel's center is up to .87 voxels away, and its distance may be too large by some.
+      if (off < half_width + 1.2) {
         float between = distance_at(at);
         off = between > 1.0 ? off : between * truncation;
         share = min(share, 0.5 + 0.5 * off / half_width);

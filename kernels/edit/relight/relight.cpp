@@ -10,6 +10,8 @@ namespace inverse {
 namespace {
 
 using Apply = shaders::edit_relight_apply;
+using Shadows = shaders::edit_relight_scene_shadows;
+static_assert(4 * Shadows::kShareWords == kMaxLamps);
 constexpr float kMinFieldOfView = 1, kMaxFieldOfView = 170;
 constexpr float kRadian = 3.14159265F / 180;
 constexpr float kMarkerShare = 1.F / 60;  // of the longer side of the frame
@@ -37,6 +39,7 @@ Relight::Relight(const std::shared_ptr<gpu::Device>& device, Extent extent)
       apply_{{{device, {.color = false}}, {device, {.color = true}}}},
       share_(device),
       place_(device),
+      shadows_(device),
       light_scene_(device) {}
 
 void Relight::set_surface(std::shared_ptr<const SurfaceFile> file) {
@@ -71,23 +74,32 @@ uint32_t Relight::prepare_surface(gpu::Commands& commands, const Layers& layers,
 void Relight::record_scene(gpu::Commands& commands, const SeenScene& scene, int first, int count,
                            bool shadows) {
   const auto pixels = static_cast<uint32_t>(scene.extent.pixels());
+  const auto halves = [](uint32_t n) {
+    return (n + Shadows::kShareStep - 1) / Shadows::kShareStep;
+  };
+  const uint32_t shadow_pixels = halves(scene.extent.width) * halves(scene.extent.height);
   if (!placed_)
     placed_ = gpu::Buffer::create(device_, gpu::Element::vec4, Apply::kLampRows * kMaxLamps);
-  if (!scene_light_ || scene_light_->count() != pixels)
+  if (!scene_light_ || scene_light_->count() != pixels || normals_->count() != shadow_pixels) {
     scene_light_ = gpu::Buffer::create(device_, gpu::Element::vec4, pixels);
+    normals_ = gpu::Buffer::create(device_, gpu::Element::vec4, shadow_pixels);
+    shares_ =
+        gpu::Buffer::create(device_, gpu::Element::word, Shadows::kShareWords * shadow_pixels);
+  }
   commands.dispatch(place_, {.lamps = lamps_, .pose = scene.pose->buffer, .placed = placed_},
                     {.lens = scene.lens.values(),
                      .size = extent_,
                      .view = scene.extent,
                      .count = static_cast<uint32_t>(first + count)},
                     static_cast<uint32_t>(first + count));
-  commands.dispatch(light_scene_,
+  commands.dispatch(shadows_,
                     {.lamps = placed_,
                      .surface = scene.surface->buffer,
                      .pose = scene.pose->buffer,
                      .table = scene.table,
                      .voxels = scene.voxels,
-                     .light = scene_light_},
+                     .normals = normals_,
+                     .shares = shares_},
                     {.lens = scene.lens.values(),
                      .size = scene.extent,
                      .first = first,
@@ -96,7 +108,16 @@ void Relight::record_scene(gpu::Commands& commands, const SeenScene& scene, int 
                      .voxel = scene.voxel,
                      .truncation = scene.truncation,
                      .shadows = shadows ? 1U : 0U},
-                    pixels);
+                    shadow_pixels);
+  commands.dispatch(
+      light_scene_,
+      {.lamps = placed_,
+       .surface = scene.surface->buffer,
+       .pose = scene.pose->buffer,
+       .normals = normals_,
+       .shares = shares_,
+       .light = scene_light_},
+      {.lens = scene.lens.values(), .size = scene.extent, .first = first, .count = count}, pixels);
   // Their pools write them again once nobody holds them, which is not before this is submitted.
   commands.keep(scene.surface);
   commands.keep(scene.pose);

@@ -12,3 +12,8 @@ const int kMark = 3;   // place in pixels; 1 / (cosine where its cone is full - 
 const int kKinds = 3;
 const int kOfRoom = 3;    // given in the world
 const int kOfCamera = 6;  // given by the pixel of its mark and its depth, z of its place
+
+// Of lamps in a remembered scene.
+const uint kShareStep = 2u;   // pixels from one that has shares to the next
+const uint kShareWords = 2u;  // of shares a pixel
+const float kAlike = 0.3;     // least cosine between two normals of one surface

@@ -6,6 +6,7 @@
 #include "kernels/edit_relight_apply.spv.hpp"
 #include "kernels/edit_relight_place.spv.hpp"
 #include "kernels/edit_relight_scene_light.spv.hpp"
+#include "kernels/edit_relight_scene_shadows.spv.hpp"
 #include "kernels/edit_relight_share.spv.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/layers.hpp"
@@ -54,7 +55,8 @@ struct RelightParams {
 /// layers whose light is white and lamps too, S alone changes. Else the color of all light that
 /// there is then becomes Role::light, so that R S' C(S') L' is exact; layers that had none get a
 /// white model light. Lamps count as direct light: shares of bounced light in S shrink. Lamps in a
-/// remembered scene light what the frame sees of it, and cast shadows (scene_light.comp).
+/// remembered scene light what the frame sees of it (scene_light.comp), and cast shadows
+/// (scene_shadows.comp).
 class Relight {
  public:
   Relight(const std::shared_ptr<gpu::Device>& device, Extent extent);
@@ -83,7 +85,8 @@ class Relight {
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;
   PlanePool planes_;
-  gpu::BufferPtr nothing_, no_light_, no_share_, kept_, lamps_, placed_, scene_light_;
+  gpu::BufferPtr nothing_, no_light_, no_share_, kept_, lamps_, placed_, normals_, shares_,
+      scene_light_;
   PlanePtr white_;
   Relief relief_;
   std::shared_ptr<const SurfaceFile> file_;
@@ -93,6 +96,7 @@ class Relight {
   std::array<gpu::Program<shaders::edit_relight_apply>, 2> apply_;  // by COLOR
   gpu::Program<shaders::edit_relight_share> share_;
   gpu::Program<shaders::edit_relight_place> place_;
+  gpu::Program<shaders::edit_relight_scene_shadows> shadows_;
   gpu::Program<shaders::edit_relight_scene_light> light_scene_;
 };
 

@@ -10,7 +10,8 @@ namespace inverse::reference {
 namespace {
 
 constexpr double kLift = 1.5, kClear = 2, kSunReach = 12;  // voxels, voxels, meters
-constexpr double kMinReach = 1, kMaxReach = 3, kNoiseReach = 1.5, kAlike = 0.3;
+constexpr double kMinReach = 1, kMaxReach = 3, kNoiseReach = 1.5, kAlike = 0.3, kJump = 0.03;
+constexpr int kStep = 2;  // pixels
 
 /// Of the depth of a sensor, meters.
 double noise_at(double depth) { return 0.0012 + 0.0019 * (depth - 0.4) * (depth - 0.4); }
@@ -46,30 +47,91 @@ double shadow_of(const Volume& volume, const Surface& surface, const SceneLamp& 
   return lit_share(volume, from, to, reach, lamp.radius / way);
 }
 
-}  // namespace
+/// What a pixel sees, in the world; depth 0: nothing.
+struct Sight {
+  Surface surface;
+  double depth = 0;
+};
 
-Rgb scene_light(const Camera& camera, int x, int y, const Rgba& surface,
-                const std::vector<SceneLamp>& lamps, const Volume& volume, bool shadows) {
-  Rgb sum{};
-  const double depth = surface[3];
-  const Vec3 seen{surface[0], surface[1], surface[2]};
-  if (!(depth > 0 && depth < 65504 && dot(seen, seen) > 0.5)) return sum;
+Sight sight(const Camera& camera, int x, int y, const Rgba& seen) {
+  const Vec3 normal{seen[0], seen[1], seen[2]};
+  if (!(seen[3] > 0 && seen[3] < 65504 && dot(normal, normal) > 0.5)) return {};
   Vec3 at = camera.ray(x, y);
-  for (double& v : at) v *= depth;
-  Surface lit{camera.to_world(at), camera.turned(seen)};
-  const double reach =
-      volume.voxel * std::clamp(kNoiseReach * noise_at(depth) / volume.voxel, kMinReach, kMaxReach);
+  for (double& v : at) v *= seen[3];
+  return {{camera.to_world(at), camera.turned(normal)}, seen[3]};
+}
+
+struct Shadowed {
+  Vec3 normal{};
+  std::vector<double> shares;  // a lamp
+  double depth = 0;
+};
+
+Shadowed shadowed(const Sight& sight, const std::vector<SceneLamp>& lamps, const Volume& volume,
+                  bool shadows) {
+  Surface lit = sight.surface;
+  const double reach = volume.voxel * std::clamp(kNoiseReach * noise_at(sight.depth) / volume.voxel,
+                                                 kMinReach, kMaxReach);
   const Vec3 smooth = normal_at(volume, lit.place, reach);
   if (dot(smooth, lit.normal) > kAlike) lit.normal = smooth;
-  const double lift = std::max(kLift * volume.voxel, reach);
-  for (const SceneLamp& lamp : lamps) {
-    const Rgb added = light_on(lit, {lamp});
-    if (added == Rgb{}) continue;
-    const double share = shadows ? shadow_of(volume, lit, lamp, lift) : 1;
-    for (size_t c = 0; c < 3; ++c) sum[c] += share * added[c];
-  }
-  for (double& v : sum) v = std::min(v, 65504.0);
-  return sum;
+  Shadowed result{lit.normal, {}, sight.depth};
+  for (const SceneLamp& lamp : lamps)
+    result.shares.push_back(
+        shadows && light_on(lit, {lamp}) != Rgb{}
+            ? shadow_of(volume, lit, lamp, std::max(kLift * volume.voxel, reach))
+            : 1);
+  return result;
+}
+
+}  // namespace
+
+std::vector<Rgb> scene_light(const Camera& camera, const Plane& surface,
+                             const std::vector<SceneLamp>& lamps, const Volume& volume,
+                             bool shadows) {
+  std::vector<Shadowed> known(surface.size());
+  for (int y = 0; y < camera.height; y += kStep)
+    for (int x = 0; x < camera.width; x += kStep) {
+      const Sight there = sight(camera, x, y, surface.at(x, y));
+      if (there.depth > 0) known[surface.index(x, y)] = shadowed(there, lamps, volume, shadows);
+    }
+  std::vector<Rgb> result(surface.size());
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) {
+      const Sight here = sight(camera, x, y, surface.at(x, y));
+      if (!(here.depth > 0)) continue;
+      // All around it, then those of its surface alone, if there are some.
+      for (const bool same_only : {false, true}) {
+        Surface lit{here.surface.place, {}};
+        std::vector<double> shares(lamps.size());
+        double total = 0;
+        for (int v = y - kStep + 1; v < y + kStep; ++v)
+          for (int u = x - kStep + 1; u < x + kStep; ++u) {
+            if (u < 0 || v < 0 || u >= camera.width || v >= camera.height) continue;
+            const Shadowed& other = known[surface.index(u, v)];
+            const bool same = dot(other.normal, here.surface.normal) > kAlike &&
+                              std::abs(other.depth - here.depth) <= kJump * here.depth;
+            if (!(other.depth > 0) || (same_only && !same)) continue;
+            const double weight =
+                (1 - std::abs(u - x) / double(kStep)) * (1 - std::abs(v - y) / double(kStep));
+            total += weight;
+            for (size_t c = 0; c < 3; ++c)
+              lit.normal[c] += weight * (same ? other.normal[c] : here.surface.normal[c]);
+            for (size_t k = 0; k < lamps.size(); ++k) shares[k] += weight * other.shares[k];
+          }
+        if (same_only && total == 0) break;
+        const double length = std::sqrt(dot(lit.normal, lit.normal));
+        for (size_t c = 0; c < 3; ++c)
+          lit.normal[c] = total > 0 ? lit.normal[c] / length : here.surface.normal[c];
+        Rgb sum{};
+        for (size_t k = 0; k < lamps.size(); ++k) {
+          const Rgb added = light_on(lit, {lamps[k]});
+          for (size_t c = 0; c < 3; ++c) sum[c] += added[c] * (total > 0 ? shares[k] / total : 1);
+        }
+        for (double& channel : sum) channel = std::min(channel, 65504.0);
+        result[surface.index(x, y)] = sum;
+      }
+    }
+  return result;
 }
 
 }  // namespace inverse::reference
