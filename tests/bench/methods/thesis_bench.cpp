@@ -337,10 +337,5 @@ int run(int argc, char** argv) {
 }  // namespace inverse::bench
 
 int main(int argc, char** argv) {
-  try {
-    return inverse::bench::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "thesis-bench: %s\n", error.what());
-    return 1;
-  }
+  return inverse::bench::run_main("thesis-bench", inverse::bench::run, argc, argv);
 }

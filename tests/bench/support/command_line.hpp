@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdio>
+#include <exception>
 #include <functional>
 #include <map>
 #include <string>
@@ -50,6 +51,14 @@ inline bool read(const Options& options, int argc, char** argv, const char* sour
     return false;
   }
   return true;
+}
+
+/// main() of a benchmark `name`: what `run(argc, argv)` returns; 1, with a message, if it throws.
+inline int run_main(const char* name, int (*run)(int, char**), int argc, char** argv) try {
+  return run(argc, argv);
+} catch (const std::exception& error) {
+  fprintf(stderr, "%s: %s\n", name, error.what());
+  return 1;
 }
 
 }  // namespace inverse::bench

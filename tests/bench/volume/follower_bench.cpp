@@ -177,11 +177,6 @@ int run(int count, char** arguments) {
 }  // namespace
 }  // namespace inverse::bench
 
-int main(int count, char** arguments) {
-  try {
-    return inverse::bench::run(count, arguments);
-  } catch (const std::exception& error) {
-    fprintf(stderr, "follower-bench: %s\n", error.what());
-    return 1;
-  }
+int main(int argc, char** argv) {
+  return inverse::bench::run_main("follower-bench", inverse::bench::run, argc, argv);
 }

@@ -103,11 +103,6 @@ int run(int count, char** arguments) {
 }  // namespace
 }  // namespace inverse::bench
 
-int main(int count, char** arguments) {
-  try {
-    return inverse::bench::run(count, arguments);
-  } catch (const std::exception& error) {
-    fprintf(stderr, "tracking-bench: %s\n", error.what());
-    return 1;
-  }
+int main(int argc, char** argv) {
+  return inverse::bench::run_main("tracking-bench", inverse::bench::run, argc, argv);
 }
