@@ -3,7 +3,7 @@
 //
 //   scene-bench [--frames N] [--size WxH] [--rate FPS] [--noise N] [--voxel M] [--weight W]…
 //               [--every K] [--max-width PIXELS] [--method NAME]…
-//               orbit|wall|FOLDER…
+//               [--pictures FOLDER] orbit|wall|FOLDER…
 //
 // Sources are those of tracking-bench (rgbd_source.hpp); FOLDER has true reflectance (R) and
 // shading (Sdir, Sind). Methods are intrinsicdecomp (if none is given), globalintrinsic, chapter3
@@ -12,9 +12,10 @@
 // mean of reflectance and shading) over all frames and of the last one; flicker of ln R along true
 // motion, and without a common scale; variation of the mean R of patches, from frame to frame and
 // from the patch's mean over time; drift of the scale over 30 frames; LMSE of the reflectance that
-// the volume has where the last frame looks, and of a volume of colors in its place (flat light is
-// then part of it); device time, ms, of the solve (median) and of all that the memory takes (mean,
-// as not every frame is added).
+// the volume has, seen from the places of the first, middle and last frame, and of a volume of
+// colors in its place (light is then part of it); device time, ms, of the solve (median) and of all
+// that the memory takes (mean, as not every frame is added).
+// --pictures writes both volumes from these three places, above the truth (model_pictures.hpp).
 //
 // Patches are five of the 8 x 6 rectangles of the middle frame: those whose points are seen in most
 // frames. They are followed by the true geometry.
@@ -29,6 +30,7 @@
 #include "kernels/intrinsic/intrinsic_levels.hpp"
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
 #include "kernels/volume/memory/scene_memory.hpp"
+#include "model_pictures.hpp"
 #include "rgbd_source.hpp"
 #include "tests/bench/metrics/metrics.hpp"
 #include "tests/bench/scenes/datasets.hpp"
@@ -44,6 +46,7 @@ struct Settings : RgbdSettings {
   int every = int(SceneMemory::Params{}.every), max_width = int(SceneMemory::Params{}.max_width);
   std::vector<double> weights;
   std::vector<std::string> methods;
+  std::string pictures;
 };
 
 /// A frame and its truth.
@@ -193,23 +196,6 @@ SceneMemory::Depth depth_of(const Taken& taken, const Lens& lens, Extent extent)
           taken.frame.pose};
 }
 
-/// LMSE of what is known of a frame's reflectance, where it is.
-double known_error(const Lab& lab, const KnownReflectance& known, const Image& truth) {
-  const Pixels pixels = lab.download(known.reflectance);
-  Image estimate(truth.width, truth.height, 3), mask(truth.width, truth.height, 1);
-  const auto nearest = [](size_t at, int of, uint32_t size) {
-    return (2 * at + 1) * size / (2 * size_t(of));
-  };
-  for (size_t i = 0; i < mask.data.size(); ++i) {
-    const size_t x = i % size_t(truth.width), y = i / size_t(truth.width),
-                 at = nearest(y, truth.height, known.extent.height) * known.extent.width +
-                      nearest(x, truth.width, known.extent.width);
-    mask.data[i] = pixels[4 * at + 3] > 0 ? 1.0F : 0.0F;
-    for (size_t c = 0; c < 3; ++c) estimate.data[3 * i + c] = std::exp(pixels[4 * at + c]);
-  }
-  return lmse(estimate, truth, mask);
-}
-
 /// A decomposer: records a frame's work, and returns its layers.
 using Solver = std::function<PlanePtr(gpu::Commands&, size_t frame, const PlanePtr& input,
                                       const KnownReflectance* known)>;
@@ -257,7 +243,7 @@ void run_one(const Lab& lab, const std::string& name, const std::string& method,
     memory.emplace(lab.device(), extent, made), colors.emplace(lab.device(), extent, made);
   std::vector<Image> reflectance;
   std::vector<double> solve, scene;
-  double errors = 0, last = 0, fused = 0, fused_colors = 0;
+  double errors = 0, last = 0;
   gpu::Commands commands(lab.device());
   for (size_t n = 0; n < frames.size(); ++n) {
     const Taken& taken = frames[n];
@@ -284,13 +270,23 @@ void run_one(const Lab& lab, const std::string& name, const std::string& method,
     last = score_lmse(reflectance.back(), image_of(pixels, extent, 3, 1), taken.reflectance,
                       taken.shading, {});
     errors += last;
-    if (known && n + 1 == frames.size()) fused = known_error(lab, *known, taken.reflectance);
     if (colors)
       lab.run([&](gpu::Commands& extra) {
-        known = colors->record_recall(extra, n, depth_of(taken, source.lens(), extent), *input);
+        colors->record_recall(extra, n, depth_of(taken, source.lens(), extent), *input);
         colors->record_remember(extra, *input);
       });
-    if (known && n + 1 == frames.size()) fused_colors = known_error(lab, *known, taken.reflectance);
+  }
+  ModelScore fused, fused_colors;
+  if (memory) {
+    std::vector<Side> sides;
+    for (const size_t n : {size_t{0}, frames.size() / 2, frames.size() - 1})
+      sides.push_back({frames[n].frame.pose, frames[n].reflectance});
+    ModelPictures pictures(lab, source.lens(), sides);
+    fused = pictures.add(memory->data().volume);
+    fused_colors = pictures.add(colors->data().volume);
+    if (!settings.pictures.empty())
+      pictures.write(settings.pictures + "/" + std::filesystem::path(name).filename().string() +
+                     "-" + method + ".png");
   }
   PatchVariation patches;
   for (const std::vector<Track>& patch : followed.patches) {
@@ -305,8 +301,8 @@ void run_one(const Lab& lab, const std::string& name, const std::string& method,
       weight < 0 ? "none" : std::to_string(weight).substr(0, 6).c_str(),
       errors / double(frames.size()), last, flicker_along(reflectance, followed.points, false),
       flicker_along(reflectance, followed.points, true), patches.step, patches.spread,
-      common_drift(reflectance, followed.points, std::min<size_t>(30, frames.size() / 2)), fused,
-      fused_colors, median(solve),
+      common_drift(reflectance, followed.points, std::min<size_t>(30, frames.size() / 2)),
+      fused.reflectance, fused_colors.reflectance, median(solve),
       std::accumulate(scene.begin(), scene.end(), 0.0) / double(scene.size()));
   fflush(stdout);
 }
@@ -318,6 +314,7 @@ int run(int count, char** arguments) {
       rgbd_options(settings, {{"--voxel", number(settings.voxel)},
                               {"--every", integer(settings.every)},
                               {"--max-width", integer(settings.max_width)},
+                              {"--pictures", text(settings.pictures)},
                               {"--method",
                                {true,
                                 [&](const char* value) {
@@ -355,11 +352,6 @@ int run(int count, char** arguments) {
 }  // namespace
 }  // namespace inverse::bench
 
-int main(int count, char** arguments) {
-  try {
-    return inverse::bench::run(count, arguments);
-  } catch (const std::exception& error) {
-    fprintf(stderr, "scene-bench: %s\n", error.what());
-    return 1;
-  }
+int main(int argc, char** argv) {
+  return inverse::bench::run_main("scene-bench", inverse::bench::run, argc, argv);
 }
