@@ -199,9 +199,10 @@ void SceneWork::warn_of(FrameContext& frame, const SceneMemory::Findings& found)
   if (found.found) told_.erase(kLost);
   if (found.frames_lost >= kLongLost) warn(frame, kLost);
   if (found.blocks_refused > 0)
-    warn(frame, "what the camera sees of the scene has reached " +
-                    std::to_string(made_with_.scene_memory_limit) +
-                    " MiB: new surfaces are not remembered; raise scene-memory-limit or "
+    warn(frame, "the scene has reached scene-memory-limit (" +
+                    std::to_string(made_with_.scene_memory_limit) + " MiB in sight, or " +
+                    std::to_string(HostBlocks::kMaxPools) +
+                    " times that out of it): new surfaces are not remembered; raise it, or "
                     "voxel-size");
 }
 

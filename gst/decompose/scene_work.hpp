@@ -47,7 +47,7 @@ PropertyTable<P> scene_properties() {
                 "forgets it"),
       number<P>("scene-memory-limit", &P::scene_memory_limit, 8, 65536,
                 "Memory of the device for the remembered scene, MiB; the host keeps what is out of "
-                "sight beyond it; a change forgets the scene"),
+                "sight beyond it, up to 8 times as much; a change forgets the scene"),
       text<P>("scene-load", &P::scene_load,
               "File of a scene (.scene) that is known from the start; the camera is looked for in "
               "it",

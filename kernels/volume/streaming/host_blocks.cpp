@@ -86,7 +86,7 @@ void HostBlocks::record(gpu::Commands& commands, uint64_t number, Volume& volume
     hear(n);
   last_ = number;
   const uint32_t pool = volume.params().blocks;
-  const bool out = known.free_blocks < pool / kFewFree;
+  const bool out = known.free_blocks < pool / kFewFree && blocks_.size() < kMaxPools * pool;
   if (!out && blocks_.empty()) return;
   make();
   InFlight& frame = frames_[number];

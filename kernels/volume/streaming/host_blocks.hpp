@@ -16,11 +16,13 @@ namespace inverse {
 
 /// Blocks of a volume that the device has no memory for, on the host (thesis 4.4; Nießner et al.
 /// 2013). Blocks out of the camera's sight leave when few are free, those farthest away first; they
-/// come back when the camera is to see them. At most kMoves of them a frame each way.
+/// come back when the camera is to see them. At most kMoves of them a frame each way. None leave
+/// while kMaxPools times what the device has room for are here.
 /// docs/reference/methods/volume.md. Not thread-safe.
 class HostBlocks {
  public:
   static constexpr uint32_t kMoves = shaders::volume_streaming_leave::kMoves;
+  static constexpr size_t kMaxPools = 8;
 
   explicit HostBlocks(const std::shared_ptr<gpu::Device>& device) : device_(device) {}
 

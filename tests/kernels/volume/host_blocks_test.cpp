@@ -192,5 +192,23 @@ TEST_F(HostBlocksTest, ThatAFileHasBeyondThePoolAreKept) {
   EXPECT_EQ(blocks_of(all(host, volume)), before);
 }
 
+TEST_F(HostBlocksTest, NoMoreLeaveOnceTheHostHasEnough) {
+  constexpr uint32_t kSmall = 700;
+  Volume volume(device, {.voxel = 0.02F, .blocks = kSmall});
+  HostBlocks host(device);
+  see(volume, ahead_);
+  const size_t there = on_device(volume), enough = HostBlocks::kMaxPools * kSmall;
+  VolumeData elsewhere{.voxel = 0.02F, .truncation = 4};
+  for (size_t n = 0; n < enough; ++n)
+    elsewhere.keys.push_back(VolumeData::key_of({int(n % 1000), 500, int(n / 1000) - 900}));
+  elsewhere.voxels.resize(enough * kVoxels);
+  elsewhere.colors.resize(2 * enough * kVoxels);
+  host.take_rest(elsewhere, 0);
+  ASSERT_EQ(host.size(), enough);
+  move(host, volume, away_, 0, 20);
+  EXPECT_EQ(host.size(), enough);
+  EXPECT_EQ(on_device(volume), there);
+}
+
 }  // namespace
 }  // namespace inverse::testing
