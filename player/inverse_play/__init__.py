@@ -2,5 +2,5 @@
 """inverse-play: a window in which the layers of a video are seen and edited while it plays."""
 import gi
 
-for name, version in (("Gst", "1.0"), ("GstVideo", "1.0"), ("Gio", "2.0")):
+for name, version in (("Gst", "1.0"), ("GstVideo", "1.0"), ("GstPbutils", "1.0"), ("Gio", "2.0")):
     gi.require_version(name, version)

@@ -6,9 +6,9 @@ import os
 
 from . import elements, layers, project, source
 
-EPILOG = """SOURCE is a file, a URI, /dev/videoN, "libcamera" or "libcamera:NAME", "test" for a test picture, or
-a piece of a launch line that outputs video ("videotestsrc pattern=ball ! video/x-raw,width=320"). Without one the
-window asks.
+EPILOG = """SOURCE is a file, the folder of a recording with depth, a URI, /dev/videoN, "libcamera" or
+"libcamera:NAME", "test" for a test picture, "room" for a virtual room with a depth camera, or a piece of a launch
+line that outputs video ("videotestsrc pattern=ball ! video/x-raw,width=320"). Without one the window asks.
 Exit status: 0; 1 if something went wrong, as an input that is cut off or a full disk; 2 for wrong arguments."""
 
 

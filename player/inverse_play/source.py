@@ -3,9 +3,11 @@
 import dataclasses
 import os
 
-from gi.repository import Gio, GLib, Gst
+from gi.repository import Gio, GLib, Gst, GstPbutils
 
 TEST_LINE = "videotestsrc is-live=true ! video/x-raw,width=640,height=480,framerate=30/1"
+ROOM_LINE = "rgbdtestsrc samples=1 ! video/x-raw,width=640,height=480,framerate=15/1"
+DISCOVER_SECONDS = 5
 
 
 class SourceError(Exception):
@@ -64,31 +66,80 @@ def unreadable(path):
     return f"{path} is empty" if os.path.getsize(path) == 0 else None
 
 
+def _recording(path):
+    """A folder that rgbdsrc plays; it says itself what is missing in one."""
+    element = Gst.ElementFactory.make("rgbdsrc", None)
+    if not element:
+        raise SourceError(f"{path} is a folder; choose a file in it")
+    bus = Gst.Bus()
+    element.set_bus(bus)
+    element.set_property("location", path)
+    opened = element.set_state(Gst.State.PAUSED) != Gst.StateChangeReturn.FAILURE
+    message = None if opened else bus.pop_filtered(Gst.MessageType.ERROR)
+    element.set_state(Gst.State.NULL)
+    if not opened:
+        reason = message.parse_error()[0].message if message else f"{path} cannot be opened"
+        raise SourceError(f"{path} is a folder without a recording that can be played: {reason}")
+    return Source(path, os.path.basename(path), f"rgbdsrc location={quoted(path)}")
+
+
+def _with_depth(path):
+    """How rgbdmerge plays a file with depth, gray of 16 bits, in a second stream; None for other files."""
+    try:
+        found = GstPbutils.Discoverer.new(DISCOVER_SECONDS * Gst.SECOND).discover_uri(Gst.filename_to_uri(path))
+    except GLib.Error:
+        return None  # playing it says why
+    bits = [s.get_depth() for s in sorted(found.get_video_streams(), key=lambda s: s.get_stream_number())]
+    if len(bits) != 2 or bits.count(16) != 1 or not Gst.ElementFactory.find("rgbdmerge"):
+        return None
+    depth = bits.index(16)
+    return (f"filesrc location={quoted(path)} ! matroskademux name=demux "
+            f"demux.video_{depth} ! queue ! decodebin ! video/x-raw,format=GRAY16_LE ! merge.depth "
+            f"demux.video_{1 - depth} ! queue ! decodebin ! merge.sink rgbdmerge name=merge")
+
+
 def _file(text):
+    path = os.path.abspath(text)
+    if os.path.isdir(path):
+        return _recording(path)
     reason = unreadable(text)
     if reason:
         raise SourceError(reason)
-    path = os.path.abspath(text)
     line = f"filesrc location={quoted(path)} ! decodebin"
-    if (Gio.content_type_guess(path, None)[0] or "").startswith("image/"):
+    kind = Gio.content_type_guess(path, None)[0] or ""
+    if kind == "video/x-matroska":
+        line = _with_depth(path) or line
+    if kind.startswith("image/"):
         # A still picture goes on as live video, so that it can be edited.
         return Source(text, os.path.basename(path), f"{line} ! imagefreeze is-live=true ! "
                       "video/x-raw,framerate=15/1", live=True)
     return Source(path, os.path.basename(path), line)
 
 
+def _is_live(pipeline):
+    """Whether one of its sources says that it is live."""
+    found = pipeline.iterate_sources()
+    while (step := found.next())[0] == Gst.IteratorResult.OK:
+        if step[1].find_property("is-live") and step[1].get_property("is-live"):
+            return True
+    return False
+
+
 def _line(text):
     try:
-        Gst.parse_launch(f"{text} ! identity")
+        pipeline = Gst.parse_launch(f"{text} ! identity")
     except GLib.Error as error:
         raise SourceError(f"this is no launch line: {error.message}") from None
-    return Source(text, text.partition(" ")[0], text, live="is-live=true" in text or "v4l2src" in text)
+    return Source(text, text.partition(" ")[0], text, live=_is_live(pipeline) or "v4l2src" in text)
 
 
 def parse(text):
-    """The Source for a file, a URI, /dev/videoN, "libcamera[:NAME]", "test", or a piece of a launch line."""
+    """The Source for a file, the folder of a recording, a URI, /dev/videoN, "libcamera[:NAME]", "test", "room", or a
+    piece of a launch line."""
     if text == "test":
         return Source(text, "Test picture", TEST_LINE, live=True)
+    if text == "room":
+        return Source(text, "Virtual room", ROOM_LINE, live=True)
     if text.startswith("/dev/video"):
         return _camera(text)
     if text == "libcamera" or text.startswith("libcamera:"):

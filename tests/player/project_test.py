@@ -10,6 +10,7 @@ import unittest
 from concurrent import futures
 
 import support
+from gi.repository import Gst
 from inverse_play import arguments, elements, intros, launch_line, layers, project, selection, source, tools
 from inverse_play.elements import ElementError
 from inverse_play.history import History
@@ -222,6 +223,26 @@ class Layers(support.Case):
         self.assertEqual(layers.corrected(shown.with_editors([])).compose.get("show"), "composed")
 
 
+def make_recording(folder):
+    """Four frames of the virtual room: color/ and depth/, millimeters. Returns the folder."""
+    room = "rgbdtestsrc is-live=false samples=1 num-buffers=4 {} ! video/x-raw,width=160,height=120,framerate=10/1 ! "
+    for name, show, form in (("color", "", "RGB"), ("depth", "show=depth max-depth=60", "GRAY16_BE")):
+        os.makedirs(os.path.join(folder, name))
+        support.run_line(f"{room.format(show)} videoconvert ! video/x-raw,format={form} ! pngenc ! "
+                         f"multifilesink location=\"{folder}/{name}/%04d.png\"")
+    return folder
+
+
+def has_depth(line):
+    """Whether the frames of a line carry it: the decomposer says so."""
+    pipeline = Gst.parse_launch(f"{line} ! videoconvert ! intrinsicdecomp name=d ! fakesink sync=false")
+    pipeline.set_state(Gst.State.PLAYING)
+    pipeline.get_bus().timed_pop_filtered(60 * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR)
+    stats = pipeline.get_by_name("d").get_property("stats")
+    pipeline.set_state(Gst.State.NULL)
+    return stats.has_field("scene-camera-found")
+
+
 class LaunchLine(support.Case):
     def run_in_shell(self, made, width=0):
         """Runs the command with a file in place of the window; returns its frames."""
@@ -249,6 +270,26 @@ class LaunchLine(support.Case):
         self.assertGreater(blue, red + 60)
         for at, color in (((30, 40), (255, 255, 0)), ((100, 40), (255, 0, 255))):  # the rest stays
             self.assertLess(max(abs(a - b) for a, b in zip(support.color(frame, *at), color)), 40, at)
+
+    def test_a_recording_with_depth_runs_in_a_shell(self):
+        made = Project(source=make_recording(self.path("my room")))
+        self.assertTrue(has_depth(source.parse(made.source).line))
+        self.assertFalse(has_depth(source.parse(self.clip(3)).line))
+        self.assertEqual(len(self.run_in_shell(made)), 4)
+        project.save(made, self.path("p.json"))
+        self.assertEqual(project.load(self.path("p.json")), made)
+
+    @unittest.skipUnless(Gst.ElementFactory.find("avenc_ffv1"), "gstreamer1.0-libav is missing")
+    def test_a_file_with_depth_runs_in_a_shell(self):
+        path, room = self.path("room.mkv"), "rgbdtestsrc is-live=false samples=1 num-buffers=4"
+        size = "width=160,height=120,framerate=10/1"
+        support.run_line(f"matroskamux name=mux ! filesink location={path} "
+                         f"{room} show=depth max-depth=60 ! video/x-raw,format=GRAY16_LE,colorimetry=1:4:1:1,{size} ! "
+                         f"avenc_ffv1 ! queue ! mux. {room} ! video/x-raw,{size} ! videoconvert ! vp8enc deadline=1 ! "
+                         "queue ! mux.")
+        made = Project(source=path)
+        self.assertTrue(has_depth(source.parse(path).line))
+        self.assertEqual(len(self.run_in_shell(made)), 4)
 
     def test_editors_that_are_off_are_left_out(self):
         made = painted()
@@ -283,7 +324,7 @@ class CommandLine(support.Case):
     def test_errors_say_what_to_do(self):
         open(self.path("empty.mp4"), "w", encoding="utf-8").close()
         cases = ((["/none.mp4"], "there is no file"), (["/dev/video97"], "plug it in"),
-                 ([self.folder], "is a folder"), ([self.path("empty.mp4")], "is empty"),
+                 ([self.folder], "is no recording"), ([self.path("empty.mp4")], "is empty"),
                  (["nosuch://x"], "nothing installed here opens"),
                  (["videotestsrc ! nosuchelement"], "no launch line"),
                  (["test", "--decomposer", "videoconvert"], "intrinsicdecomp"),
@@ -307,7 +348,9 @@ class CommandLine(support.Case):
             self.assertIn((action.option_strings or [action.metavar])[-1], text)
 
     def test_sources(self):
-        self.assertTrue(source.parse("test").live)
+        self.assertTrue(source.parse("test").live and source.parse("room").live)
+        self.assertTrue(source.parse("rgbdtestsrc path=table hand=book").live)
+        self.assertFalse(source.parse("rgbdtestsrc is-live=false path=table").live)
         self.assertFalse(source.parse(str(support.CLIP)).live)
         self.assertEqual(source.parse(support.CLIP.as_uri()).line, source.parse(str(support.CLIP)).line)
         self.assertIn("imagefreeze", source.parse(str(support.ROOT / "media" / "layers.png")).line)

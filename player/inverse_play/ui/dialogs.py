@@ -20,6 +20,13 @@ def file_to_open(parent, title, kinds=()):
     return _path(dialog)
 
 
+def folder_to_open(parent, title):
+    """The path of a folder, or None."""
+    dialog = Gtk.FileChooserDialog(title=title, transient_for=parent, action=Gtk.FileChooserAction.SELECT_FOLDER)
+    dialog.add_buttons("Cancel", CANCEL, "Open", OK)
+    return _path(dialog)
+
+
 def file_to_save(parent, title, name):
     """The path of a file to write, or None."""
     dialog = Gtk.FileChooserDialog(title=title, transient_for=parent, action=Gtk.FileChooserAction.SAVE,

@@ -15,7 +15,7 @@ class Header(Gtk.HeaderBar):
     def __init__(self, act, open_source, show_layer):
         super().__init__(show_close_button=True, title="inverse-play", has_subtitle=False)
         self._act, self._open_source = act, open_source
-        self.open = Gtk.MenuButton(label="Open", tooltip_text="File, URI, camera or test picture")
+        self.open = Gtk.MenuButton(label="Open", tooltip_text="File, recording, URI, camera or test picture")
         self.open.connect("toggled", lambda b: b.get_active() and self._fill_sources())
         self.open.set_popover(Gtk.Popover())
         self.pack_start(self.open)
@@ -111,7 +111,10 @@ class Header(Gtk.HeaderBar):
 
     def source_rows(self):
         """(words, function) for each input that can be opened."""
-        rows = [("File…", lambda: self._act("open-file")), ("URI or launch line…", lambda: self._act("open-uri"))]
+        rows = [("File…", lambda: self._act("open-file")),
+                ("Recording with depth…", lambda: self._act("open-folder")),
+                ("URI or launch line…", lambda: self._act("open-uri"))]
         for name, text in source.cameras():
             rows.append((f"Camera: {name}", lambda text=text: self._open_source(text)))
-        return rows + [("Test picture", lambda: self._open_source("test"))]
+        return rows + [("Test picture", lambda: self._open_source("test")),
+                       ("Virtual room with a depth camera", lambda: self._open_source("room"))]

@@ -15,7 +15,7 @@ SHORTCUTS = (
     ("Play", "End", "end", "to the end"),
     ("Play", "<Control>o", "open-file", "open a file"),
     ("Play", "<Control>u", "open-uri", "open a URI or a piece of a launch line"),
-    ("Play", "<Control>k", "open-menu", "choose a camera or the test picture"),
+    ("Play", "<Control>k", "open-menu", "choose a camera, a recording or a test picture"),
     ("View", "1", "layer-1", "picture, with its edits"),
     ("View", "2", "layer-2", "reflectance"),
     ("View", "3", "layer-3", "shading"),

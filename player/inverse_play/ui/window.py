@@ -295,6 +295,11 @@ class Window(Gtk.Window):
         if path:
             self.session.open(path)
 
+    def _do_open_folder(self):
+        path = dialogs.folder_to_open(self, "Open the folder of a recording with depth")
+        if path:
+            self.session.open(path)
+
     def _do_open_uri(self):
         text = dialogs.text(self, "Open", "A URI, or a piece of a launch line that outputs video:",
                             self.session.project.source)
