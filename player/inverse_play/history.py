@@ -33,6 +33,10 @@ class History:
             del self._states[:-MAX_STEPS]
             self._at = len(self._states) - 1
 
+    def amend(self, change):
+        """Changes all states, as what they have in common is described in another way now; no step."""
+        self._states = [(label, change(state)) for label, state in self._states]
+
     def undo(self):
         """Steps back; returns the label of what was undone, or None."""
         if self._at == 0:

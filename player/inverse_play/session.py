@@ -4,7 +4,7 @@ import dataclasses
 
 from gi.repository import GLib, Gst, GstVideo
 
-from . import elements, launch_line, layers, project, selection, source
+from . import elements, launch_line, layers, project, scene, selection, source
 from .history import History
 from .messages import Trouble
 from .playback import CLOSED, FAILED, PLAYING, Playback
@@ -53,9 +53,13 @@ class Session:
         """An element changed its own property, by the mouse."""
         described = self.project.element(element)
         if described and described.get(name) != value:
-            self._add(f"{name} of {elements.title(described.factory)}",
-                      self.project.with_element(described.with_property(name, value)),
-                      (element, name, self.playback.presses))
+            placed = scene.placed(described.get(name), value) if (element, name) == ("decomposer", "strokes") else None
+            if placed:
+                self.history.amend(placed)
+            else:
+                self._add(f"{name} of {elements.title(described.factory)}",
+                          self.project.with_element(described.with_property(name, value)),
+                          (element, name, self.playback.presses))
             if self.playback.stage:
                 self.playback.stage.accept(self.project)
             self.playback.refresh()

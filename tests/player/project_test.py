@@ -11,7 +11,7 @@ from concurrent import futures
 
 import support
 from gi.repository import Gst
-from inverse_play import arguments, elements, intros, launch_line, layers, project, selection, source, tools
+from inverse_play import arguments, elements, intros, launch_line, layers, project, scene, selection, source, tools
 from inverse_play.elements import ElementError
 from inverse_play.history import History
 from inverse_play.project import Element, Project
@@ -204,6 +204,16 @@ class Undo(support.Case):
         self.assertIsNone(history.redo())
         self.assertEqual((history.undo(), history.state), ("other", "d"))
 
+    def test_all_states_are_amended(self):
+        history = History("a")
+        history.add("one", "ab")
+        history.add("two", "abc")
+        history.undo()
+        history.amend(str.upper)
+        self.assertEqual((history.state, history.redo(), history.state), ("AB", "two", "ABC"))
+        history.undo()
+        self.assertEqual((history.undo(), history.state), ("one", "A"))
+
     def test_memory_is_bounded(self):
         history = History(0)
         for i in range(2000):
@@ -221,6 +231,35 @@ class Layers(support.Case):
         shown = masked.with_element(masked.compose.with_property("show", "mask"))
         self.assertEqual(layers.corrected(shown).compose.get("show"), "mask")
         self.assertEqual(layers.corrected(shown.with_editors([])).compose.get("show"), "composed")
+
+
+POINTS = {"kind": "recolor", "color": "#00c000", "radius": 12.0, "points": [[9, 9]]}
+OTHER = {"kind": "shading", "radius": 12.0, "points": [[5, 5]]}
+BALLS = {"kind": "recolor", "color": "#00c000", "balls": [[0.1, 0.2, 0.3, 0.05]]}
+
+
+def listed(*strokes):
+    return json.dumps({"frame": [160, 120], "strokes": strokes})
+
+
+class StrokesOfARoom(support.Case):
+    def test_those_that_are_put_into_the_scene_are_found(self):
+        self.assertIsNotNone(scene.placed(listed(POINTS, OTHER), listed(BALLS, OTHER)))
+        for before, after in ((listed(POINTS), listed(POINTS, BALLS)), (listed(POINTS, OTHER), listed(BALLS)),
+                              (listed(BALLS), listed(POINTS)), (listed(POINTS), listed(POINTS)), ("", listed(BALLS)),
+                              (listed(OTHER), listed(BALLS)), (listed(BALLS), "")):
+            self.assertIsNone(scene.placed(before, after), (before, after))
+
+    def test_they_are_described_anew_wherever_they_are(self):
+        describe = scene.placed(listed(POINTS, OTHER), listed(BALLS, OTHER))
+        for before, after in ((listed(OTHER, POINTS), listed(OTHER, BALLS)), (listed(OTHER), listed(OTHER)), ("", ""),
+                              (json.dumps([POINTS]), json.dumps([BALLS])),
+                              (listed(POINTS, OTHER), listed(BALLS, OTHER)), (listed(BALLS), listed(BALLS))):
+            made = Project(decomposer=Element("decomposer", "intrinsicdecomp").with_property("strokes", before))
+            found = describe(made).decomposer.get("strokes")
+            self.assertEqual(json.loads(found or "0"), json.loads(after or "0"))
+        other = Project(decomposer=Element("decomposer", "limematerial"))
+        self.assertEqual(describe(other), other)
 
 
 def make_recording(folder):

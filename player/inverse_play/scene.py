@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""The scene that a decomposer remembers of frames with depth."""
+import dataclasses
+import json
+
+
+def strokes_of(value):
+    """The strokes in a property."""
+    data = json.loads(value) if value else []
+    return data["strokes"] if isinstance(data, dict) else data
+
+
+def placed(before, after):
+    """If a decomposer has put strokes of a property into the scene, a function that describes them in the same way in
+    a project of before; None if something else has changed."""
+    pairs = list(zip(strokes_of(before), strokes_of(after)))
+    counts = len(strokes_of(before)), len(strokes_of(after))
+    moved = any("balls" in new and "balls" not in old for old, new in pairs)
+    if not moved or counts != (len(pairs), len(pairs)) or any(old["kind"] != new["kind"] for old, new in pairs):
+        return None
+    changed = {json.dumps(old): new for old, new in pairs}
+
+    def described_anew(project):
+        text_before = project.decomposer.properties.get("strokes")
+        if not text_before:
+            return project
+        text_after = after if text_before == before else _exchanged(text_before, changed)
+        return dataclasses.replace(project, decomposer=project.decomposer.with_property("strokes", text_after))
+    return described_anew
+
+
+def _exchanged(value, changed):
+    """A property with other strokes in place of some, which are named by their JSON."""
+    data, strokes = json.loads(value), strokes_of(value)
+    exchanged = [changed.get(json.dumps(stroke), stroke) for stroke in strokes]
+    if exchanged == strokes:
+        return value
+    return json.dumps({**data, "strokes": exchanged} if isinstance(data, dict) else exchanged, separators=(",", ":"))
