@@ -104,6 +104,11 @@ def _number(spec, kind, live):
     return Property(spec.name, kind, spec.blurb or spec.name, *values, live=live)
 
 
+def _is_file(name, blurb):
+    """Whether a text names a file that there is already."""
+    return (name == "location" or name.endswith("-location") or blurb.startswith("File")) and "written" not in blurb
+
+
 def _describe(spec):
     """The Property of a GParamSpec; None if a panel cannot show it."""
     live = bool(spec.flags & Gst.PARAM_MUTABLE_PLAYING)
@@ -119,8 +124,7 @@ def _describe(spec):
         choices = tuple((v.value_nick, v.value_name) for v in values)
         return Property(name, "enum", blurb, spec.default_value.value_nick, choices=choices, live=live)
     if type_name == "gchararray":
-        kind = "file" if name == "location" or name.endswith("-location") else "text"
-        return Property(name, kind, blurb, spec.default_value or "", live=live)
+        return Property(name, "file" if _is_file(name, blurb) else "text", blurb, spec.default_value or "", live=live)
     return None
 
 

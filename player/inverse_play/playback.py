@@ -15,7 +15,7 @@ DRAIN_MS = 400  # between looks at whether frames still come after an error
 class Playback:
     """One source at a time. `make_sink()` returns the element that shows pictures. Calls of `listener`, in the main
     thread: on_state(), on_trouble(Trouble), on_stopping() before frames end, on_finished() after the last one,
-    on_property(element, name, value).
+    on_property(element, name, value), on_event(structure) with an element message.
     `on_mouse`(kind, x, y, shift) gets the mouse over the picture, in pixels of the frame, and whether Shift is down,
     in the thread of the sink's events; elements get it as well unless it returns True."""
 
@@ -25,7 +25,7 @@ class Playback:
         self.source, self.stage, self.state = None, None, CLOSED
         self.seekable, self.duration, self.position = False, 0.0, 0.0
         self.width = self.height = 0
-        self.presses = 0  # of the mouse so far
+        self.presses = 0  # of the mouse so far, and touches of a hand
         self.sink = None
         self._pipeline, self._branch = None, None
         self._seeking, self._next_seek = False, None
@@ -203,12 +203,19 @@ class Playback:
     def _on_message(self, _bus, message):
         handler = {Gst.MessageType.ERROR: self._on_failure, Gst.MessageType.WARNING: self._on_failure,
                    Gst.MessageType.EOS: self._on_end, Gst.MessageType.ASYNC_DONE: self._on_ready,
-                   Gst.MessageType.LATENCY: self._on_latency}.get(message.type)
+                   Gst.MessageType.LATENCY: self._on_latency,
+                   Gst.MessageType.ELEMENT: self._on_element}.get(message.type)
         if handler and self._pipeline:
             handler(message)
 
     def _on_latency(self, _message):
         self._pipeline.recalculate_latency()
+
+    def _on_element(self, message):
+        structure = message.get_structure()
+        if structure:
+            self.presses += structure.has_name("inverse-touch-began")
+            self._listener.on_event(structure)
 
     def _on_ready(self, _message):
         query = Gst.Query.new_seeking(Gst.Format.TIME)

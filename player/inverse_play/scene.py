@@ -1,7 +1,32 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The scene that a decomposer remembers of frames with depth."""
+"""The scene that a decomposer remembers of frames with depth: what is done with it, and what is said of it."""
 import dataclasses
 import json
+
+from . import elements
+
+TOUCH, UPDATE, LOAD, MODE = "stroke-touch", "scene-update", "scene-load", "stroke-mode"
+SAVE_ACTION, FORGET_ACTION = "save-scene", "forget-scene"
+
+
+def is_offered(factory):
+    """Whether a decomposer can remember a scene."""
+    return {TOUCH, UPDATE, LOAD} <= set(elements.properties(factory))
+
+
+def text(stats):
+    """What fields of stats say, for people."""
+    if not stats:
+        return ""
+    lost = stats.get("scene-frames-lost", 0)
+    camera = "camera found" if stats.get("scene-camera-found") else f"camera lost for {lost} frames"
+    touched = " · touched" if stats.get("scene-touched") else ""
+    return f"Scene: {camera} · {stats.get('scene-blocks', 0)} blocks{touched}"
+
+
+def touched(on):
+    """Settings by which a hand draws, or no longer does: meanwhile the scene stays as it is."""
+    return {TOUCH: True, UPDATE: False} if on else {TOUCH: False, UPDATE: True, MODE: "off"}
 
 
 def strokes_of(value):

@@ -13,13 +13,15 @@ from .recorder import Recorder, RecorderError
 
 class Session:
     """`observer` is called without arguments in the main thread whenever something that a window shows changed,
-    `report` with each Trouble, `finished` after the last frame of a source."""
+    `report` with each Trouble, `finished` after the last frame of a source, `touched`(x, y) when a hand begins to draw
+    at a pixel of the frame."""
 
     def __init__(self, make_sink, make_second_sink, first):
         self._make_second_sink = make_second_sink
         self.playback = Playback(make_sink, self)
         self.history = History(first)
         self.observer, self.report, self.finished = lambda: None, print, lambda: None
+        self.touched = lambda x, y: None
         self.troubles = []  # all that were fatal
         self.recorder = None
         self._mouse, self._tap = ("off", "decomposer"), None
@@ -63,6 +65,13 @@ class Session:
             if self.playback.stage:
                 self.playback.stage.accept(self.project)
             self.playback.refresh()
+
+    def on_event(self, structure):
+        """An element reports something."""
+        if structure.has_name("inverse-touch-began"):
+            self.touched(structure.get_value("x"), structure.get_value("y"))
+        elif structure.has_name("scene-saved"):
+            self.report(Trouble(f"Saved {structure.get_string('location')}.", fatal=False))
 
     # The source.
     def open(self, text):
@@ -212,6 +221,38 @@ class Session:
         key = self.color_at(x, y)
         return key and self.add_editor(selection.RECOLOR, {"key": key, "use-mask": False})
 
+    # The scene that the decomposer remembers.
+    @property
+    def touches(self):
+        """Whether a hand in the scene draws."""
+        decomposer = self.project.decomposer
+        return scene.is_offered(decomposer.factory) and decomposer.get(scene.TOUCH)
+
+    def set_touch(self, on):
+        """Lets a hand in the scene draw what the tool draws, or no longer."""
+        self.set_properties("decomposer", scene.touched(on), "touch")
+
+    def forget_scene(self):
+        """Remembers the scene anew."""
+        if self.project.decomposer.get(scene.LOAD):
+            self.set_property("decomposer", scene.LOAD, "")  # else that one would be there again
+        elif self.playback.stage:
+            self.playback.stage.act("decomposer", scene.FORGET_ACTION)
+            self.playback.refresh()
+
+    def save_scene(self, path):
+        """Writes the scene with the next frame."""
+        if self.playback.stage and self.playback.stage.act("decomposer", scene.SAVE_ACTION, path):
+            self.playback.refresh()
+
+    def load_scene(self, path):
+        """Begins with a scene that was saved."""
+        if path != self.project.decomposer.get(scene.LOAD):
+            self.set_property("decomposer", scene.LOAD, path)
+        elif self.playback.stage:
+            self.playback.stage.act("decomposer", scene.FORGET_ACTION)  # then it is read again
+            self.playback.refresh()
+
     def undo(self):
         """Takes the last action back; returns its label."""
         label = self.history.undo()
@@ -244,14 +285,21 @@ class Session:
     def save(self, path):
         """Saves a project file. Whether that worked."""
         try:
-            project.save(self.project, path)
+            project.save(self._kept(), path)
             return True
         except OSError as error:
             return self._not_written(path, error)
 
     def launch_line(self):
         """What is shown, as a command for a shell."""
-        return launch_line.shell_text(self.project, self.playback.width)
+        return launch_line.shell_text(self._kept(), self.playback.width)
+
+    def _kept(self):
+        """The project as it is saved: with what a hand draws, if one does."""
+        mode, place = self._mouse
+        if mode == "off" or place != "decomposer" or not self.touches:
+            return self.project
+        return self.project.with_element(self.project.decomposer.with_property(scene.MODE, mode))
 
     def save_launch_line(self, path):
         """Writes what is shown as a shell script. Whether that worked."""

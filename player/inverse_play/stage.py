@@ -147,6 +147,16 @@ class Stage:
         made = [self._elements[e.name] for e in self.project.elements() if e.on]
         return max(sum(_stat(element, field) for element in made) for field in ("wall-ms", "device-ms"))
 
+    def scene(self):
+        """Fields of stats about the scene that the decomposer remembers; empty while frames come without depth."""
+        stats = self._elements["decomposer"].get_property("stats")
+        names = [stats.nth_field_name(i) for i in range(stats.n_fields())] if stats else []
+        return {name: stats.get_value(name) for name in names if name.startswith("scene-")}
+
+    def act(self, name, action, *arguments):
+        """Emits an action signal of an element; returns what that does."""
+        return self._elements[name].emit(action, *arguments)
+
     def frames(self):
         """Frames that the decomposer has completed."""
         return _stat(self._elements["decomposer"], "frames")

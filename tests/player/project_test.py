@@ -74,6 +74,11 @@ class Elements(support.Case):
                 elements.write(element, name, elements.checked(factory, name, value))
                 self.assertEqual(elements.read(element, name), value, f"{factory} {name}")
 
+    def test_files_to_read_are_chosen_and_files_to_write_named(self):
+        kinds = {name: described.kind for name, described in elements.properties("intrinsicdecomp").items()}
+        self.assertEqual((kinds["scene-load"], kinds["scene-location"], kinds["prior"]), ("file", "text", "text"))
+        self.assertEqual(elements.properties("intrinsictexture")["location"].kind, "file")
+
     def test_refuses_what_does_not_fit(self):
         for name, value in (("key", "red"), ("tolerance", 9), ("tolerance", "x"), ("use-mask", "perhaps"),
                             ("base-color", 16), ("nothing", 1)):
@@ -260,6 +265,22 @@ class StrokesOfARoom(support.Case):
             self.assertEqual(json.loads(found or "0"), json.loads(after or "0"))
         other = Project(decomposer=Element("decomposer", "limematerial"))
         self.assertEqual(describe(other), other)
+
+    def test_a_launch_line_lets_a_hand_draw_as_the_project_does(self):
+        hand = Element("decomposer", "intrinsicdecomp", {**scene.touched(True), "stroke-mode": "select"})
+        text = launch_line.element_text(hand)
+        for word in ("stroke-touch=true", "scene-update=false", "stroke-mode=select"):
+            self.assertIn(word, text)
+        mouse = Element("decomposer", "intrinsicdecomp", {"stroke-mode": "select", "stroke-fill": True})
+        self.assertEqual(launch_line.element_text(mouse), "intrinsicdecomp")
+
+    def test_what_is_said_of_the_scene(self):
+        self.assertEqual(scene.text({}), "")
+        found = {"scene-camera-found": True, "scene-frames-lost": 0, "scene-blocks": 12}
+        self.assertEqual(scene.text(found), "Scene: camera found · 12 blocks")
+        lost = scene.text({**found, "scene-camera-found": False, "scene-frames-lost": 3})
+        self.assertEqual(lost, "Scene: camera lost for 3 frames · 12 blocks")
+        self.assertIn("touched", scene.text({**found, "scene-touched": True}))
 
 
 def make_recording(folder):

@@ -132,11 +132,12 @@ class WindowCase(support.Case):
         return [(e.factory, e.on) for e in self.session.project.editors]
 
     def in_dialog(self, title, key, path):
-        """Opens a dialog by a key. One for a file to save gets its path and Return. One for a file to open gets no
-        letters, which it loses while it lists a folder: the path is set, or without one Escape pressed."""
+        """Opens a dialog by a key or a button. One for a file to save gets its path and Return. One for a file to open
+        gets no letters, which it loses while it lists a folder: the path is set, or without one Escape pressed."""
         steps = self.dialog_steps(title, path)
         GLib.timeout_add(50, lambda: next(steps, None) is not None)
-        self.key(key)  # the dialog waits in a loop of its own
+        # The dialog waits in a loop of its own.
+        self.click_widget(key) if isinstance(key, Gtk.Widget) else self.key(key)
         self.focus()
 
     @staticmethod

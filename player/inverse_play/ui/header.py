@@ -36,7 +36,7 @@ class Header(Gtk.HeaderBar):
         pack(self.buttons[name])
 
     def _made(self, label, name):
-        key = next((key for _, key, action, _ in keys.SHORTCUTS if action == name), "")
+        key = keys.key_of(name)
         text = next((words for _, _, action, words in keys.SHORTCUTS if action == name), "")
         button = Gtk.Button(label=label, tooltip_text=f"{text.capitalize()} ({keys.words(key)})", can_focus=False)
         button.connect("clicked", lambda _: self._act(name))

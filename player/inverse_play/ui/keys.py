@@ -41,6 +41,8 @@ SHORTCUTS = (
     ("Edit", "minus", "brush-smaller", "smaller brush"),
     ("Edit", "<Control>z", "undo", "undo"),
     ("Edit", "<Control><Shift>z", "redo", "redo"),
+    ("Scene", "h", "touch", "let a hand draw, or end that"),
+    ("Scene", "j", "freeze", "leave the scene as it is, or go on"),
     ("Keep", "<Control>r", "record", "record to a file; again: end"),
     ("Keep", "<Control>p", "snapshot", "snapshot as PNG"),
     ("Keep", "<Control>s", "save", "save the project"),
@@ -79,9 +81,22 @@ def _is_letter(key):
     return chr(Gdk.keyval_to_unicode(key) or 32).isalpha()
 
 
+def key_of(action):
+    """The key of an action of SHORTCUTS; "" without one."""
+    return next((key for _, key, name, _ in SHORTCUTS if name == action), "")
+
+
 def words(key):
     """A key for people: "Ctrl+Z"."""
     return Gtk.accelerator_get_label(*Gtk.accelerator_parse(key)) if key else ""
+
+
+def button_content(text, key):
+    """A button's words with its key."""
+    box = Gtk.Box(spacing=8)
+    box.pack_start(label(text), True, True, 0)
+    box.pack_end(label(words(key), "key"), False, False, 0)
+    return box
 
 
 def help_overlay(tools, editors):
@@ -91,7 +106,7 @@ def help_overlay(tools, editors):
         groups.setdefault(group, []).append((key, text))
     groups["Tools"] = [(key, text) for key, text in tools if key]
     groups["Add"] = [(key, text) for key, text in editors if key]
-    columns = (("Tools", "Add", "Play"), ("Edit", "Window"), ("View", "Keep"))
+    columns = (("Tools", "Add", "Play"), ("Edit", "Scene", "Window"), ("View", "Keep"))
     box = add_class(Gtk.Box(spacing=28, halign=Gtk.Align.CENTER, valign=Gtk.Align.CENTER), "help")
     for column in columns:
         grid = Gtk.Grid(column_spacing=12, row_spacing=2)

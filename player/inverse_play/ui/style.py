@@ -14,6 +14,7 @@ headerbar { border-bottom: 1px solid #1c1c1c; min-height: 40px; box-shadow: none
 .tag { background: rgba(20, 20, 20, 0.7); color: #e6e6e6; padding: 2px 8px; border-radius: 4px; }
 button { padding: 3px 8px; }
 .tools button { padding: 1px 8px; min-height: 20px; }
+.tools .linked button { padding: 1px 2px; }
 button.recording { background: #a02020; color: #ffffff; }
 list, list row { background: #232323; }
 list row:selected { background: #3d4a5c; }

@@ -4,11 +4,14 @@ import time
 
 from gi.repository import Gtk
 
+from .. import scene
 from ..playback import CLOSED, ENDED, PLAYING
 from .style import add_class, label
 
 RATE_HINT = ("Frames that are edited each second, of those that the source has; time that the elements take for one. "
              "If that is longer than a frame of the source lasts, the elements limit the rate")
+SCENE_HINT = ("What is remembered of frames with depth. While the camera is lost, frames are edited without it, and "
+              "nothing is added to it")
 
 
 def clock(seconds):
@@ -32,7 +35,9 @@ class Timeline(Gtk.Box):
         self.pack_start(self.play, False, False, 0)
         self.pack_start(self.scale, True, True, 0)
         self.pack_start(self.time, False, False, 0)
+        self.scene = add_class(label("", tooltip_text=SCENE_HINT), "faint")
         self.pack_end(self.rate, False, False, 0)
+        self.pack_end(self.scene, False, False, 0)
 
     def _on_value(self, scale):
         if not self._showing:
@@ -62,6 +67,7 @@ class Timeline(Gtk.Box):
         playback, now = self._playback, time.monotonic()
         if not playback.stage or not playback.width:
             self.rate.set_text("")
+            self.scene.set_text("")
             return
         frames = playback.stage.frames()
         new = frames - self._frames if frames >= self._frames else frames
@@ -70,6 +76,7 @@ class Timeline(Gtk.Box):
         sampled, self._milliseconds = self._milliseconds, []
         moving = f" · {self._rate_text(rate, sampled)}" if playback.state == PLAYING and sampled else ""
         self.rate.set_text(f"{playback.width}×{playback.height}{moving}")
+        self.scene.set_text(scene.text(playback.stage.scene()))
 
     def _rate_text(self, rate, milliseconds):
         """How fast it is, and what each frame takes."""

@@ -3,22 +3,14 @@
 from gi.repository import Gtk
 
 from .. import tools
-from . import keys
+from .keys import button_content
 from .style import add_class, label
 
 
-def button_content(text, key):
-    """A button's words with its key."""
-    box = Gtk.Box(spacing=8)
-    box.pack_start(label(text), True, True, 0)
-    box.pack_end(label(keys.words(key), "key"), False, False, 0)
-    return box
-
-
 class Toolbar(Gtk.ScrolledWindow):
-    """`choose`(Tool), `add`(factory) and `begin_anew`() are called for what is pressed."""
+    """`choose`(Tool), `add`(factory) and `begin_anew`() are called for what is pressed. `scene`: SceneTools."""
 
-    def __init__(self, project, choose, add, begin_anew):
+    def __init__(self, project, choose, add, begin_anew, scene):
         super().__init__(hscrollbar_policy=Gtk.PolicyType.NEVER)
         column = add_class(Gtk.Box(orientation=Gtk.Orientation.VERTICAL, spacing=2, width_request=150), "panel")
         self.add(add_class(column, "tools"))
@@ -31,6 +23,7 @@ class Toolbar(Gtk.ScrolledWindow):
         self.another.add(button_content("Another object", "n"))
         self.another.connect("clicked", lambda _: begin_anew())
         column.add(self.another)
+        column.add(scene)
         column.add(label("Add an editor", "heading"))
         for factory, title, key, meaning in tools.editors():
             button = Gtk.Button(tooltip_text=meaning, can_focus=False)

@@ -10,6 +10,7 @@ from .header import LAYER_KEYS, Header
 from .mouse import Mouse
 from .panel import Panel
 from .picture import Picture
+from .scene import ACTIONS, SceneTools
 from .strokes import StrokeView
 from .style import add_class, label
 from .timeline import Timeline
@@ -31,7 +32,7 @@ class Window(Gtk.Window):
         self._info_timer, self._tool_before = None, tools.LOOK
         self._build()
         self.session.observer, self.session.report = self.update, self.show_trouble
-        self.session.finished = self._on_finished
+        self.session.finished, self.session.touched = self._on_finished, self.strokes.move
         self.session.playback.on_mouse = self.mouse.take
         self._keys = keys.Keys([(t.key, f"tool-{t.name}") for t in self.all_tools()] +
                                [(key, f"add-{factory}") for factory, _, key, _ in tools.editors()])
@@ -58,8 +59,9 @@ class Window(Gtk.Window):
         self.strokes = StrokeView(self.picture.frame_place)
         self.picture.add_overlay(self.strokes)
         self.picture.set_overlay_pass_through(self.strokes, True)
+        self.scene = SceneTools(self.session, self.note, self._choose_stroke)
         self.toolbar = Toolbar(self.session.project, self.choose_tool, self.add_editor,
-                               self._do_another_object)
+                               self._do_another_object, self.scene)
         self.panel = Panel(self.session, lambda: self.mouse.use_element(), self._pick_up)
         self.mouse = Mouse(self.session, self.panel, self.strokes, self.note,
                            lambda: self.choose_tool(self._tool_before))
@@ -114,6 +116,7 @@ class Window(Gtk.Window):
         if self.tool not in self.all_tools() or (self.tool.lamps and not self.mouse.lit_by()):
             self.choose_tool(tools.LOOK)
         self.toolbar.update(session.project, self.tool)
+        self.scene.update()
         self.panel.update()
         self.timeline.update()
         self._show_start(playback.state == CLOSED and not session.project.source)
@@ -149,6 +152,7 @@ class Window(Gtk.Window):
 
     def _tick_rate(self):
         self.timeline.update_rate()
+        self.scene.update()
         return GLib.SOURCE_CONTINUE
 
     def show_trouble(self, trouble):
@@ -198,6 +202,11 @@ class Window(Gtk.Window):
         self.mouse.use(tool, picks)
         self.picture.set_cursor("default" if tool == tools.LOOK else "crosshair")
         self.update()
+
+    def _choose_stroke(self):
+        """Chooses a tool that draws strokes of the decomposer, if none is chosen."""
+        if self.tool.mouse == "off" or self.tool.lamps:
+            self.choose_tool(next(t for t in self.all_tools() if t.mouse == "recolor"))
 
     def _pick_up(self, name):
         self.choose_tool(tools.PICK, name)
@@ -260,6 +269,8 @@ class Window(Gtk.Window):
                 self.note(f"{self.session.project.decomposer.factory} has no such tool.")
         elif action.startswith("add-"):
             self.add_editor(action[4:])
+        elif action in ACTIONS:
+            self.scene.do(action)
         else:
             getattr(self, "_do_" + action.replace("-", "_"))()
 
