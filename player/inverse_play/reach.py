@@ -6,8 +6,8 @@ LONGEST, SHARE, FRAMES = 1.0, 0.05, 2  # what may be missing at the end: seconds
 
 
 class Reach:
-    """Reads the times of what demuxers output, of sound as well: that often ends after the video. Not those of frames
-    that are shown, as a slow machine leaves some out. Without a demuxer, `pad` counts, which decoded video
+    """Reads the times of what demuxers and sources of video output, of sound as well: that often ends after the video.
+    Not those of frames that are shown, as a slow machine leaves some out. Without any of these, `pad` counts, which decoded video
     flows through."""
 
     def __init__(self, pipeline, pad):
@@ -37,8 +37,12 @@ class Reach:
         if "Demux" in kind:
             element.connect("pad-added", self._on_pad)
         elif "Source" in kind and element.get_static_pad("src"):
-            self._source = element.get_static_pad("src")
-            self._source.add_probe(Gst.PadProbeType.BUFFER, self._on_read)
+            pad = element.get_static_pad("src")
+            if "Video" in kind:
+                pad.add_probe(Gst.PadProbeType.BUFFER, self._on_demuxed)
+            else:
+                self._source = pad
+                pad.add_probe(Gst.PadProbeType.BUFFER, self._on_read)
 
     def _on_pad(self, _demuxer, pad):
         if pad.get_direction() == Gst.PadDirection.SRC:

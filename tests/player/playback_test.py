@@ -268,6 +268,12 @@ class Files(support.Case):
         self.assertIn("of 1.2 s: it is cut off", viewer.session.troubles[0].text)
         self.assertLess(viewer.player.clock, 1)  # not the end
 
+    def test_frames_of_a_recording_that_are_left_out_are_no_cut(self):
+        viewer = Viewer(self)
+        viewer.session.open(f"rgbdsrc location={self.recording()} ! identity drop-probability=1")
+        viewer.ends()
+        self.assertEqual((viewer.player.duration > 0.1, viewer.session.troubles), (True, []))
+
     def test_sound_that_ends_after_the_video_is_no_cut(self):
         video = "videotestsrc num-buffers=5 ! video/x-raw,width=160,height=120,framerate=10/1 ! "
         sound = "audiotestsrc num-buffers=200 samplesperbuffer=441 ! audio/x-raw,rate=44100 ! "  # 2 s

@@ -11,6 +11,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CLIP = ROOT / "media" / "clip.webm"
+LINEAR = "colorimetry=1:4:1:1"  # as pictures of depth are
 SKIPPED = 77  # the exit status by which meson knows a skipped test
 PLAYER = os.environ.get("INVERSE_PLAY", str(ROOT / "player"))  # the folder of the package
 sys.path.insert(0, PLAYER)
@@ -64,6 +65,17 @@ class Case(unittest.TestCase):
                  f"filesink location={self.path('made.mkv')}")
         os.rename(self.path("made.mkv"), path)
         return path
+
+
+    def recording(self, name="room"):
+        """A folder of four frames of the virtual room, 30 a second: color/ and depth/."""
+        folder = self.path(name)
+        for part, show, form in (("color", "", "RGB"), ("depth", "show=depth max-depth=60", f"GRAY16_LE,{LINEAR}")):
+            os.makedirs(os.path.join(folder, part))
+            run_line(f"rgbdtestsrc is-live=false samples=1 num-buffers=4 {show} ! video/x-raw,format={form},"
+                     "width=160,height=120 ! videoconvert ! pngenc ! "
+                     f"multifilesink location=\"{folder}/{part}/%04d.png\"")
+        return folder
 
 
 def run_line(line):
