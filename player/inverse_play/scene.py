@@ -36,20 +36,20 @@ def strokes_of(value):
 
 
 def placed(before, after):
-    """If a decomposer has put strokes of a property into the scene, a function that describes them in the same way in
-    a project of before; None if something else has changed."""
-    pairs = list(zip(strokes_of(before), strokes_of(after)))
-    counts = len(strokes_of(before)), len(strokes_of(after))
-    moved = any("balls" in new and "balls" not in old for old, new in pairs)
-    if not moved or counts != (len(pairs), len(pairs)) or any(old["kind"] != new["kind"] for old, new in pairs):
+    """If a decomposer has put strokes of a property into the scene, and maybe got others behind them, a function that
+    describes them in the same way in a project of before; None if something else has changed."""
+    old, new = strokes_of(before), strokes_of(after)
+    pairs = list(zip(old, new))
+    moved = any("balls" in now and "balls" not in then for then, now in pairs)
+    if not moved or len(new) < len(old) or any(then["kind"] != now["kind"] for then, now in pairs):
         return None
-    changed = {json.dumps(old): new for old, new in pairs}
+    changed = {json.dumps(then): now for then, now in pairs}
 
     def described_anew(project):
         text_before = project.decomposer.properties.get("strokes")
         if not text_before:
             return project
-        text_after = after if text_before == before else _exchanged(text_before, changed)
+        text_after = after if text_before == before and len(new) == len(old) else _exchanged(text_before, changed)
         return dataclasses.replace(project, decomposer=project.decomposer.with_property("strokes", text_after))
     return described_anew
 

@@ -54,17 +54,19 @@ class Session:
     def on_property(self, element, name, value):
         """An element changed its own property, by the mouse."""
         described = self.project.element(element)
-        if described and described.get(name) != value:
-            placed = scene.placed(described.get(name), value) if (element, name) == ("decomposer", "strokes") else None
-            if placed:
-                self.history.amend(placed)
-            else:
-                self._add(f"{name} of {elements.title(described.factory)}",
-                          self.project.with_element(described.with_property(name, value)),
-                          (element, name, self.playback.presses))
-            if self.playback.stage:
-                self.playback.stage.accept(self.project)
-            self.playback.refresh()
+        stage = self.playback.stage
+        if not described or not stage or not stage.keeps(element, name, value) or described.get(name) == value:
+            return
+        placed = scene.placed(described.get(name), value) if (element, name) == ("decomposer", "strokes") else None
+        if placed:
+            self.history.amend(placed)
+            described = self.project.element(element)
+        if described.get(name) != value:
+            self._add(f"{name} of {elements.title(described.factory)}",
+                      self.project.with_element(described.with_property(name, value)),
+                      (element, name, self.playback.presses))
+        stage.accept(self.project)
+        self.playback.refresh()
 
     def on_event(self, structure):
         """An element reports something."""

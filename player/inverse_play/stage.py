@@ -24,6 +24,7 @@ class Stage:
         self._tap, self._tap_place = None, None
         self._mouse = "off", "decomposer"
         self._setting = None  # the element that is being set to what the project says
+        self._to_set = []  # (name, property) that are to be set between two frames
         layers = Gst.ElementFactory.make("tee", None)
         # The first one, as a tee waits for each of its pads in turn: the other one waits while the video is paused.
         self.branch_pad = layers.request_pad_simple("src_%u")
@@ -69,6 +70,11 @@ class Stage:
                 and value != described.get(spec.name):
             self._on_change(name, spec.name, value)
 
+    def keeps(self, name, prop, value):
+        """Whether an element has a value, and is not about to get another one by the project."""
+        element = self._elements.get(name)
+        return element is not None and (name, prop) not in self._to_set and elements.read(element, prop) == value
+
     def accept(self, project):
         """Takes a project that the elements are in accordance with, as one of them changed itself."""
         self.project = project
@@ -81,6 +87,7 @@ class Stage:
         for described in project.elements():
             if described.name in self._elements:
                 changes.append((self._elements[described.name], before.element(described.name), described))
+                self._to_set += [(described.name, prop) for prop in _changed(*changes[-1][1:])]
             else:
                 self._made(described)
         self._link(gone, lambda: [self._configure(*change) for change in changes])
@@ -88,9 +95,9 @@ class Stage:
     def _configure(self, element, before, now):
         """Sets what differs between two states of an element; the mouse may have changed the rest meanwhile."""
         self._setting = element
-        for name in {**before.properties, **now.properties}:
-            if before.get(name) != now.get(name):
-                elements.write(element, name, now.get(name))
+        for name in _changed(before, now):
+            elements.write(element, name, now.get(name))
+            self._to_set.remove((now.name, name))
         self._set_mouse(element, now)
         self._setting = None
 
@@ -171,5 +178,9 @@ def _stays(before, now):
     """Whether the element that there was can become the one that shall be."""
     if not now or now.factory != before.factory:
         return False
-    changed = {n for n in {**before.properties, **now.properties} if before.get(n) != now.get(n)}
-    return all(elements.property_of(now.factory, name).live for name in changed)
+    return all(elements.property_of(now.factory, name).live for name in _changed(before, now))
+
+
+def _changed(before, now):
+    """Names of the properties that differ between two states of an element."""
+    return {n for n in {**before.properties, **now.properties} if before.get(n) != now.get(n)}
