@@ -112,6 +112,10 @@ class Room(WindowCase):
         self.click_widget(self.window.toolbar.buttons["no-lamp"])
         self.click(110, 75)
         self.wait(lambda: self.lamps() == [])
+        self.session.toggle_playing()
+        self.key("l")
+        self.click(*TABLE)
+        self.wait(lambda: "Play to place them in the room" in self.window._info_text.get_text())
         self.assertEqual(self.session.troubles, [])
 
     def test_the_scene_is_saved_loaded_and_forgotten(self):

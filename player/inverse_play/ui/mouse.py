@@ -3,6 +3,7 @@
 from gi.repository import GLib
 
 from .. import elements, selection, tools
+from ..playback import PLAYING
 
 COLOR_TRIES, COLOR_MS = 100, 50  # looks for the first color after a tool was chosen
 
@@ -57,8 +58,17 @@ class Mouse:
             GLib.idle_add(self._draw, kind, x, y, shift)
         elif self.tool.reads and kind == "mouse-button-press":
             GLib.idle_add(self._read, x, y, COLOR_TRIES)
+        elif self.tool.lamps and kind == "mouse-button-press":
+            GLib.idle_add(self._tell_of_lamps)
         self._view.move(x, y)
         return bool(self.tool.draws or self.tool.reads)
+
+    def _tell_of_lamps(self):
+        """Elements find the room under the mouse in frames that follow each other."""
+        playback = self._session.playback
+        if self.tool == tools.LAMP and playback.stage and playback.stage.scene() and playback.state != PLAYING:
+            self._note("While the video stands still, lamps are placed in the picture. Play to place them in the room.")
+        return GLib.SOURCE_REMOVE
 
     def _draw(self, kind, x, y, shift):
         if kind == "mouse-button-press" and self._session.playback.width:
