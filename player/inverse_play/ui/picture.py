@@ -10,6 +10,8 @@ DIVIDER = 9  # width of what can be grabbed, pixels
 def make_sink():
     """A sink whose property `widget` shows what it gets."""
     sink = Gst.ElementFactory.make("gtksink", None)
+    # The second press of a double click comes once more as such, for which the sink would send a release.
+    sink.get_property("widget").connect("button-press-event", lambda _, e: e.type != Gdk.EventType.BUTTON_PRESS)
     sink.set_property("max-lateness", -1)  # QoS leaves out frames before they are worked on, not after
     return sink
 
