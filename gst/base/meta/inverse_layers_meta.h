@@ -18,10 +18,11 @@ G_BEGIN_DECLS
 #define GST_INVERSE_LAYERS_META_API_NAME "GstInverseLayersMetaAPI"
 #define GST_CAPS_FEATURE_META_INVERSE_LAYERS "meta:InverseLayers"
 
-/** Version of this header. 2: light may have a color, GST_INVERSE_ROLE_SLOPE. Programs built with
- * an older one still edit reflectance and shading; one that multiplies them itself gets the frame
- * in gray light unless the decomposer has `light-color-slope=0`. */
-#define GST_INVERSE_LAYERS_META_VERSION 2
+/** Version of this header. 3: GST_INVERSE_ROLE_SURFACE, GST_INVERSE_ROLE_POSE. 2: light may have a
+ * color, GST_INVERSE_ROLE_SLOPE. Programs built with an older one still edit reflectance and
+ * shading; one of version 1 that multiplies them itself gets the frame in gray light unless the
+ * decomposer has `light-color-slope=0`. */
+#define GST_INVERSE_LAYERS_META_VERSION 3
 
 /**
  * GstInverseRole:
@@ -52,6 +53,18 @@ G_BEGIN_DECLS
  * 0...1, reserved. The frame is reflectance times S e^(k (ln S - w) d), d = (1/2, 0, -1/2) for R,
  * G, B, times the color of GST_INVERSE_ROLE_LIGHT where there is one. Absent where that color is
  * white. Since version 2
+ * @GST_INVERSE_ROLE_SURFACE: of frames with a remembered scene: unit normal toward the camera in
+ * its axes (x right, y down, z forward), 0 where unknown; w = depth, meters along the optical axis,
+ * 0 where unknown. Of the surface that is remembered, or of the depth image where something else is
+ * in front of it. Each pixel is the nearest one of the view of the scene, which may be smaller than
+ * the frame. Read only. Since version 3
+ * @GST_INVERSE_ROLE_POSE: the camera of GST_INVERSE_ROLE_SURFACE, three pixels. First: the unit
+ * quaternion (x, y, z, w) that turns directions of the camera into the world's. Second: the
+ * camera's place in the world, meters; w = 1, or 0 while the camera is lost, when surface is 0 and
+ * the pose is an old one. Third: focal lengths and center of the frame, pixels with centers at
+ * whole numbers: fx, fy, cx, cy. A pixel (x, y) of depth z shows the point z ((x - cx) / fx,
+ * (y - cy) / fy, 1) of the camera's axes. The world is that of the poses that frames carry; if the
+ * first one carries none, its camera is the origin. Read only. Since version 3
  */
 typedef enum {
   GST_INVERSE_ROLE_INPUT,
@@ -72,6 +85,8 @@ typedef enum {
   GST_INVERSE_ROLE_GRADIENT_A,
   GST_INVERSE_ROLE_GRADIENT_B,
   GST_INVERSE_ROLE_SLOPE,
+  GST_INVERSE_ROLE_SURFACE,
+  GST_INVERSE_ROLE_POSE,
 } GstInverseRole;
 
 typedef struct GstInverseLayersMeta GstInverseLayersMeta;
@@ -82,8 +97,8 @@ typedef struct GstInverseLayersMeta GstInverseLayersMeta;
  * @height: pixels
  * @download: a layer in host memory; %NULL where the frame has no such layer or the device failed.
  * Free with g_bytes_unref().
- * @upload: replaces a layer of a writable buffer; %FALSE where @data has the wrong size or the
- * device failed
+ * @upload: replaces a layer of a writable buffer; %FALSE where @data has the wrong size, the layer
+ * is read only or the device failed
  * @version: GST_INVERSE_LAYERS_META_VERSION of the elements that made it; see
  * gst_inverse_layers_meta_version()
  */

@@ -2,11 +2,14 @@
 #include "layers_meta.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <utility>
+#include <vector>
 
 #include "gst/base/log/log.hpp"
 #include "kernels/gpu/commands.hpp"
+#include "kernels/volume/seen_scene.hpp"
 #include "layers_memory.hpp"
 #include "registered_once.hpp"
 
@@ -15,19 +18,70 @@ namespace {
 
 Layers& layers_in(GstInverseLayersMeta* meta) { return *static_cast<Layers*>(meta->layers); }
 
+// Roles of layers come first; what a frame sees of its scene follows.
+static_assert(GST_INVERSE_ROLE_SURFACE == static_cast<int>(Role::count));
+
+/// A plane on the host, which its device is waited for. Throws gpu::Buffer's errors.
+gpu::BufferPtr downloaded(const Plane& plane) {
+  const auto device = plane.buffer->device();
+  auto host = gpu::Buffer::create_by_rows(device, gpu::Element::vec4, plane.extent.pixels(),
+                                          gpu::Memory::readback);
+  gpu::Commands commands(device);
+  commands.begin();
+  commands.copy(plane.buffer, host, host->bytes());
+  commands.submit();
+  commands.wait();
+  return host;
+}
+
+using Pixels = std::vector<std::array<float, 4>>;
+
+/// GST_INVERSE_ROLE_SURFACE of a frame of this size.
+Pixels surface_of(const SeenScene& scene, Extent frame) {
+  const gpu::BufferPtr host = downloaded(*scene.surface);
+  const auto* view = host->map_as<Pixels::value_type>();
+  const auto nearest = [](uint32_t at, uint32_t from, uint32_t to) {
+    return (2 * uint64_t{at} + 1) * to / (2 * uint64_t{from});
+  };
+  Pixels surface;
+  surface.reserve(frame.pixels());
+  for (uint32_t y = 0; y < frame.height; ++y) {
+    const auto* row = view + nearest(y, frame.height, scene.extent.height) * scene.extent.width;
+    for (uint32_t x = 0; x < frame.width; ++x)
+      surface.push_back(row[nearest(x, frame.width, scene.extent.width)]);
+  }
+  return surface;
+}
+
+/// GST_INVERSE_ROLE_POSE of a frame of this size.
+Pixels pose_of(const SeenScene& scene, Extent frame) {
+  const gpu::BufferPtr host = downloaded(*scene.pose);
+  const auto* rows = host->map_as<Pixels::value_type>();
+  const auto& place = rows[1];
+  const bool known = rows[2][0] > 0;
+  const float across = static_cast<float>(frame.width) / static_cast<float>(scene.extent.width),
+              down = static_cast<float>(frame.height) / static_cast<float>(scene.extent.height);
+  return {rows[0],
+          {place[0], place[1], place[2], known ? 1.0F : 0.0F},
+          {scene.lens.fx * across, scene.lens.fy * down, (scene.lens.cx + 0.5F) * across - 0.5F,
+           (scene.lens.cy + 0.5F) * down - 0.5F}};
+}
+
 GBytes* download(GstInverseLayersMeta* meta, GstInverseRole role) {
-  if (static_cast<size_t>(role) >= static_cast<size_t>(Role::count)) return nullptr;
-  const PlanePtr plane = layers_in(meta)[static_cast<Role>(role)];
-  if (!plane) return nullptr;
+  const Layers& layers = layers_in(meta);
+  const bool of_scene = role == GST_INVERSE_ROLE_SURFACE || role == GST_INVERSE_ROLE_POSE;
+  if (!of_scene && static_cast<size_t>(role) >= static_cast<size_t>(Role::count)) return nullptr;
   try {
-    const auto device = plane->buffer->device();
-    const auto host = gpu::Buffer::create_by_rows(device, gpu::Element::vec4,
-                                                  plane->extent.pixels(), gpu::Memory::readback);
-    gpu::Commands commands(device);
-    commands.begin();
-    commands.copy(plane->buffer, host, host->bytes());
-    commands.submit();
-    commands.wait();
+    if (of_scene) {
+      if (!layers.scene) return nullptr;
+      const Pixels pixels = role == GST_INVERSE_ROLE_POSE
+                                ? pose_of(*layers.scene, layers.extent)
+                                : surface_of(*layers.scene, layers.extent);
+      return g_bytes_new(pixels.data(), pixels.size() * sizeof(Pixels::value_type));
+    }
+    const PlanePtr plane = layers[static_cast<Role>(role)];
+    if (!plane) return nullptr;
+    const gpu::BufferPtr host = downloaded(*plane);
     return g_bytes_new(host->map(), host->bytes());
   } catch (const std::exception& error) {
     GST_CAT_WARNING(log_of(nullptr).category, "could not read a layer: %s", error.what());
