@@ -16,13 +16,60 @@
 namespace inverse::bench {
 namespace {
 
+/// The furnished room with other paint, lamps and places of things, and some more on the floor.
+RoomScene drawn_room(int seed) {
+  std::mt19937 engine(static_cast<unsigned>(seed));
+  const auto any = [&](float low, float high) {
+    return low + (high - low) * static_cast<float>(engine() % 65536) / 65536;
+  };
+  const auto color = [&] {
+    const float value = std::exp(any(std::log(0.04F), std::log(0.75F))), tint = any(0, 0.8F);
+    std::array<float, 3> rgb;
+    for (float& c : rgb) c = value * (1 - tint * any(0, 1));
+    return rgb;
+  };
+  RoomScene scene = furnished_room();
+  constexpr size_t kTable = 7;  // the room, its floor and a table with four legs
+  for (int n = 0; n < 5; ++n) {
+    const float height = any(0.05F, 0.3F);
+    scene.solids.push_back({n % 2 ? Solid::Kind::ball : Solid::Kind::box,
+                            {any(-2, 2), 1.23F - height, any(-1.8F, 1.8F)},
+                            {height, height, height},
+                            any(0, 3),
+                            Solid::Paint::plain,
+                            0.1F,
+                            {},
+                            {}});
+  }
+  for (size_t i = 0; i < scene.solids.size(); ++i) {
+    Solid& solid = scene.solids[i];
+    solid.color = color();
+    solid.other = color();
+    if (i < 2 || (i > 2 && i < kTable)) continue;
+    solid.paint = static_cast<Solid::Paint>(engine() % 5);
+    solid.side *= solid.side < 0.5F ? any(0.7F, 1.5F) : 0.1F;
+    if (i < kTable) continue;
+    const bool on_wall = solid.half_size[2] < 0.005F;
+    solid.center[0] += any(-0.1F, 0.1F);
+    solid.center[on_wall ? 1 : 2] += any(-0.1F, 0.1F);
+    if (!on_wall) solid.turn += any(-0.4F, 0.4F);
+  }
+  for (RoomLamp& lamp : scene.lamps)
+    lamp = {{any(-1.7F, 1.7F), any(-1.2F, -0.9F), any(-1.5F, 1.5F)}, any(0.4F, 1.6F)};
+  scene.ambient = any(0.15F, 0.45F);
+  return scene;
+}
+
 class Room final : public RgbdSource {
  public:
   Room(const Lab& lab, RoomPath path, const RgbdSettings& settings)
-      : room_(lab.device(), furnished_room()), path_(path), settings_(settings) {
+      : room_(lab.device(), settings.seed ? drawn_room(settings.seed) : furnished_room()),
+        path_(path),
+        settings_(settings) {
     std::minstd_rand engine(1);
+    const double start = settings.seed * kPathPeriod * 0.3;
     for (int n = 0, at = 0; n < settings.frames; ++n) {
-      times_.push_back(at / settings.rate);
+      times_.push_back(start + at / settings.rate);
       at += 1 + static_cast<int>(engine() % static_cast<unsigned>(settings.gap + 1));
     }
   }
@@ -136,6 +183,7 @@ Options rgbd_options(RgbdSettings& settings, Options own) {
   own.insert({{"--frames", integer(settings.frames)},
               {"--rate", number(settings.rate)},
               {"--gap", integer(settings.gap)},
+              {"--seed", integer(settings.seed)},
               {"--noise", number(settings.noise)},
               {"--size", {true, [&](const char* value) {
                             return sscanf(value, "%ux%u", &settings.size.width,

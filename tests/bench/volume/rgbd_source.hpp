@@ -16,12 +16,13 @@ struct RgbdSettings {
   int frames = 240;
   Extent size{320, 240};               ///< of the virtual room
   double rate = 30, noise = 1;         ///< of its frames a second; of depth (0: exact)
+  int seed = 0;                        ///< 0: the furnished room; else another one, seen later
   int gap = 0;                         ///< after each of its frames 0 to `gap` are lost, at random
   HandTarget hand = HandTarget::none;  ///< what a hand in it touches
   int hand_from = 0;                   ///< the frame at which its time begins
 };
 
-/// --frames, --rate, --gap, --noise and --size, and what `own` are.
+/// --frames, --rate, --gap, --noise, --seed and --size, and what `own` are.
 Options rgbd_options(RgbdSettings& settings, Options own);
 
 /// What the camera gives: on the device.
@@ -44,7 +45,8 @@ class RgbdSource {
 };
 
 /// `name`: orbit, wall, table or still, paths in the virtual room (kernels/virtual_room), whose
-/// depth has the noise and holes of a structured-light sensor, times `noise`; or a folder as
+/// depth has the noise and holes of a structured-light sensor, times `noise`, or with a seed in one
+/// with other furniture, paint and lamps, to choose parameters by; or a folder as
 /// desk_rgbd in the given data: meta.json, I8/NNN.png, Z/NNN.png and Zkinect/NNN.png, which is its
 /// depth unless `noise` is 0.
 std::unique_ptr<RgbdSource> open_rgbd(const Lab& lab, const std::string& name,
