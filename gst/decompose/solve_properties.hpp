@@ -81,6 +81,11 @@ PropertyTable<P> solve_properties() {
       tuning(number<P>(
           "chroma-weight", [](P& p) -> float& { return p.prior.chroma_weight; }, 0.f, 1e3f,
           "Weight of equal reflectance for equal chroma; 0 = term skipped")),
+      tuning(number<P>(
+          "depth-weight", [](P& p) -> float& { return p.prior.depth_weight; }, 0.f, 4.f,
+          "Weight of the remembered scene's surfaces in telling paint from shading: shading is "
+          "even "
+          "on flat ones and turns with their normal; 0 = off")),
       number<P>(
           "temporal-weight", [](P& p) -> float& { return p.anchor.anchor_weight; }, 0.f, 1e3f,
           "Weight of steady reflectance where nothing moves; raise it against flicker, 0 = off"),

@@ -38,6 +38,7 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       planes_(device_, extent),
       guide_(device_, extent),
       strokes_(device_, extent),
+      depth_cue_(device_, extent),
       prior_(device_, extent),
       recall_(device_, guide_.cell_extent()),
       anchor_(device_, extent),
@@ -152,7 +153,8 @@ void IntrinsicDecomposition::make_plan(const Params& params, const FrameInfo& in
   std::optional<Planner::Found> found;
   if (recorded_ >= reports_.size()) found = findings(recorded_ - reports_.size());
   const Params problem = problem_of(params);
-  if (!has_history_ || other_strokes_ || problem != params_) planner_.restart();
+  if (!has_history_ || other_strokes_ || depth_cue_.changed() || problem != params_)
+    planner_.restart();
   params_ = problem;
   if (!start_layers_) continues_ = plan_.history;
   plan_ = planner_.next(
@@ -177,6 +179,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
                                       const Params& params, const FrameInfo& info) {
   if (info.reset) reset();
   take_strokes(commands, input, info);
+  depth_cue_.set(info.known);
   make_plan(params, info);
   list_tiles(commands, params);
   if (info.light) info.light->record_move(commands, plan_.tiles());
@@ -238,7 +241,8 @@ EdgePrior::Target IntrinsicDecomposition::prior_target() const {
   return {.system = multigrid_.system(),
           .flux = flux_,
           .value = value_,
-          .strokes = strokes_.empty() ? nullptr : &strokes_};
+          .strokes = strokes_.empty() ? nullptr : &strokes_,
+          .depth = depth_cue_.empty() ? nullptr : &depth_cue_};
 }
 
 void IntrinsicDecomposition::list_tiles(gpu::Commands& commands, const Params& params) {
@@ -254,7 +258,7 @@ void IntrinsicDecomposition::evaluate_edges(gpu::Commands& commands, const Param
   EdgePrior::Params prior = params.prior;
   if (!plan_.bins) prior.chroma_weight = 0;
   const EdgePrior::Target target = prior_target();
-  if (!has_history_ || other_strokes_) prior_.reset();
+  if (!has_history_ || other_strokes_ || depth_cue_.changed()) prior_.reset();
   switch (plan_.edges) {
     case Plan::Edges::tiles:
       prior_.record_tiles(commands, guide_, target, prior, active_.list());

@@ -150,6 +150,7 @@ class IntrinsicDecomposition {
   PlanePool planes_;
   Guide guide_;
   Strokes strokes_;
+  DepthCue depth_cue_;
   EdgePrior prior_;
   Recall recall_;
   TemporalAnchor anchor_;

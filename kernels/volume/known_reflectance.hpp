@@ -14,6 +14,11 @@ struct KnownReflectance {
   gpu::BufferPtr depth;        ///< the same of the frame
   gpu::BufferPtr valid;        ///< a vec4, x: 0 if none of it counts
   float weight = 0;            ///< of each pixel, against those of the method's other terms
+  /// A vec4 a pixel: unit normal of these surfaces toward the camera in its axes, 0 where unknown;
+  /// w: known_depth.
+  gpu::BufferPtr surface = nullptr;
+  gpu::BufferPtr outdated = nullptr;  ///< a word: 0 if `surface` is that of the frame before
+  float focal = 0;                    ///< focal length of `surface`, pixels
 };
 
 }  // namespace inverse

@@ -13,7 +13,8 @@ PLANE_IN(0, level1);
 PLANE_IN(1, kept);
 PLANE_IN(2, statistics);
 PLANE_IN(3, kept_statistics);
-WORD_OUT(4, flags);
+WORD_IN(4, outdated);  // 0, or all tiles are flagged: what DepthCue sees has changed
+WORD_OUT(5, flags);
 layout(push_constant) uniform Push {
   uvec2 size;  // of level 1
   float tolerance;
@@ -41,5 +42,5 @@ void main() {
     }
   changed = workgroup_sum(vec4(changed)).x;
   if (gl_LocalInvocationID.x == 0u)
-    STORE(flags, tile.y * tiles.x + tile.x, push.all == 1u || !same || changed > 0.0 ? 1u : 0u);
+    STORE(flags, tile.y * tiles.x + tile.x, push.all == 1u || FETCH1(outdated, 0) != 0u || !same || changed > 0.0 ? 1u : 0u);
 }

@@ -13,6 +13,7 @@ EdgePrior::EdgePrior(const std::shared_ptr<gpu::Device>& device, Extent extent)
       values_(device, {}, 1, 4),
       save_reference_(device, {}, 8, 8),
       changes_(device, extent),
+      same_(gpu::make_table(device, gpu::Element::word, std::vector<uint32_t>{0})),
       biases_(gpu::Buffer::create(device, gpu::Element::vec4,
                                   shaders::intrinsic_prior_fold_biases::FOLD_VECTORS)),
       kept_(gpu::Buffer::create(device, gpu::Element::vec4, half_of(extent).pixels())),
@@ -69,6 +70,9 @@ void EdgePrior::record_edges(gpu::Commands& commands, const Guide& guide, const 
          .network_width = picture ? static_cast<int32_t>(picture->extent.width) : 0,
          .network_level = picture ? static_cast<int32_t>(picture->level) : 0},
         line_of(static_cast<uint64_t>(pack4_count(extent.width)) * ((extent.height + 3) / 4)));
+  if (target.depth)
+    target.depth->record_edges(commands, guide, target.system, target.flux, listed,
+                               params.depth_weight);
   if (target.strokes)
     target.strokes->record_edges(commands, guide, target.system, target.flux, listed);
 }
@@ -125,11 +129,13 @@ void EdgePrior::record_changes(gpu::Commands& commands, const Guide& guide, cons
       known_params_.chroma_weight;  // and value_weight: of cells, which are always evaluated
   edges.value_weight = known_params_.value_weight;
   const bool all = !known_ || known_params_ != edges || known_system_ != target.system;
+  const bool seen = target.depth && params.depth_weight != 0;
   commands.dispatch(change_,
                     {.level1 = guide.level1(),
                      .kept = kept_,
                      .statistics = guide.statistics(),
                      .kept_statistics = kept_statistics_,
+                     .outdated = seen ? target.depth->outdated() : same_,
                      .flags = changes_.flags()},
                     {.size = guide.extent1(), .tolerance = tolerance, .all = all},
                     line_of(uint64_t{tiles()} * change_.kernel()->workgroup()));

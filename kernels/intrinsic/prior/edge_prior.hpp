@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "kernels/intrinsic/depth/depth_cue.hpp"
 #include "kernels/intrinsic/guide/guide.hpp"
 #include "kernels/intrinsic/prior/network/prior_network.hpp"
 #include "kernels/intrinsic/strokes/strokes.hpp"
@@ -33,6 +34,8 @@ class EdgePrior {
     /// Factor on g, how firmly equal chroma means equal reflectance; 0…1e3, 0 switches the chroma
     /// bins off.
     float chroma_weight = 1.0F;
+    /// How much a remembered scene's surfaces change b (DepthCue); 0…4, 0 switches that off.
+    float depth_weight = 1.0F;
     /// Adds to the fitted functions; null: nothing does.
     PriorModelPtr network = nullptr;
     bool operator==(const Params&) const = default;
@@ -43,6 +46,7 @@ class EdgePrior {
     gpu::BufferPtr flux;    ///< two vec4 a pack: a (m_x - m_y) to the right and down
     gpu::BufferPtr value;   ///< three vec4 a pack of cells: v, V, g
     const Strokes* strokes = nullptr;  ///< change what was written; null: none
+    const DepthCue* depth = nullptr;   ///< changes it before; null: nothing does
   };
   static constexpr uint64_t kFluxStride = shaders::intrinsic_prior_edges::FLUX_STRIDE,
                             kValueStride = shaders::intrinsic_prior_cell_values::VALUE_STRIDE;
@@ -104,6 +108,7 @@ class EdgePrior {
   TileProgram<shaders::intrinsic_prior_save_reference> save_reference_;
   std::optional<Learned> learned_;
   TileList changes_;
+  gpu::BufferPtr same_;  // a word: 0
   gpu::BufferPtr biases_, kept_, kept_statistics_;
   Params known_params_;
   gpu::BufferPtr known_system_;

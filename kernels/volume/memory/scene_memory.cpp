@@ -206,7 +206,10 @@ std::optional<KnownReflectance> SceneMemory::record_recall(gpu::Commands& comman
                           .known_depth = view_.depth,
                           .depth = depth_,
                           .valid = tracked_ ? tracker_.found() : certain_,
-                          .weight = params_.weight};
+                          .weight = params_.weight,
+                          .surface = view_.surface,
+                          .outdated = view_.outdated,
+                          .focal = lens_.fx};
 }
 
 void SceneMemory::record_remember(gpu::Commands& commands, const Plane& layers) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What the memory of a scene brings to the decomposition of frames with depth.
 //
-//   scene-bench [--frames N] [--size WxH] [--rate FPS] [--noise N] [--voxel M] [--weight W]…
-//               [--every K] [--max-width PIXELS] [--method NAME]…
+//   scene-bench [--frames N] [--size WxH] [--rate FPS] [--noise N] [--seed N] [--voxel M]
+//               [--weight W]… [--depth-weight W] [--every K] [--max-width PIXELS] [--method NAME]…
 //               [--pictures FOLDER] orbit|wall|FOLDER…
 //
 // Sources are those of tracking-bench (rgbd_source.hpp); FOLDER has true reflectance (R) and
@@ -45,6 +45,7 @@ struct Settings : RgbdSettings {
   double voxel = 0.01;
   int every = int(SceneMemory::Params{}.every), max_width = int(SceneMemory::Params{}.max_width);
   std::vector<double> weights;
+  double depth_weight = double{EdgePrior::Params{}.depth_weight};
   std::vector<std::string> methods;
   std::string pictures;
 };
@@ -200,10 +201,11 @@ SceneMemory::Depth depth_of(const Taken& taken, const Lens& lens, Extent extent)
 using Solver = std::function<PlanePtr(gpu::Commands&, size_t frame, const PlanePtr& input,
                                       const KnownReflectance* known)>;
 
-Solver solver_of(const Lab& lab, const std::string& method, Extent extent) {
+Solver solver_of(const Lab& lab, const std::string& method, Extent extent, double depth_weight) {
   const auto live = [&]<typename Method>(std::shared_ptr<Method> made, const auto& levels) {
     typename Method::Params params;
     levels.levels[levels.top(Quality::medium)].set(params);
+    params.prior.depth_weight = float(depth_weight);
     return [=](gpu::Commands& commands, size_t frame, const PlanePtr& input,
                const KnownReflectance* known) {
       return made->record(commands, input, params,
@@ -232,7 +234,7 @@ void run_one(const Lab& lab, const std::string& name, const std::string& method,
              const std::vector<Taken>& frames, const Followed& followed, const RgbdSource& source,
              const Settings& settings, double weight) {
   const Extent extent = source.extent();
-  const Solver solver = solver_of(lab, method, extent);
+  const Solver solver = solver_of(lab, method, extent, settings.depth_weight);
   SceneMemory::Params made;
   made.volume.voxel = float(settings.voxel);
   made.every = uint32_t(settings.every);
@@ -321,6 +323,7 @@ int run(int count, char** arguments) {
                                   settings.methods.emplace_back(value);
                                   return std::ranges::count(kMethods, settings.methods.back()) > 0;
                                 }}},
+                              {"--depth-weight", number(settings.depth_weight)},
                               {"--weight", {true, [&](const char* value) {
                                               settings.weights.push_back(std::stod(value));
                                               return true;

@@ -109,6 +109,7 @@ TEST(Effect, EverySettingOfIntrinsicdecompChangesFrames) {
   EXPECT_TRUE(frames_of("intrinsicdecomp tuning=chroma-tolerance=1", ramp_at) !=
               frames_of("intrinsicdecomp", ramp_at));
   names.insert("chroma-tolerance");
+  names.insert("depth-weight");  // needs depth: Scene.SurfacesTellPaintFromShading
   EXPECT_EQ(names, tuning_of("intrinsicdecomp")) << "a new entry needs a line here";
 }
 

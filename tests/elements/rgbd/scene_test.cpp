@@ -109,6 +109,33 @@ class RememberedScene : public ::testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Elements, RememberedScene,
                          ::testing::Values("intrinsicdecomp", "globalintrinsic", kChapter4));
 
+// Reflectance of the pictures on the wall is nearer to the truth than without the surfaces.
+TEST(Scene, SurfacesTellPaintFromShading) {
+  const std::string source = "num-buffers=12 path=wall";
+  const LineResult truth = run_line("rgbdtestsrc is-live=false samples=1 show=reflectance " +
+                                        source + " ! " + kSize + " ! " + kShown,
+                                    240);
+  for (const std::string element : {"intrinsicdecomp", "globalintrinsic"}) {
+    // Correlation of ln reflectance in the last frame.
+    const auto correlation = [&](const std::string& weight) {
+      const LineResult line =
+          decompose(source, "tuning=depth-weight=" + weight, {}, nullptr, element);
+      EXPECT_EQ(line.frames.size(), 12U) << line.first_error();
+      if (line.frames.size() != 12 || truth.frames.size() != 12) return 0.0;
+      const std::vector<uint8_t>&found = line.frames.back(), &true_frame = truth.frames.back();
+      double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
+      for (size_t i = 0; i < found.size(); i += 4, ++n) {
+        const double x = std::log(found[i + 1] + 1.0), y = std::log(true_frame[i + 1] + 1.0);
+        a += x, b += y, aa += x * x, bb += y * y, ab += x * y;
+      }
+      return (ab - a * b / n) / std::sqrt((aa - a * a / n) * (bb - b * b / n));
+    };
+    const double without = correlation("0"), with = correlation("1");
+    printf("  %s: correlation %.3f without, %.3f with surfaces\n", element.c_str(), without, with);
+    EXPECT_GT(with, without + 0.01) << element;
+  }
+}
+
 TEST(Scene, FlickersLessWithChapter4OfTheThesis) {
   const auto run = [&](const char* settings) {
     std::vector<View> views;

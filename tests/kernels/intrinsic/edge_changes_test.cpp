@@ -59,9 +59,9 @@ TEST_F(EdgeChangesTest, AgreesWithItsDefinition) {
   for (float& value : saved.statistics) value = uniform(-2, 2);
 
   const auto expect_definition = [&](const Frame& now, bool all, size_t flagged,
-                                     const std::string& what) {
+                                     const std::string& what, uint32_t outdated = 0) {
     std::vector<uint32_t> expected = changed_tiles(kSize, now, saved);
-    if (all) std::fill(expected.begin(), expected.end(), 1);
+    if (all || outdated != 0) std::fill(expected.begin(), expected.end(), 1);
     EXPECT_EQ(std::count(expected.begin(), expected.end(), 1U), flagged) << what;
     const auto flags = gpu::Buffer::create(device, gpu::Element::word, expected.size());
     run([&](gpu::Commands& commands) {
@@ -70,6 +70,7 @@ TEST_F(EdgeChangesTest, AgreesWithItsDefinition) {
                          .kept = upload(saved.level1),
                          .statistics = upload(now.statistics),
                          .kept_statistics = upload(saved.statistics),
+                         .outdated = upload(gpu::Element::word, &outdated, 1),
                          .flags = flags},
                         {.size = kSize, .tolerance = kTolerance, .all = all},
                         line_of(expected.size() * change.kernel()->workgroup()));
@@ -82,6 +83,7 @@ TEST_F(EdgeChangesTest, AgreesWithItsDefinition) {
   constexpr size_t kTiles = 6 * 4;
   expect_definition(saved, false, 0, "the same frame");
   expect_definition(saved, true, kTiles, "no edges yet");
+  expect_definition(saved, false, kTiles, "another view of the scene", 1);
   Frame now = saved;
   for (float& value : now.level1) value += uniform(-.04F, .04F);
   expect_definition(now, false, 0, "noise within the tolerance");

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <memory>
+
+#include "kernels/image/tiles/tile_list.hpp"
+#include "kernels/intrinsic/guide/guide.hpp"
+#include "kernels/intrinsic_depth_edges.spv.hpp"
+#include "kernels/volume/known_reflectance.hpp"
+
+namespace inverse {
+
+/// Changes what a prior has written by the surfaces that a frame shows: shading is more even on a
+/// flat surface, and less where its normal turns (docs/reference/methods/intrinsicdecomp.md, 16).
+class DepthCue {
+ public:
+  DepthCue(const std::shared_ptr<gpu::Device>& device, Extent extent);
+
+  /// The surfaces of the frame that is recorded next, which stay until then; null, or without
+  /// `surface`: none are known.
+  void set(const KnownReflectance* known);
+  bool empty() const { return !known_; }
+  /// Whether surfaces are known now and were not in the frame before, or the other way round.
+  bool changed() const { return changed_; }
+  /// A word: 0 if the surfaces are those of the frame before. Of a cue that is not empty.
+  const gpu::BufferPtr& outdated() const { return known_->outdated; }
+
+  /// Records the change of edges that the prior has just written: those of listed tiles, or all.
+  /// Buffers as in EdgePrior::Target. `weight` 0: nothing changes.
+  void record_edges(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& system,
+                    const gpu::BufferPtr& flux, const TileList* listed, float weight) const;
+
+ private:
+  Extent extent_;
+  TileProgram<shaders::intrinsic_depth_edges> edges_;
+  const KnownReflectance* known_ = nullptr;
+  bool changed_ = false;
+};
+
+}  // namespace inverse
