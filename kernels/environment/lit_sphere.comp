@@ -14,7 +14,8 @@ PLANE_IN(1, light);    // levels of the map, one after the other
 PLANE_IN(2, samples);  // h around +z; w = level for v·h = 1
 PLANE_OUT(3, table);
 layout(push_constant) uniform Push {
-  vec4 diffuse;   // md · intensity; w = turn of the light, radian
+  vec4 diffuse;   // md · intensity
+  vec4 turn;      // quaternion, from the viewer's axes to those of the light
   float gloss;    // ms · intensity
   float shininess;
   float spread;   // radius of a sample at level 0
@@ -26,6 +27,12 @@ layout(push_constant) uniform Push {
 } push;
 
 const float kPi = 3.14159265358979;
+
+// Rotates from the viewer's axes to those of the light.
+vec3 turned(vec3 a) {
+  vec3 t = 2.0 * cross(push.turn.xyz, a);
+  return a + push.turn.w * t + cross(push.turn.xyz, t);
+}
 
 vec3 bilinear(uint level, vec2 angle) {  // azimuth in turns from the center column on, polar angle in halves of one
   int rows = int(push.rows >> level), columns = 2 * rows;
@@ -44,14 +51,9 @@ vec3 bilinear(uint level, vec2 angle) {  // azimuth in turns from the center col
 vec3 radiance(vec3 w, float level) {
   float l = clamp(level, 0.0, float(push.levels - 1u));
   uint lower = min(uint(l), push.levels - 2u);
-  vec2 angle = vec2((atan(w.x, w.z) - push.diffuse.w) / (2.0 * kPi), acos(clamp(w.y, -1.0, 1.0)) / kPi);
+  w = turned(w);
+  vec2 angle = vec2(atan(w.x, w.z) / (2.0 * kPi), acos(clamp(w.y, -1.0, 1.0)) / kPi);
   return mix(bilinear(lower, angle), bilinear(lower + 1u, angle), l - float(lower));
-}
-
-// Rotates from the viewer's axes to those of the light.
-vec3 turned(vec3 a) {
-  float c = cos(push.diffuse.w), s = sin(push.diffuse.w);
-  return vec3(c * a.x - s * a.z, a.y, s * a.x + c * a.z);
 }
 
 vec3 diffuse(vec3 n) {

@@ -31,6 +31,20 @@ Surface bounded(Surface s) {
   return s;
 }
 
+/// Identity if it is no rotation.
+std::array<float, 4> unit(const std::array<float, 4>& q) {
+  const float length = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
+  if (!std::isfinite(length) || length < 1e-6F) return {0, 0, 0, 1};
+  return {q[0] / length, q[1] / length, q[2] / length, q[3] / length};
+}
+
+/// From the table's axes to those of the map, which is rotated.
+std::array<float, 4> to_map(const LitSphere::View& view) {
+  const float w = std::cos(view.rotation / 2), y = -std::sin(view.rotation / 2);  // about y, first
+  const auto& [i, j, k, l] = view.viewer;
+  return {w * i + y * k, w * j + y * l, w * k - y * i, w * l - y * j};
+}
+
 /// Half vectors around +z, distributed as (s+1)/(2 pi) cos^s, and the filter level of each for v·h
 /// = 1.
 std::vector<PrefilteredLight::Vec4> lobe(double shininess, uint32_t rows) {
@@ -88,14 +102,16 @@ void LitSphere::set_light(const PrefilteredLight& light) {
       Light{gpu::make_table(device, gpu::Element::vec4, light.cells),
             gpu::make_table(device, gpu::Element::vec4, light.texels),
             static_cast<uint32_t>(light.cells.size() / 2), light.rows, light.levels});
+  cells_ = light.cells;
+  ++lights_;
   recorded_.reset();
 }
 
 void LitSphere::record(gpu::Commands& commands, const Surface& surface, const View& view) {
   if (!light_) throw Error(ErrorKind::internal, "a lit sphere without light");
-  const State state{
-      bounded(surface),
-      {bounded(view.intensity, 0, 1e6F), std::isfinite(view.rotation) ? view.rotation : 0}};
+  const State state{bounded(surface),
+                    {bounded(view.intensity, 0, 1e6F),
+                     std::isfinite(view.rotation) ? view.rotation : 0, unit(view.viewer)}};
   if (recorded_ == state) return;
   recorded_.reset();  // until it is
   ++version_;
@@ -111,7 +127,8 @@ void LitSphere::record(gpu::Commands& commands, const Surface& surface, const Vi
        .samples = samples_,
        .table = table_.buffer},
       {.diffuse = {s.diffuse[0] * state.view.intensity, s.diffuse[1] * state.view.intensity,
-                   s.diffuse[2] * state.view.intensity, state.view.rotation},
+                   s.diffuse[2] * state.view.intensity, 0},
+       .turn = to_map(state.view),
        .gloss = gain,
        .shininess = s.shininess,
        .spread = static_cast<float>(std::sqrt(kPi) / light_->rows),

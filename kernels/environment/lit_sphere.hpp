@@ -3,6 +3,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "environment.hpp"
 #include "kernels/environment_lit_sphere.spv.hpp"
@@ -48,6 +49,8 @@ class LitSphere {
   struct View {
     float intensity = 1;  ///< factor on the light
     float rotation = 0;   ///< of the light about y in radian: what came from +z then comes from +x
+    /// Unit quaternion (x, y, z, w) that turns directions of the table into those of the light.
+    std::array<float, 4> viewer{0, 0, 0, 1};
     bool operator==(const View&) const = default;
   };
   /// Records the update of the table if surface, view or light changed since the last call. Clamps
@@ -58,6 +61,10 @@ class LitSphere {
   /// The table of the last `record`: side x side, rows from the top (y up). One buffer, rewritten
   /// with each change, in the order of submits.
   const Plane& table() const { return table_; }
+  /// Of the light: PrefilteredLight::cells.
+  const std::vector<PrefilteredLight::Vec4>& cells() const { return cells_; }
+  /// Number of lights so far.
+  uint64_t lights() const { return lights_; }
   /// Number of changes of the table: compare it to reuse what was drawn from it.
   uint64_t version() const { return version_; }
 
@@ -73,7 +80,8 @@ class LitSphere {
   std::shared_ptr<const Light> light_;
   gpu::BufferPtr samples_;
   std::optional<State> recorded_;
-  uint64_t version_ = 0;
+  std::vector<PrefilteredLight::Vec4> cells_;
+  uint64_t version_ = 0, lights_ = 0;
 };
 
 }  // namespace inverse

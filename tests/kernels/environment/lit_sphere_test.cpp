@@ -109,6 +109,50 @@ constexpr std::array<float, 9> kExponents{2, 8, 32, 39, 41, 63, 65, 200, 1024};
 
 }  // namespace
 
+// A turned viewer sees normals turned to the light, and reflections from where they come then.
+TEST_F(LitSphereTest, ViewersMayBeTurned) {
+  const Environment light = room(4, 64);
+  const reference::LightMap map = light_map(light);
+  LitSphere sphere(device);
+  sphere.set_light(light);
+  const uint32_t side = sphere.table().extent.width;
+  const float half = std::sqrt(.5F);
+  double largest = 0, top = 0;
+  for (const std::array<float, 4>& q : {std::array<float, 4>{half, 0, 0, half},
+                                        {0, .6F, 0, .8F},
+                                        {.5F, -.5F, .1F, .7F},
+                                        {2, 0, 0, 0}}) {
+    const Pixels got = table(sphere, {{1, 1, 1}, 0, 2}, {1, 0, q});
+    const double length = std::sqrt(double{q[0]} * q[0] + double{q[1]} * q[1] +
+                                    double{q[2]} * q[2] + double{q[3]} * q[3]);
+    const reference::Vec3 axis{q[0] / length, q[1] / length, q[2] / length};
+    for (const Probe& probe : probes(side, 19)) {
+      // v + 2 w (a × v) + 2 a × (a × v)
+      const auto cross = [](const reference::Vec3& a, const reference::Vec3& b) {
+        return reference::Vec3{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+                               a[0] * b[1] - a[1] * b[0]};
+      };
+      const reference::Vec3 once = cross(axis, probe.normal), twice = cross(axis, once);
+      reference::Vec3 normal = probe.normal;
+      for (size_t c = 0; c < 3; ++c) normal[c] += 2 * (q[3] / length * once[c] + twice[c]);
+      const auto expected = reference::shade(map, normal, 2).diffuse;
+      for (size_t c = 0; c < 3; ++c) {
+        update_max(largest, std::fabs(got[4 * probe.pixel + c] - expected[c]));
+        update_max(top, expected[c]);
+      }
+    }
+  }
+  EXPECT_LT(largest / top, .01);
+  // About y it is a turn of the light, for highlights as well.
+  const float angle = .9F;
+  const Surface shiny{{.3F, .3F, .3F}, .5F, 200};
+  const Pixels turned =
+                   table(sphere, shiny, {1, 0, {0, -std::sin(angle / 2), 0, std::cos(angle / 2)}}),
+               rotated = table(sphere, shiny, {1, angle});
+  for (size_t i = 0; i < turned.size(); ++i)
+    ASSERT_NEAR(turned[i], rotated[i], 1e-4 * (1 + rotated[i]));
+}
+
 TEST_F(LitSphereTest, WhiteUnderLightOfOneIsOne) {
   LitSphere sphere(device);
   sphere.set_light(Environment::uniform({1, 1, 1}));
