@@ -46,7 +46,8 @@ layout(push_constant) uniform Push {
 } push;
 
 #include "lamp_light.glsl"
-#include "volume/jump.glsl"
+#define SEEN(index) FETCH(scene_light, index)
+#include "volume/between_pixels.glsl"
 
 vec2 slope_at(uvec2 at) {
   vec2 place = clamp((vec2(at) + 0.5) * push.cells - 0.5, vec2(0.0), vec2(push.grid - 1u));
@@ -62,31 +63,6 @@ vec3 light_on(vec3 place, vec3 normal) {
   vec3 sum = vec3(0.0);
   for (int k = 0; k < push.count; ++k) sum += light_of(k, place, normal);
   return min(sum, vec3(kLargest));
-}
-
-// Light of the lamps in the scene on a pixel: between those pixels of the view around it that are of the same surface as the nearest
-// one.
-vec3 scene_light_at(uvec2 at) {
-  vec2 place = clamp((vec2(at) + 0.5) * vec2(push.view) / vec2(push.size) - 0.5, vec2(0.0), vec2(push.view - 1u));
-  ivec2 low = ivec2(place), high = min(low + 1, ivec2(push.view) - 1);
-  vec2 part = place - vec2(low);
-  int above = low.y * int(push.view.x), below = high.y * int(push.view.x);
-  vec4 seen[4] = vec4[](FETCH(scene_light, above + low.x), FETCH(scene_light, above + high.x), FETCH(scene_light, below + low.x), FETCH(scene_light, below + high.x));
-  vec4 weights = vec4((1.0 - part.x) * (1.0 - part.y), part.x * (1.0 - part.y), (1.0 - part.x) * part.y, part.x * part.y);
-  float depth = 0.0, most = 0.0;
-  for (int i = 0; i < 4; ++i) {
-    if (!(seen[i].w > 0.0 && weights[i] > most)) continue;
-    most = weights[i];
-    depth = seen[i].w;
-  }
-  vec3 sum = vec3(0.0);
-  float total = 0.0;
-  for (int i = 0; i < 4; ++i) {
-    if (!(seen[i].w > 0.0 && abs(seen[i].w - depth) <= kJump * depth)) continue;
-    sum += weights[i] * seen[i].rgb;
-    total += weights[i];
-  }
-  return total > 0.0 ? sum / total : vec3(0.0);
 }
 
 // The marker that covers a pixel: reflectance; below 0: none.
@@ -127,7 +103,7 @@ void main() {
     }
     vec2 off = vec2(at.x, y) + 0.5 - 0.5 * vec2(push.size);
     vec3 of_lamps = light_on(vec3(off * scale, above), normal);
-    if (push.view.x > 0u) of_lamps = min(of_lamps + scene_light_at(uvec2(at.x, y)), vec3(kLargest));
+    if (push.view.x > 0u) of_lamps = min(of_lamps + between_pixels(uvec2(at.x, y), push.size, push.view), vec3(kLargest));
     vec3 added = matte * of_lamps;
     vec3 total = keep * (has_slope ? colored_light(FETCH(slope, 0), layers.w) : layers.www) * before.rgb + added;
     float own = keep * layers.w, gray = mean3(added), now = min(own + gray, kLargest);
