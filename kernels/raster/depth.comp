@@ -15,5 +15,5 @@ void main() {
   vec4 there[2] = vec4[2](vec4(greaterThan(seen[0].who, ivec4(kNone))), vec4(greaterThan(seen[1].who, ivec4(kNone))));
   float count = dot(there[0] + there[1], vec4(1.0));
   float depth = dot(there[0], seen[0].depth) + dot(there[1], seen[1].depth);
-  STORE(picture, at.y * push.size.x + at.x, vec4(depth / max(count, 1.0), count / 8.0, 0.0, 0.0));
+  STORE(picture, push.first + at.y * push.stride + at.x, vec4(depth / max(count, 1.0), count / 8.0, 0.0, 0.0));
 }

@@ -11,26 +11,9 @@ PLANE_IN(4, LIT_TABLE);
 PLANE_OUT(5, picture);
 #define LIT_TABLE LIT_TABLE
 #include "environment/lit_sphere.glsl"
+#include "visible_surface.glsl"
 
-vec3 shade(int who, vec2 at) {
-  vec3 p = FETCH(records, 4 * who).xyz, q = FETCH(records, 4 * who + 1).xyz, r = FETCH(records, 4 * who + 2).xyz;
-  ivec3 corner = 2 * ivec3(FETCH(records, 4 * who + 3).xyz);
-  vec3 weight = vec3(dot(p, vec3(at, 1.0)), dot(q, vec3(at, 1.0)), dot(r, vec3(at, 1.0)));
-  vec3 n = weight.x * FETCH(placed, corner.x + 1).xyz + weight.y * FETCH(placed, corner.y + 1).xyz +
-           weight.z * FETCH(placed, corner.z + 1).xyz;
-  // The visible side may be the inner one, of a mesh that is not closed.
-  vec3 a = FETCH(placed, corner.x).xyz, u = FETCH(placed, corner.y).xyz - a, v = FETCH(placed, corner.z).xyz - a;
-  vec3 flat_normal = cross(vec3(u.x, -u.y, u.z), vec3(v.x, -v.y, v.z));
-  flat_normal *= flat_normal.z < 0.0 ? -1.0 : 1.0;
-  if (dot(n, flat_normal) < 0.0) n = -n;
-  float length2 = dot(n, n);
-  return lit_sphere(length2 > 0.0 ? n * inversesqrt(length2) : vec3(0.0, 0.0, 1.0), push.side);
-}
-
-int largest(Seen seen[2]) {
-  ivec4 both = max(seen[0].who, seen[1].who);
-  return max(max(both.x, both.y), max(both.z, both.w));
-}
+vec3 shade(int who, vec2 at) { return lit_sphere(surface_at(who, at).normal, push.side); }
 
 void main() {
   uvec2 at = pixel_of(gl_GlobalInvocationID.xy);
@@ -49,5 +32,5 @@ void main() {
     seen[1].who = mix(seen[1].who, ivec4(kNone), greaterThan(second, vec4(0.0)));
     who = largest(seen);
   }
-  STORE(picture, at.y * push.size.x + at.x, sum / 8.0);
+  STORE(picture, push.first + at.y * push.stride + at.x, sum / 8.0);
 }

@@ -36,16 +36,15 @@ void main() {
   for (uint i = 0u; i < push.size; ++i) {
     uint t = group * push.size + i, base = min(t, push.triangles - 1u) * 3u;
     uvec3 corner = uvec3(FETCH1(indices, int(base)), FETCH1(indices, int(base + 1u)), FETCH1(indices, int(base + 2u)));
-    vec3 p = FETCH(placed, int(2u * corner.x)).xyz, q = FETCH(placed, int(2u * corner.y)).xyz,
-         r = FETCH(placed, int(2u * corner.z)).xyz;
+    vec4 p = FETCH(placed, int(2u * corner.x)), q = FETCH(placed, int(2u * corner.y)), r = FETCH(placed, int(2u * corner.z));
     vec2 u = q.xy - p.xy, v = r.xy - p.xy;
     float area = u.x * v.y - u.y * v.x, side = area < 0.0 ? -1.0 : 1.0;
     vec3 across_p = side * edge(q.xy, r.xy), across_q = side * edge(r.xy, p.xy), across_r = side * edge(p.xy, q.xy);
     across_p.z += kOverlap * (abs(across_p.x) + abs(across_p.y));
     across_q.z += kOverlap * (abs(across_q.x) + abs(across_q.y));
     across_r.z += kOverlap * (abs(across_r.x) + abs(across_r.y));
-    // Triangles seen edge-on and padding of the last group have no inside.
-    bool solid = t < push.triangles && abs(area) > 1e-12;
+    // Triangles seen edge-on, with a corner behind the camera, and padding of the last group have no inside.
+    bool solid = t < push.triangles && abs(area) > 1e-12 && min(p.w, min(q.w, r.w)) >= 0.0;
     if (!solid) across_p = across_q = across_r = vec3(0.0, 0.0, -1.0);
     STORE(records, 4u * t, vec4(across_p, p.z));
     STORE(records, 4u * t + 1u, vec4(across_q, q.z));

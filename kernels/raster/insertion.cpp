@@ -4,45 +4,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "common/error.hpp"
+#include "turn.hpp"
 
 namespace inverse {
 namespace {
 
 using Row = MeshView::Row;
-using Turn = std::array<Row, 3>;
 
 // The grids on the ground: pixels per unit and per side.
 using Ground = shaders::raster_occlude;
 constexpr auto kPerUnit = static_cast<uint32_t>(Ground::kPerUnit);
 constexpr uint32_t kHeights = Ground::kHeights, kOcclusion = Ground::kOcclusion;
 constexpr float kReach = Ground::kReach;  // of the shadow, in radii
-
-constexpr float kRadian = std::numbers::pi_v<float> / 180;
-
-/// Rotation about x, towards the camera for positive angles.
-Turn nod(float degrees) {
-  const float c = std::cos(degrees * kRadian), s = std::sin(degrees * kRadian);
-  return {{{1, 0, 0}, {0, c, -s}, {0, s, c}}};
-}
-Turn about_y(float degrees) {
-  const float c = std::cos(degrees * kRadian), s = std::sin(degrees * kRadian);
-  return {{{c, 0, s}, {0, 1, 0}, {-s, 0, c}}};
-}
-Turn about_z(float degrees) {
-  const float c = std::cos(degrees * kRadian), s = std::sin(degrees * kRadian);
-  return {{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}};
-}
-
-Turn operator*(const Turn& a, const Turn& b) {
-  Turn product{};
-  for (size_t i = 0; i < 3; ++i)
-    for (size_t j = 0; j < 3; ++j)
-      for (size_t k = 0; k < 3; ++k) product[i][j] += a[i][k] * b[k][j];
-  return product;
-}
 
 Row negative(const Row& row) { return {-row[0], -row[1], -row[2]}; }
 

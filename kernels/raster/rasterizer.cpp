@@ -61,7 +61,8 @@ Rasterizer::Grid Rasterizer::prepare(gpu::Commands& commands, const MeshView& vi
   commands.dispatch(place_, {.corners = corners_, .placed = placed_},
                     {.x = {view.turn[0][0], view.turn[0][1], view.turn[0][2], view.x},
                      .y = {view.turn[1][0], view.turn[1][1], view.turn[1][2], view.y},
-                     .z = {view.turn[2][0], view.turn[2][1], view.turn[2][2], 0},
+                     .z = {view.turn[2][0], view.turn[2][1], view.turn[2][2], view.z},
+                     .lens = view.lens,
                      .scale = view.scale,
                      .count = corner_count_},
                     {corner_count_});
@@ -76,7 +77,10 @@ Rasterizer::Grid Rasterizer::prepare(gpu::Commands& commands, const MeshView& vi
       bin_, {.boxes = boxes_, .bits = bits_},
       {.columns = along(extent.width), .tile = tile, .groups = groups_, .words = words},
       {along(extent.width) * words, along(extent.height)});
-  return {.size = extent,
+  return {.lens = view.lens,
+          .size = extent,
+          .first = 0,
+          .stride = extent.width,
           .tile = tile,
           .columns = along(extent.width),
           .words = words,
@@ -98,11 +102,32 @@ void Rasterizer::draw(gpu::Commands& commands, const MeshView& view, const Plane
                     grid, blocks(picture.extent));
 }
 
-void Rasterizer::depth(gpu::Commands& commands, const MeshView& view, const Plane& picture) {
-  const Grid grid = prepare(commands, view, picture.extent);
+void Rasterizer::draw_in_room(gpu::Commands& commands, const MeshView& view, const Plane& table,
+                              const Room& room, const Plane& picture) {
+  if (!draw_room_.kernel()) draw_room_ = {corners_->device()};
+  Grid grid = prepare(commands, view, picture.extent);
+  grid.side = table.extent.width;
+  commands.dispatch(draw_room_,
+                    {.records = records_,
+                     .bits = bits_,
+                     .bounds = bounds_,
+                     .placed = placed_,
+                     .LIT_TABLE = table.buffer,
+                     .room = room.room,
+                     .surface = room.surface,
+                     .reached = room.reached,
+                     .picture = picture.buffer},
+                    grid, blocks(picture.extent));
+}
+
+void Rasterizer::depth(gpu::Commands& commands, const MeshView& view, const Plane& picture,
+                       Extent corner, Extent part) {
+  Grid grid = prepare(commands, view, part);
+  grid.first = corner.height * picture.extent.width + corner.width;
+  grid.stride = picture.extent.width;
   commands.dispatch(
       depth_, {.records = records_, .bits = bits_, .bounds = bounds_, .picture = picture.buffer},
-      grid, blocks(picture.extent));
+      grid, blocks(part));
 }
 
 }  // namespace inverse

@@ -8,18 +8,23 @@
 #include "kernels/raster_bin.spv.hpp"
 #include "kernels/raster_depth.spv.hpp"
 #include "kernels/raster_draw.spv.hpp"
+#include "kernels/raster_draw_room.spv.hpp"
 #include "kernels/raster_edges.spv.hpp"
 #include "kernels/raster_place.spv.hpp"
 #include "mesh.hpp"
 
 namespace inverse {
 
-/// Pose of a mesh in an image under orthographic projection.
+/// Pose of a mesh in an image under orthographic projection, or behind a lens.
 struct MeshView {
   using Row = std::array<float, 3>;
   std::array<Row, 3> turn{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< rows of a rotation
   float scale = 1;                                             ///< pixels a unit
   float x = 0, y = 0;  ///< position of the mesh's origin, pixels; pixel centers are at halves
+  /// Behind a lens scale and position are in meters from the camera: x right, y up, z towards it,
+  /// so that what is seen has z < 0. Triangles with a corner nearer than 2 cm are not drawn.
+  float z = 0;
+  std::array<float, 4> lens{};  ///< focal lengths and center in pixels; 0: orthographic
   bool operator==(const MeshView&) const = default;
 };
 
@@ -36,18 +41,31 @@ class Rasterizer {
   /// Draws it with the table of a lit sphere: linear RGB times coverage, w = coverage.
   void draw(gpu::Commands& commands, const MeshView& view, const Plane& table,
             const Plane& picture);
+  /// A remembered scene around it (draw_room.comp).
+  struct Room {
+    gpu::BufferPtr room, surface, reached;
+  };
+  /// The same of what is not behind the scene, in the light that passes it. `view` has a lens.
+  void draw_in_room(gpu::Commands& commands, const MeshView& view, const Plane& table,
+                    const Room& room, const Plane& picture);
   /// x = mean depth (pixels towards the camera, from the mesh's origin) where it covers a pixel, y
   /// = coverage.
-  void depth(gpu::Commands& commands, const MeshView& view, const Plane& picture);
+  void depth(gpu::Commands& commands, const MeshView& view, const Plane& picture) {
+    depth(commands, view, picture, {0, 0}, picture.extent);
+  }
+  /// The same for a part of a picture, whose pixels `view` counts from its corner.
+  void depth(gpu::Commands& commands, const MeshView& view, const Plane& picture, Extent corner,
+             Extent part);
 
  private:
-  using Grid = shaders::raster_draw::Push;  // of draw_ and depth_
+  using Grid = shaders::raster_draw::Push;  // of draw_, draw_room_ and depth_
   Grid prepare(gpu::Commands& commands, const MeshView& view, Extent extent);
 
   gpu::Program<shaders::raster_place> place_;
   gpu::Program<shaders::raster_edges> edges_;
   gpu::Program<shaders::raster_bin> bin_;
   gpu::Program<shaders::raster_draw> draw_;
+  gpu::Program<shaders::raster_draw_room> draw_room_;  // made when it is first used
   gpu::Program<shaders::raster_depth> depth_;
   uint32_t corner_count_, triangles_, group_, groups_;
   gpu::BufferPtr corners_, indices_, placed_, records_, boxes_, bounds_, bits_;

@@ -5,7 +5,10 @@ PLANE_IN(0, records);
 WORD_IN(1, bits);
 PLANE_IN(2, bounds);
 layout(push_constant) uniform Push {
+  vec4 lens;       // place.comp
   uvec2 size;      // of the picture
+  uint first;      // where it begins in the plane that is written, ...
+  uint stride;     // ... and pixels a row of that
   uint tile;       // pixels along a tile of `bits`
   uint columns;    // tiles along a row
   uint words;      // words a tile

@@ -11,6 +11,7 @@
 #include "kernels/raster/rasterizer.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
+#include "tests/reference/raster/room.hpp"
 #include "tests/update_max.hpp"
 
 namespace inverse::testing {
@@ -238,6 +239,74 @@ TEST_F(RasterTest, ClosedMeshesHaveNoCracks) {
       }
     EXPECT_GT(inside, seed ? 100u : 0u);
   }
+}
+
+TEST_F(RasterTest, MatchesRaysBehindALens) {
+  constexpr Extent kSize{61, 47};
+  MeshView view;
+  view.lens = {50, 44, 28.3F, 25.1F};
+  view.turn[1] = {0, -1, 0};  // y down, z forward
+  view.turn[2] = {0, 0, -1};
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<float> value(-1, 1);
+    std::vector<reference::Triangle> triangles(60);
+    // Some before the camera, some around it, and some behind it.
+    for (auto& triangle : triangles) {
+      const float x = value(random), y = value(random), z = 1.5F + 2.5F * value(random);
+      for (auto& p : triangle)
+        p = {x + .4F * value(random), y + .4F * value(random), z + .4F * value(random)};
+    }
+    Mesh mesh = soup(triangles);
+    const Pixels drawn = depth(mesh, view, kSize);
+    size_t wrong = 0, near_edges = 0, covered = 0;
+    for (uint32_t y = 0; y < kSize.height; ++y)
+      for (uint32_t x = 0; x < kSize.width; ++x) {
+        double count = 0, sum = 0;
+        bool beside = false;
+        for (const auto& point : reference::kSamplePoints) {
+          const auto look = [&](double dx, double dy) {
+            return reference::look_through(
+                triangles, {(x + point[0] + dx - 28.3) / 50, (y + point[1] + dy - 25.1) / 44, 1},
+                0.02);
+          };
+          const auto hit = look(0, 0);
+          for (const double off : {-.01, .01})
+            beside = beside || look(off, 0).triangle != hit.triangle ||
+                     look(0, off).triangle != hit.triangle;
+          if (hit.triangle < 0) continue;
+          ++count;
+          sum += 1 / hit.depth;
+        }
+        const float* pixel = &drawn[4 * (size_t{y} * kSize.width + x)];
+        near_edges += beside;
+        if (beside) continue;
+        covered += count > 0;
+        const double expected = count > 0 ? sum / count : 0;
+        wrong += pixel[1] != count / 8 || std::fabs(pixel[0] - expected) > 1e-3 * (1 + expected);
+      }
+    EXPECT_EQ(wrong, 0U);
+    EXPECT_LT(near_edges, kSize.pixels() / 4);
+    EXPECT_GT(covered, kSize.pixels() / 20);
+  }
+}
+
+TEST_F(RasterTest, APartOfAPictureIsDrawnAlone) {
+  const auto triangles = random_triangles(3, 40, 20, 12, 9);
+  Rasterizer rasterizer(device, soup(triangles));
+  const Plane whole = plane({20, 12}), sheet = plane({64, 40}, random_pixels({64, 40}, 1));
+  const Pixels before = download(sheet);
+  run([&](gpu::Commands& commands) {
+    rasterizer.depth(commands, pixels(), whole);
+    rasterizer.depth(commands, pixels(), sheet, {31, 7}, {20, 12});
+  });
+  const Pixels alone = download(whole), part = download(sheet);
+  for (size_t y = 0; y < 40; ++y)
+    for (size_t x = 0; x < 64; ++x) {
+      const bool in = x >= 31 && x < 51 && y >= 7 && y < 19;
+      const float* expected = in ? &alone[4 * ((y - 7) * 20 + x - 31)] : &before[4 * (y * 64 + x)];
+      ASSERT_TRUE(std::equal(expected, expected + 4, &part[4 * (y * 64 + x)])) << x << " " << y;
+    }
 }
 
 TEST_F(RasterTest, TheNearerOneIsSeenWhateverTheOrder) {
