@@ -37,14 +37,23 @@ void CloneLight::begin(LitSphere& sphere) {
   from_ = "file";
 }
 
-void CloneLight::take(const GstMaterialMeta* meta, LitSphere& sphere) {
+bool CloneLight::is_new(const GstMaterialMeta* meta) const {
   // Maps are large to compare, so a map that is the same object counts as unchanged.
-  if (given_ || !meta || !meta->environment || meta->environment == stream_environment_.get())
-    return;
-  stream_environment_.reset(
-      g_bytes_ref(meta->environment));  // a reference, so that no other map gets its address
+  return !given_ && meta && meta->environment && meta->environment != stream_environment_.get();
+}
+
+void CloneLight::ignore(const GstMaterialMeta* meta) {
+  if (is_new(meta))
+    stream_environment_.reset(
+        g_bytes_ref(meta->environment));  // a reference, so that no other map gets its address
+}
+
+bool CloneLight::take(const GstMaterialMeta* meta, LitSphere& sphere) {
+  if (!is_new(meta)) return false;
+  ignore(meta);
   estimated_ = environment_of(*meta);
   choose(sphere);
+  return true;
 }
 
 void CloneLight::choose(LitSphere& sphere) {

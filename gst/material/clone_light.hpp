@@ -21,8 +21,11 @@ class CloneLight {
   /// Lights a sphere that has no light yet.
   void begin(LitSphere& sphere);
   /// Lights it by what comes with a frame, if that is another light. Throws as Environment if
-  /// the stream's is none; the one before stays.
-  void take(const GstMaterialMeta* meta, LitSphere& sphere);
+  /// the stream's is none; the one before stays. Returns whether limematerial made a new map in
+  /// this frame, also one that is hardly another light.
+  bool take(const GstMaterialMeta* meta, LitSphere& sphere);
+  /// Takes no map that comes with this frame, nor if it comes again.
+  void ignore(const GstMaterialMeta* meta);
   /// Where it is from: "file", "estimate" or "studio".
   const char* from() const { return from_; }
 
@@ -30,6 +33,7 @@ class CloneLight {
   struct Unref {
     void operator()(GBytes* bytes) const { g_bytes_unref(bytes); }
   };
+  bool is_new(const GstMaterialMeta* meta) const;
   void choose(LitSphere& sphere);
 
   const Environment studio_ = Environment::studio();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // materialclone: an object of the material that was seen, drawn into the video (thesis 6.8, Figure
-// 6.11).
+// 6.11) or into the remembered scene of its layers (4.8).
 #include <gst/gst.h>
 
 #include <algorithm>
@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "clone_light.hpp"
+#include "clone_room.hpp"
 #include "gst/base/color.hpp"
 #include "gst/base/filter.hpp"
 #include "gst/material/mesh/mesh_file.hpp"
@@ -32,6 +33,7 @@ struct Params {
   uint32_t diffuse = 0xffbcbcbc;
   float specular = 0.2F, shininess = 64;
   Insertion::Params place;
+  RoomInsertion::Params room;  // angles and shadow are those of place
   float spin = 0;
   float exposure = 0, rotation = 0;
   bool drag = false;
@@ -54,6 +56,18 @@ const PropertyTable<Params>& table() {
           "size", [](P& p) -> float& { return p.place.size; }, 0, 4,
           "Diameter of the sphere around the object, fraction of the frame's height"),
       number<P>(
+          "room-x", [](P& p) -> float& { return p.room.place[0]; }, -1000, 1000,
+          "In layers with a remembered scene: where the object stands, meters to the right"),
+      number<P>(
+          "room-y", [](P& p) -> float& { return p.room.place[1]; }, -1000, 1000,
+          "The same of its lowest point, meters down"),
+      number<P>(
+          "room-z", [](P& p) -> float& { return p.room.place[2]; }, -1000, 1000,
+          "The same, meters forward from where the camera began"),
+      number<P>(
+          "room-size", [](P& p) -> float& { return p.room.size; }, 0, 100,
+          "The same: diameter of the sphere around the object, meters"),
+      number<P>(
           "yaw", [](P& p) -> float& { return p.place.yaw; }, -360, 360,
           "Rotation about the vertical in degrees, positive to the right"),
       tuning(number<P>(
@@ -67,7 +81,10 @@ const PropertyTable<Params>& table() {
       tuning(number<P>(
           "elevation", [](P& p) -> float& { return p.place.elevation; }, 0, 90,
           "Angle at which the camera looks down on the ground, degrees; 0 = no visible shadow")),
-      flag<P>("drag", &P::drag, "Move the object with the mouse: navigation events set x and y"),
+      flag<P>(
+          "drag", &P::drag,
+          "Move the object with the mouse: navigation events set x and y, or in a scene room-x, "
+          "room-y and room-z to the surface under the mouse"),
       text<P>("environment-location", &P::environment_location,
               "Radiance (.hdr) or OpenEXR panorama of the light; empty = the light that "
               "limematerial estimates",
@@ -120,6 +137,7 @@ class CloneElement final : public Filter {
  public:
   PropertyStore& parameters() override { return parameters_; }
   bool needs_square_pixels() const override { return true; }
+  bool takes_view(std::string_view) const override { return true; }
 
   void start() override {
     const Params params = parameters_.snapshot();
@@ -136,7 +154,8 @@ class CloneElement final : public Filter {
                         params.environment_location.empty() ? "that of the stream"
                                                             : params.environment_location.c_str());
     seen_.reset();
-    warned_ = timeless_ = false;
+    seen_from_ = {};
+    warned_ = timeless_ = told_no_scene_ = told_lost_ = false;
     without_object_ = 0;
     reported_size_ = false;
   }
@@ -155,16 +174,19 @@ class CloneElement final : public Filter {
     {
       std::lock_guard lock(mouse_mutex_);
       extent_ = extent;
+      view_.reset();
     }
     light_.begin(*sphere_);
   }
   void release() override {
     insertion_.reset();
+    room_.reset();
     sphere_.reset();
   }
 
   void reset() override {
     insertion_->forget();
+    if (room_) room_->forget();
     sphere_->forget();
   }
 
@@ -174,7 +196,12 @@ class CloneElement final : public Filter {
     std::lock_guard lock(mouse_mutex_);
     held_ = parameters_.snapshot().drag && extent_.pixels() > 0 &&
             (held_ || kind == MouseEvent::Kind::press);
-    if (held_ && std::isfinite(x) && std::isfinite(y))
+    if (held_ && view_) {
+      if (const auto at = view_->place(x, y, extent_))
+        place = {{"room-x", double{(*at)[0]}},
+                 {"room-y", double{(*at)[1]}},
+                 {"room-z", double{(*at)[2]}}};
+    } else if (held_ && std::isfinite(x) && std::isfinite(y))
       place = {{"x", std::clamp(x / extent_.width, -1.0, 2.0)},
                {"y", std::clamp(y / extent_.height, -1.0, 2.0)}};
     if (kind == MouseEvent::Kind::release) held_ = false;
@@ -186,8 +213,14 @@ class CloneElement final : public Filter {
     const GstMaterialMeta* meta = frame.in ? gst_buffer_get_material_meta(frame.in) : nullptr;
     for (std::string& warning : std::exchange(warnings_, {}))
       frame.warnings.push_back(std::move(warning));
+    const std::optional<Pose> pose = frame.draw ? std::nullopt : camera(frame, params);
+    const bool in_sight = frame.draw || pose;
     try {
-      light_.take(meta, *sphere_);
+      // Axes of what a lost camera sees are unknown.
+      if (!in_sight)
+        light_.ignore(meta);
+      else if (light_.take(meta, *sphere_) && pose)
+        seen_from_ = *pose;
     } catch (const Error& error) {  // of the stream's, not ours: the light before stays
       if (!warned_) frame.warnings.push_back(error.what());
       warned_ = true;
@@ -204,16 +237,29 @@ class CloneElement final : public Filter {
     // Redraw for every change of properties, but not for estimates that hardly differ.
     if (!shown_ || !(surface_is_set_ ? surface == *shown_ : alike(surface, *shown_)))
       shown_ = surface;
-    sphere_->record(
-        frame.commands, *shown_,
-        {std::exp2(params.exposure), params.rotation * std::numbers::pi_v<float> / 180});
-    frame.commands.stage("light");
-
-    const PlanePtr& plane = frame.layers[Role::input];  // nobody else's: it goes no further
-    insertion_->record(frame.commands, *plane, placed(frame, params), *sphere_);
-    frame.picture = {plane};
-    drawn_[frame.number] = {*shown_, material_from_, light_.from(), insertion_->drawn(),
-                            insertion_->shadows()};
+    const LitSphere::View view{std::exp2(params.exposure),
+                               params.rotation * std::numbers::pi_v<float> / 180};
+    const Insertion::Params place = placed(frame, params);
+    if (frame.draw) {
+      sphere_->record(frame.commands, *shown_, view);
+      frame.commands.stage("light");
+      const PlanePtr& plane = frame.layers[Role::input];  // nobody else's: it goes no further
+      insertion_->record(frame.commands, *plane, place, *sphere_);
+      frame.picture = {plane};
+    } else if (pose) {
+      RoomInsertion::Params room = params.room;
+      room.yaw = place.yaw, room.pitch = place.pitch, room.roll = place.roll;
+      room.shadow = place.shadow, room.softness = place.softness;
+      room_->insertion().record(frame.commands, frame.layers, *pose, room, *sphere_, *shown_,
+                                {view.intensity, view.rotation, seen_from_});
+    }
+    drawn_[frame.number] = {*shown_, material_from_, light_.from(),
+                            frame.draw ? insertion_->drawn()
+                            : room_    ? room_->insertion().drawn()
+                                       : 0,
+                            frame.draw ? insertion_->shadows()
+                            : room_    ? room_->insertion().shadows()
+                                       : 0};
   }
 
   /// A stream too short for the warning of `check_object`.
@@ -244,6 +290,28 @@ class CloneElement final : public Filter {
     const char *material_from = "", *light_from = "";
     uint64_t drawn = 0, shadows = 0;
   };
+
+  /// Where the camera of layers is in their scene; empty: it is not known, which is warned of.
+  std::optional<Pose> camera(FrameContext& frame, const Params& params) {
+    std::optional<Pose> pose;
+    std::optional<CloneView> view;
+    if (frame.layers.scene) {
+      if (!room_) room_.emplace(sphere_->table().buffer->device(), frame.layers.extent, *mesh_);
+      if ((view = room_->see(frame, params.drag))) pose = view->pose;
+      if (!pose && !std::exchange(told_lost_, true))
+        frame.warnings.emplace_back(
+            "the camera is not found in the remembered scene, so the object is not drawn until it "
+            "is; show what it has seen before");
+    } else if (!std::exchange(told_no_scene_, true)) {
+      frame.warnings.emplace_back(
+          "the object stands in a remembered scene, but layers come without one, so it is not "
+          "drawn; use a source with depth and a decomposer with scene-memory=true, or put this "
+          "element behind intrinsiccompose to draw over the picture");
+    }
+    std::lock_guard lock(mouse_mutex_);
+    view_ = std::move(view);
+    return pose;
+  }
 
   /// Where the object is in this frame, which spin turns.
   Insertion::Params placed(FrameContext& frame, const Params& params) {
@@ -292,16 +360,20 @@ class CloneElement final : public Filter {
   bool reported_size_ = false;         // that the mesh is large
   bool warned_ = false;                // of light that is none
   bool timeless_ = false;              // reported that frames have no time
-  bool checked_stream_ = false;        // whether the stream brings a material, once
-  uint64_t without_object_ = 0;        // frames since limematerial last found an object
+  bool told_no_scene_ = false, told_lost_ = false;
+  Pose seen_from_;               // the camera of the frame that brought the stream's light
+  bool checked_stream_ = false;  // whether the stream brings a material, once
+  uint64_t without_object_ = 0;  // frames since limematerial last found an object
   std::mutex mouse_mutex_;
-  Extent extent_;                // of frames
-  bool held_ = false;            // the mouse's button is down
-  bool surface_is_set_ = false;  // by properties
+  Extent extent_;                  // of frames
+  std::optional<CloneView> view_;  // of layers
+  bool held_ = false;              // the mouse's button is down
+  bool surface_is_set_ = false;    // by properties
   const char* material_from_ = "properties";
   std::optional<LitSphere> sphere_;
   std::optional<Insertion> insertion_;
-  gpu::FrameRing<Drawn> drawn_;  // by the frame's number
+  std::optional<CloneRoom> room_;  // made for the first layers with a scene
+  gpu::FrameRing<Drawn> drawn_;    // by the frame's number
 };
 
 }  // namespace
@@ -311,14 +383,16 @@ const ElementInfo kMaterialClone{"materialclone",
                                  "GstMaterialClone",
                                  "Live material cloning",
                                  "Filter/Effect/Video",
-                                 "Draws an object into the video, in the material and light that "
-                                 "limematerial estimates, with a soft shadow",
-                                 Flow::pixels,
-                                 Flow::pixels,
-                                 nullptr,
-                                 nullptr,
+                                 "Draws an object into the video or into a remembered scene, in "
+                                 "the material and light that limematerial estimates, with shadows",
+                                 Flow::pixels_or_layers,
+                                 Flow::pixels_or_layers,
+                                 kAnyLayers,
+                                 "intrinsicdecomp",
                                  [] { return std::unique_ptr<Filter>(new CloneElement); },
                                  {},
-                                 true};
+                                 true,
+                                 kAnyLayers,
+                                 same_content};
 
 }  // namespace inverse

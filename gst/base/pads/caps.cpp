@@ -221,6 +221,26 @@ GstCaps* transform_caps(GstCaps* caps, GstCaps* templates, GstCaps* filter) {
   return filter_caps(result, filter);
 }
 
+GstCaps* same_content(GstPadDirection, GstCaps* caps, GstCaps* templates, GstCaps* filter) {
+  GstCaps* result = gst_caps_new_empty();
+  for (guint i = 0; i < gst_caps_get_size(caps); ++i) {
+    GstCaps* one = gst_caps_copy_nth(caps, i);
+    const bool layers = carries_layers(one);
+    GstCaps* alike = gst_caps_new_empty();
+    for (guint t = 0; t < gst_caps_get_size(templates); ++t) {
+      GstCaps* other = gst_caps_copy_nth(templates, t);
+      if (carries_layers(other) == layers)
+        gst_caps_append(alike, other);
+      else
+        gst_caps_unref(other);
+    }
+    result = gst_caps_merge(result, transform_caps(one, alike, nullptr));
+    gst_caps_unref(one);
+  }
+  gst_caps_unref(templates);
+  return filter_caps(result, filter);
+}
+
 GstCaps* filter_caps(GstCaps* caps, GstCaps* filter) {
   if (!filter) return caps;
   GstCaps* filtered = gst_caps_intersect_full(filter, caps, GST_CAPS_INTERSECT_FIRST);

@@ -52,6 +52,11 @@ bool carries_images(const GstCaps* caps);
 /// takes over, are those of the other pad. New reference.
 GstCaps* transform_caps(GstCaps* caps, GstCaps* templates, GstCaps* filter);
 
+/// The same for an element that sends layers if layers come, else pixels: the order of `caps`
+/// stays.
+GstCaps* same_content(GstPadDirection direction, GstCaps* caps, GstCaps* templates,
+                      GstCaps* filter);
+
 /// The same caps with layers first: GstBaseTransform lists first what can pass unchanged, which may
 /// be pixels that the element refuses. New reference.
 GstCaps* prefer_layers(const GstCaps* caps);

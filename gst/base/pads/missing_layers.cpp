@@ -110,10 +110,17 @@ Found search(GstPad* sink, GstCaps* layers) {
   return found;
 }
 
+/// Of a pad that takes both.
+bool prefers_pixels(GstPad* pad) {
+  const CapsPtr all(gst_pad_get_pad_template_caps(pad));
+  return !carries_layers(all.get());
+}
+
 bool wants_layers(GstPad* src, int distance) {
   const PadPtr next = linked_pad(src);
   if (!next || distance == kFarthest) return false;
-  if (!takes_anything(next.get())) return template_layers(next.get()) != nullptr;
+  if (!takes_anything(next.get()) && !(template_layers(next.get()) && prefers_pixels(next.get())))
+    return template_layers(next.get()) != nullptr;
   const std::vector<PadPtr> further = pads_behind(next.get());
   return std::any_of(further.begin(), further.end(),
                      [&](const PadPtr& pad) { return wants_layers(pad.get(), distance + 1); });
