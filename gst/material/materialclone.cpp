@@ -118,6 +118,9 @@ const PropertyTable<Params>& table() {
 /// That a software device draws in about a second.
 constexpr size_t kManyTriangles = 100'000;
 
+/// Side of the lit sphere's table in a scene, where it follows the camera.
+constexpr uint32_t kRoomTable = 96;
+
 /// Frames without an object before a warning: limematerial finds one some frames after it appears.
 constexpr uint64_t kMinFrames = 10;
 constexpr const char* kNoObject =
@@ -296,7 +299,13 @@ class CloneElement final : public Filter {
     std::optional<Pose> pose;
     std::optional<CloneView> view;
     if (frame.layers.scene) {
-      if (!room_) room_.emplace(sphere_->table().buffer->device(), frame.layers.extent, *mesh_);
+      if (!room_) {
+        const auto device = sphere_->table().buffer->device();
+        room_.emplace(device, frame.layers.extent, *mesh_);
+        // Its table is made anew whenever the camera moves.
+        sphere_.emplace(device, kRoomTable);
+        light_.begin(*sphere_);
+      }
       if ((view = room_->see(frame, params.drag))) pose = view->pose;
       if (!pose && !std::exchange(told_lost_, true))
         frame.warnings.emplace_back(

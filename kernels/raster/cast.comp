@@ -6,10 +6,9 @@
 #include "volume/camera.glsl"
 #include "volume/voxel.glsl"
 
-// The share of all light that an object hides from what a frame sees of its scene (soft shadow maps after Fernando 2005). One pixel of the
-// view an invocation.
+// The share of all light that an object hides from what a frame sees of its scene. One pixel of the view an invocation.
 //
-//   sum over beams of light on the surface × share of the beam's width that meets the object / sum of light on the surface
+//   sum over beams of light on the surface × share of the beam's rays that meet the object / sum of light on the surface
 //
 // Light that the scene keeps from the surface on its way from the object does not count.
 PLANE_IN(0, room);
@@ -25,50 +24,49 @@ layout(push_constant) uniform Push {
   float voxel;
   float truncation;
   float strength;
-  float softness;  // added to the radius of what a beam is, radii of the object
+  float softness;  // added to the distance of rays from the axis of their beam, radii of the object
 } push;
 #include "volume/find_block.glsl"
 #include "volume/shadow.glsl"
 #include "room.glsl"
 
-const int kTaps = 24;
-const float kBias = 0.01;      // radii
-const float kLift = 1.5;       // voxels, of rays off the surface
-const float kSeenAtAll = 0.004;  // of the light: less is not traced
+const int kRays = 16, kSteps = 6;  // of a beam; along a ray, from the surface to the object's top
+const float kBias = 0.01;          // radii
+const float kLift = 1.5;           // voxels, of rays off the surface
+const float kSeenAtAll = 0.01;     // of a beam: less does not count
 
 // Points of the unit disk, alike far apart (Vogel 1979).
-vec2 tap(int i) { return sqrt((float(i) + 0.5) / float(kTaps)) * vec2(cos(2.399963 * float(i)), sin(2.399963 * float(i))); }
+vec2 ray(int i) { return sqrt((float(i) + 0.5) / float(kRays)) * vec2(cos(2.399963 * float(i)), sin(2.399963 * float(i))); }
 
-// Height of the middle of the object in the map of a beam, at a place in radii, and coverage. None that is not above `above`.
-vec2 object_at(int k, vec2 at, float above) {
+// Coverage by the object at a place of the map of a beam, in radii, if it is there between two heights.
+float object_at(int k, vec2 at, float low, float high) {
   ivec2 pixel = ivec2(floor(vec2(at.x, -at.y) * kMapScale + 0.5 * float(kMapSide)));
   bool inside = all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, ivec2(kMapSide)));
   pixel = clamp(pixel, ivec2(0), ivec2(kMapSide - 1)) + kMapSide * ivec2(k % kMapColumns, k / kMapColumns);
   int i = pixel.y * kMapSide * kMapColumns + pixel.x;
   vec2 front = FETCH(maps, i).xy;
   float back = -FETCH(maps, i + kMapRows * kMapColumns * kMapSide * kMapSide).x;
-  return vec2(max(0.5 * (front.x + back) / kMapScale, above), inside && front.x / kMapScale > above ? front.y : 0.0);
+  return inside && front.x > low * kMapScale && back < high * kMapScale ? front.y : 0.0;
 }
 
-float hidden_by(int k, vec3 place, vec3 normal, float light) {
+float hidden_by(int k, vec3 place, vec3 normal) {
   vec4 object = FETCH(room, kObject), x = beam(k, 1);
   vec3 off = (place - object.xyz) / object.w, z = beam(k, 3).xyz;
   vec2 at = vec2(dot(off, x.xyz), dot(off, beam(k, 2).xyz));
-  float height = dot(off, z), width = x.w * max(1.0 - height, 0.0) + push.softness;
-  if (height > 1.0 || max(abs(at.x), abs(at.y)) > 1.0 + width) return 0.0;
-  float sum = 0.0, total = 0.0;
-  for (int i = 0; i < kTaps; ++i) {
-    vec2 there = object_at(k, at + width * tap(i), height + kBias);
-    sum += there.y * there.x;
-    total += there.y;
+  float height = dot(off, z);
+  if (height > 1.0 || max(abs(at.x), abs(at.y)) > 1.0 + x.w * (1.0 - height) + push.softness) return 0.0;
+  float low = max(height + kBias, -1.0), size = (1.0 - low) / float(kSteps), share = 0.0;
+  for (int i = 0; i < kRays; ++i) {
+    float covered = 0.0;
+    for (int n = 0; n < kSteps; ++n) {
+      float from = low + float(n) * size, middle = from + 0.5 * size;
+      covered = max(covered, object_at(k, at + (x.w * (middle - height) + push.softness) * ray(i), from, from + size));
+    }
+    share += covered / float(kRays);
   }
-  if (total <= 0.0) return 0.0;
-  float away = sum / total - height, share = 0.0;
-  width = x.w * away + push.softness;
-  for (int i = 0; i < kTaps; ++i) share += object_at(k, at + width * tap(i), height + kBias).y;
-  share /= float(kTaps);
-  if (share * light < kSeenAtAll) return share;
-  return share * lit_share(place / push.voxel + kLift * normal, z, away * object.w / push.voxel, 0.0);
+  float light = light_of_beam(k, normal);
+  if (share < kSeenAtAll || light <= 0.0) return 0.0;
+  return light * share * lit_share(place / push.voxel + kLift * normal, z, max(-height, 0.0) * object.w / push.voxel, 0.0);
 }
 
 void main() {
@@ -81,12 +79,10 @@ void main() {
   if (known) {
     vec3 place = to_world(rotation, FETCH(room, kPlace), depth * ray_of(push.lens, vec2(pixel)));
     vec3 normal = turned(rotation, seen.xyz);
+    for (int k = 0; k < beam_count(); ++k) share += hidden_by(k, place, normal);
     float all = 0.0;
-    for (int k = 0; k < beam_count(); ++k) all += light_of_beam(k, normal);
-    for (int k = 0; k < beam_count(); ++k) {
-      float light = light_of_beam(k, normal) / max(all, 1e-20);
-      if (light > 0.0) share += light * hidden_by(k, place, normal, light);
-    }
+    for (int k = 0; k < beam_count() && share > 0.0; ++k) all += light_of_beam(k, normal);
+    share /= max(all, 1e-20);
   }
   STORE(hidden, line, vec4(vec3(push.strength * min(share, 1.0)), known ? depth : 0.0));
 }

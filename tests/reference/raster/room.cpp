@@ -10,8 +10,8 @@ namespace inverse::reference {
 namespace {
 
 constexpr double kProbeSpan = 1.1, kSceneReach = 1;
-constexpr int kDisk = 24;
-constexpr double kBias = 0.01, kLift = 1.5;
+constexpr int kRays = 16, kSteps = 6;
+constexpr double kBias = 0.01, kLift = 1.5, kMinShare = 0.01;
 
 Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 Vec3 along(const Vec3& a, double t, const Vec3& b) {
@@ -126,36 +126,31 @@ double hidden_share(const Plane& maps, const RoomObject& object, const std::vect
     for (double& v : off) v /= object.radius;
     const double u = dot(off, beam.x), v = dot(off, beam.y), height = dot(off, beam.z);
     if (height > 1) continue;
-    // Coverage by what is above the surface, and its mean height, over a disk.
-    struct Over {
-      double covered = 0, height = 0;
-    };
-    const auto over = [&](double radius) {
-      Over result;
-      double heights = 0;
-      for (int i = 0; i < kDisk; ++i) {
-        const double r = radius * std::sqrt((i + 0.5) / kDisk), angle = 2.399963 * i;
-        const double x = (u + r * std::cos(angle)) * kMapRadius + kMapPixels / 2.0,
-                     y = -(v + r * std::sin(angle)) * kMapRadius + kMapPixels / 2.0;
+    const double low = std::max(height + kBias, -1.0), size = (1 - low) / kSteps;
+    double share = 0;
+    for (int i = 0; i < kRays; ++i) {
+      double covered = 0;
+      for (int n = 0; n < kSteps; ++n) {
+        const double from = low + n * size, to = from + size;
+        const double off_axis = std::sqrt((i + 0.5) / kRays) *
+                                (beam.radius * ((from + to) / 2 - height) + softness),
+                     angle = 2.399963 * i;
+        const double x = (u + off_axis * std::cos(angle)) * kMapRadius + kMapPixels / 2.0,
+                     y = -(v + off_axis * std::sin(angle)) * kMapRadius + kMapPixels / 2.0;
         if (!(x >= 0 && y >= 0 && x < kMapPixels && y < kMapPixels)) continue;
-        const Vec4& map = maps.at(int(x) + kMapPixels * (int(k) % kMapRow),
-                                  int(y) + kMapPixels * (int(k) / kMapRow));
-        if (map[0] / kMapRadius <= height + kBias) continue;
-        const double back = -maps.at(int(x) + kMapPixels * (int(k) % kMapRow),
-                                     int(y) + kMapPixels * (int(k) / kMapRow + kMapLines))[0];
-        result.covered += map[1];
-        heights += map[1] * std::max((map[0] + back) / 2 / kMapRadius, height + kBias);
+        const int column = int(x) + kMapPixels * (int(k) % kMapRow),
+                  line = int(y) + kMapPixels * (int(k) / kMapRow);
+        const Vec4 &front = maps.at(column, line),
+                   &back = maps.at(column, line + kMapLines * kMapPixels);
+        if (front[0] > from * kMapRadius && -back[0] < to * kMapRadius)
+          covered = std::max(covered, front[1]);
       }
-      result.height = result.covered > 0 ? heights / result.covered : 0;
-      result.covered /= kDisk;
-      return result;
-    };
-    const Over widest = over(beam.radius * std::max(1 - height, 0.0) + softness);
-    if (!(widest.covered > 0)) continue;
-    const double away = widest.height - height, share = over(beam.radius * away + softness).covered;
+      share += covered / kRays;
+    }
+    if (share < kMinShare) continue;
     hidden += light * share *
               lit_share(volume, along(place, kLift * volume.voxel, normal), beam.z,
-                        away * object.radius, 0);
+                        std::max(-height, 0.0) * object.radius, 0);
   }
   return all > 0 ? std::min(hidden / all, 1.0) : 0;
 }

@@ -49,10 +49,10 @@ constexpr int kMapPixels = 64, kMapRow = 4, kMapLines = 4;
 constexpr double kMapRadius = 30;  ///< pixels
 /// The share of all light on a surface of the scene that an object hides. `maps`: the object from
 /// each beam, 64² pixels, four in a row, four rows: height towards the beam in pixels, coverage;
-/// and four rows of its other side: height away from the beam. Percentage closer soft shadows
-/// (Fernando 2005): the mean height of the middle of what is in the way over the widest disk that
-/// can matter, then coverage over the disk that follows from that. Light that the scene keeps from
-/// the surface on its way from the object does not count.
+/// and four rows of its other side: height away from the beam. Of each beam 16 rays, spread over
+/// its disk, go in six steps from the surface to the object's top; one is stopped by the largest
+/// coverage on its way. Light that the scene keeps from the surface on its way from the height of
+/// the object's center does not count, nor does less than a hundredth of a beam.
 double hidden_share(const Plane& maps, const RoomObject& object, const std::vector<Beam>& beams,
                     double softness, const Volume& volume, const Vec3& place, const Vec3& normal);
 
