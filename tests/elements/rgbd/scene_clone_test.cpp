@@ -91,10 +91,8 @@ double light_at(const std::vector<uint8_t>& frame, size_t i) {
   return sum;
 }
 
-/// On the table of the virtual room, where it is free; above it nothing hides the object from a
-/// camera that goes around.
-constexpr const char* kOnTable = "room-x=0.35 room-y=0.47 room-z=0.3 room-size=0.2 ";
-constexpr Vec3 kOnTableCenter{.35, .37, .3};
+/// On the table of the virtual room, where it is free.
+constexpr const char* kOnTable = "room-x=-0.3 room-y=0.47 room-z=-0.17 room-size=0.2 ";
 
 class SceneClone : public ::testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Decomposers, SceneClone,
@@ -102,12 +100,12 @@ INSTANTIATE_TEST_SUITE_P(Decomposers, SceneClone,
                                            "intrinsicdecompthesis formulation=chapter4"));
 
 TEST_P(SceneClone, StaysAtItsPlaceAndShadesIt) {
-  constexpr int kFrames = 24;
+  constexpr int kFrames = 16;
   const auto run = [&](const std::string& settings) {
-    return Line("speed=4", "room-x=0.35 room-y=-0.1 room-z=0.1 source=properties " + settings,
+    return Line("speed=6", "room-x=0 room-y=0.2 room-z=0.1 source=properties " + settings,
                 kFrames, {}, GetParam());
   };
-  const Line with = run("room-size=0.3"), without = run("room-size=0");
+  const Line with = run("room-size=0.2"), without = run("room-size=0");
   ASSERT_EQ(with.result.frames.size(), size_t{kFrames}) << with.result.first_error();
   ASSERT_EQ(without.result.frames.size(), size_t{kFrames}) << without.result.first_error();
   EXPECT_TRUE(with.result.warnings.empty()) << with.result.warnings.front();
@@ -115,18 +113,18 @@ TEST_P(SceneClone, StaysAtItsPlaceAndShadesIt) {
   int frames = 0;
   for (size_t n = 0; n < kFrames; ++n) {
     // It hovers above the table.
-    const Vec3 at = seen_at(with.seen[n], {.35, -.25, .1});
-    const double radius = with.seen[n].fx * .15 / at[2];
+    const Vec3 at = seen_at(with.seen[n], {0, .1, .1});
+    const double radius = with.seen[n].fx * .1 / at[2];
     if (at[0] < radius + 2 || at[0] > kWidth - radius - 2 || at[1] < radius + 2 ||
         at[1] > kHeight - radius - 2)
       continue;
     const Found found = found_in(with.result.frames[n]);
-    EXPECT_NEAR(found.count, 3.14159 * radius * radius, .15 * 3.14159 * radius * radius) << n;
+    EXPECT_NEAR(found.count, 3.14159 * radius * radius, .2 * 3.14159 * radius * radius) << n;
     farthest = std::max(farthest, std::hypot(found.x - at[0], found.y - at[1]));
     ++frames;
   }
   printf("  at most %.2f pixels from its place in %d frames\n", farthest, frames);
-  EXPECT_GT(frames, 12);
+  EXPECT_GT(frames, 8);
   EXPECT_LT(farthest, 1.5);
 }
 
@@ -140,7 +138,7 @@ TEST(SceneCloneLight, DarkensWhatItStandsOn) {
   for (const Line* line : {&with, &faint, &none, &without})
     ASSERT_EQ(line->result.frames.size(), 8U) << line->result.first_error();
   // Before its foot, and far away from it.
-  const Vec3 foot = seen_at(with.seen.back(), {.35, .47, .22});
+  const Vec3 foot = seen_at(with.seen.back(), {-.3, .47, -.25});
   const auto ratio = [&](const Line& line, double x, double y) {
     double light = 0, bare = 0;
     for (int dy = -1; dy <= 1; ++dy)
@@ -188,7 +186,7 @@ TEST(SceneCloneLight, KeepsTheLightOfTheStreamInTheRoom) {
   const Environment light = lamp(2, 20, 20, 20);
   GBytes* map = g_bytes_new(light.rgb().data(), light.rgb().size() * sizeof(float));
   constexpr int kFrames = 40;
-  const Line line("speed=8", "room-x=0.35 room-y=-0.1 room-z=0.1 room-size=0.3", kFrames,
+  const Line line("speed=8", "room-x=0 room-y=0.2 room-z=0.1 room-size=0.2", kFrames,
                   [&](GstElement*, GstBuffer* buffer, int) { add_light(buffer, map); });
   g_bytes_unref(map);
   ASSERT_EQ(line.result.frames.size(), size_t{kFrames}) << line.result.first_error();
@@ -200,7 +198,7 @@ TEST(SceneCloneLight, KeepsTheLightOfTheStreamInTheRoom) {
     const GstInverseDepthMeta& meta = line.seen[n];
     double side = 0;  // from the right, -1…1
     for (size_t k = 0; k < 3; ++k) side += meta.pose[4 * k] * to[k];
-    const Vec3 at = seen_at(meta, {.35, -.25, .1});
+    const Vec3 at = seen_at(meta, {0, .1, .1});
     const Found found = found_in(line.result.frames[n]);
     if (std::abs(side) < .6 || found.count < 60 || at[0] < 30 || at[0] > kWidth - 30) continue;
     ++frames;
