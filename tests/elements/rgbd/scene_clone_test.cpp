@@ -102,8 +102,8 @@ INSTANTIATE_TEST_SUITE_P(Decomposers, SceneClone,
 TEST_P(SceneClone, StaysAtItsPlaceAndShadesIt) {
   constexpr int kFrames = 16;
   const auto run = [&](const std::string& settings) {
-    return Line("speed=6", "room-x=0 room-y=0.2 room-z=0.1 source=properties " + settings,
-                kFrames, {}, GetParam());
+    return Line("speed=6", "room-x=0 room-y=0.2 room-z=0.1 source=properties " + settings, kFrames,
+                {}, GetParam());
   };
   const Line with = run("room-size=0.2"), without = run("room-size=0");
   ASSERT_EQ(with.result.frames.size(), size_t{kFrames}) << with.result.first_error();
