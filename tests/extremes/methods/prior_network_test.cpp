@@ -43,8 +43,12 @@ TEST(PriorNetwork, MoreCyclesComeCloserWhereItIsSaturated) {
           std::vector<std::vector<double>> results;
           for (const uint32_t cycles : {4U, 8U, 32U}) {
             Method method(lab, Solver::multigrid, extent);
-            method.set(IntrinsicDecomposition::Params{
-                .prior = {a, b, v, 1, network}, .cycles = cycles, .tolerances = {.cycle = 0}});
+            method.set(IntrinsicDecomposition::Params{.prior = {.reflectance_weight = a,
+                                                                .shading_weight = b,
+                                                                .value_weight = v,
+                                                                .network = network},
+                                                      .cycles = cycles,
+                                                      .tolerances = {.cycle = 0}});
             const Pixels got = method.decompose_unscaled(frame).intrinsic;
             ASSERT_TRUE(std::all_of(got.begin(), got.end(),
                                     [](float c) { return std::isfinite(c) && c >= 0; }));
