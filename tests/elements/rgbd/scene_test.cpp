@@ -113,7 +113,7 @@ INSTANTIATE_TEST_SUITE_P(Elements, RememberedScene,
 TEST(Scene, SurfacesTellPaintFromShading) {
   const std::string source = "num-buffers=12 path=wall";
   const LineResult truth = run_line("rgbdtestsrc is-live=false samples=1 show=reflectance " +
-                                        source + " ! " + kSize + " ! " + kShown,
+                                        source + " ! " + kSize + " ! identity ! " + kShown,
                                     240);
   for (const std::string element : {"intrinsicdecomp", "globalintrinsic"}) {
     // Correlation of ln reflectance in the last frame.
