@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdio>
 #include <string>
 #include <utility>
 #include <vector>
@@ -58,6 +59,12 @@ Looked look_at(const SceneMemory::Depth& depth) {
   std::ranges::nth_element(steps, middle);
   return {static_cast<double>(steps.size()) / static_cast<double>(pixels),
           static_cast<float>(*middle) * depth.unit};
+}
+
+std::string number_text(float value) {
+  std::array<char, 32> text;
+  snprintf(text.data(), text.size(), "%.3g", double{value});
+  return text.data();
 }
 
 bool alike(const SceneParams& a, const SceneParams& b) {
@@ -119,17 +126,19 @@ void SceneWork::warn(FrameContext& frame, const std::string& text) {
 bool SceneWork::begin(FrameContext& frame, const SceneMemory::Depth& depth,
                       const SceneParams& params) {
   constexpr double kMinKnown = 0.1;
-  constexpr float kNearest = 0.02F, kFarthest = 60;  // meters that the median may be
   const Looked looked = look_at(depth);
   if (looked.known < kMinKnown) {
     warn(frame,
-         "depth is unknown almost everywhere; the scene is remembered from the first frame "
-         "on that has more");
+         "depth is unknown almost everywhere; check the source of depth. The scene is remembered "
+         "from the first frame on that has more");
     return false;
   }
-  if (!(looked.median > kNearest && looked.median < kFarthest))
-    warn(frame, "half of the scene is nearer than " + std::to_string(looked.median) +
-                    " m; check the unit of depth, which is " + std::to_string(depth.unit) + " m");
+  if (!(looked.median >= Volume::Params{}.min_depth && looked.median <= params.scene_depth))
+    warn(frame, "the median depth is " + number_text(looked.median) +
+                    " m, and most of it is not remembered: that takes " +
+                    number_text(Volume::Params{}.min_depth) + " m to scene-depth, " +
+                    number_text(params.scene_depth) + " m; is the unit of depth (depth-unit), " +
+                    number_text(depth.unit) + " m a step, right?");
   try {
     memory_.emplace(device_, depth.extent, memory_params(params));
   } catch (const Error& error) {
@@ -152,7 +161,7 @@ void SceneWork::load(FrameContext& frame, const std::string& path) {
       throw Error(error.kind(), "scene " + path + ": " + error.what());
     }
   } catch (const Error& error) {
-    warn(frame, std::string("the scene is remembered anew: ") + error.what());
+    warn(frame, std::string("scene-load: ") + error.what() + "; the scene begins empty");
   }
 }
 
@@ -197,13 +206,13 @@ void SceneWork::ended(const std::string& location) {
 
 void SceneWork::warn_of(FrameContext& frame, const SceneMemory::Findings& found) {
   if (found.found) told_.erase(kLost);
-  if (found.frames_lost >= kLongLost) warn(frame, kLost);
+  if (found.frames_lost >= kLongLost && found.blocks > 0) warn(frame, kLost);
   if (found.blocks_refused > 0)
-    warn(frame, "the scene has reached scene-memory-limit (" +
-                    std::to_string(made_with_.scene_memory_limit) + " MiB in sight, or " +
-                    std::to_string(HostBlocks::kMaxPools) +
-                    " times that out of it): new surfaces are not remembered; raise it, or "
-                    "voxel-size");
+    warn(frame,
+         "the scene has reached scene-memory-limit, " +
+             std::to_string(made_with_.scene_memory_limit) +
+             " MiB: new surfaces are not remembered; raise that limit, or voxel-size, which is " +
+             number_text(made_with_.voxel_size) + " m");
 }
 
 const KnownReflectance* SceneWork::recall(FrameContext& frame, uint64_t number,

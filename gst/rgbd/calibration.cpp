@@ -120,9 +120,10 @@ Calibration read_calibration(const std::string& path) {
   } catch (const Json::exception& error) {
     throw Error(ErrorKind::file, path + " is no calibration: " + error.what());
   }
-  if (!read.color.usable() || !read.depth.usable())
-    throw Error(ErrorKind::file,
-                path + ": a camera's matrix is singular; its focal lengths must be above 0");
+  for (const bool color : {true, false})
+    if (!(color ? read.color : read.depth).usable())
+      throw Error(ErrorKind::file, path + ": the matrix of \"" + (color ? "color" : "depth") +
+                                       "\" is singular; its focal lengths must be above 0");
   if (!turns(read.rotation))
     throw Error(ErrorKind::file, path +
                                      ": \"rotation\" is no rotation; its rows must be three unit "

@@ -114,14 +114,14 @@ SceneData load_scene(const std::string& path) {
   const std::string bytes = read_file(path, kMaxBytes, fault);
   if (!fault.empty()) fail(path, fault);
   if (!std::string_view(bytes).starts_with(kMagic))
-    fail(path, "is no scene of this version; save it again with save-scene");
+    fail(path, "is no scene that this version reads; save one with save-scene");
   std::string_view content = std::string_view(bytes).substr(kMagic.size());
   uint64_t sum = 0;
   if (content.size() < sizeof sum) fail(path, "ends too early; it was not copied whole");
   std::memcpy(&sum, content.data(), sizeof sum);
   content.remove_prefix(sizeof sum);
   if (checksum(content) != sum)
-    fail(path, "is damaged: its checksum is another; copy or save it again");
+    fail(path, "is incomplete or damaged (its checksum differs); copy or save it again");
   Reader reader(content, path);
   SceneData scene;
   VolumeData& volume = scene.volume;

@@ -210,6 +210,8 @@ TEST(Scene, BadDepthIsSaidAndLosesNoFrame) {
       {"unknown almost everywhere", all(0)},
       {"unknown almost everywhere", all(65535)},
       {"unit of depth", [](GstInverseDepthMeta& meta, int) { meta.unit = 1e-6; }},
+      {"unit of depth (depth-unit)", [](GstInverseDepthMeta& meta, int) { meta.unit *= 8; }},
+      {"unit of depth (depth-unit)", [](GstInverseDepthMeta& meta, int) { meta.unit /= 50; }},
       {"unit of depth", [](GstInverseDepthMeta& meta, int) { meta.unit = 0; }},
       {"unit of depth", [=](GstInverseDepthMeta& meta, int) { meta.unit = nan; }},
       {"focal length", [](GstInverseDepthMeta& meta, int) { meta.fx = 0; }},
@@ -276,7 +278,7 @@ TEST(Scene, IsWrittenAndKnownFromAFile) {
   folder.write("bad.scene", "no scene");
   for (const auto& [settings, said] : std::initializer_list<std::pair<std::string, const char*>>{
            {"scene-load=" + folder / "missing.scene", "missing.scene cannot be read"},
-           {"scene-load=" + folder / "bad.scene", "no scene of this version"},
+           {"scene-load=" + folder / "bad.scene", "no scene that this version reads"},
            {"voxel-size=0.02 scene-load=" + folder / "room.scene", "voxels have a side of"},
            {"scene-location=" + folder / "room.txt", "name it .ply"},
            {"scene-location=" + folder / "no/room.ply", "cannot write"}}) {

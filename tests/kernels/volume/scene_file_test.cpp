@@ -98,8 +98,8 @@ TEST_F(SceneFileTest, FilesAreReadBackOrRefused) {
       return std::string(error.what());
     }
   };
-  EXPECT_NE(refused("").find("no scene of this version"), std::string::npos);
-  EXPECT_NE(refused("gst-inverse scene 9\n" + good).find("no scene of this version"),
+  EXPECT_NE(refused("").find("no scene that this version reads"), std::string::npos);
+  EXPECT_NE(refused("gst-inverse scene 9\n" + good).find("no scene that this version reads"),
             std::string::npos);
   EXPECT_NE(refused(good.substr(0, 24)).find("too early"), std::string::npos);
   EXPECT_NE(refused(good.substr(0, good.size() / 2)).find("damaged"), std::string::npos);
