@@ -63,7 +63,7 @@ const PropertyTable<Params>& table() {
           "The same of its lowest point, meters down"),
       number<P>(
           "room-z", [](P& p) -> float& { return p.room.place[2]; }, -1000, 1000,
-          "The same, meters forward from where the camera began"),
+          "The same, meters forward, along z of the scene's axes"),
       number<P>(
           "room-size", [](P& p) -> float& { return p.room.size; }, 0, 100,
           "The same: diameter of the sphere around the object, meters"),
