@@ -13,17 +13,17 @@ class ElementError(Exception):
     """An element or a property that does not exist, or a value that does not fit. Says what to do."""
 
 
-def _takes_layers(factory, direction):
-    """Whether a pad of that direction that is always there takes layers."""
+def _takes_layers(factory, direction, first=False):
+    """Whether a pad of that direction that is always there takes layers; `first`: rather than pictures."""
+    found = []
     for template in factory.get_static_pad_templates():
         if template.direction != direction or template.presence != Gst.PadPresence.ALWAYS:
             continue
         caps = template.get_caps()
         for i in range(caps.get_size()):
             features = caps.get_features(i) if not caps.is_any() else None
-            if features is not None and not features.is_any() and features.contains(LAYERS):
-                return True
-    return False
+            found.append(features is not None and not features.is_any() and features.contains(LAYERS))
+    return any(found[:1] if first else found)
 
 
 def _video_factories():
@@ -33,9 +33,10 @@ def _video_factories():
 
 @functools.cache
 def editors():
-    """Names of the elements that take layers and output layers."""
+    """Names of the elements that take layers and output layers. One that takes pictures first, as materialclone, is
+    none: to layers without a scene it does nothing."""
     return [f.get_name() for f in _video_factories()
-            if all(_takes_layers(f, direction) for direction in (Gst.PadDirection.SINK, Gst.PadDirection.SRC))]
+            if _takes_layers(f, Gst.PadDirection.SINK, first=True) and _takes_layers(f, Gst.PadDirection.SRC)]
 
 
 @functools.cache
