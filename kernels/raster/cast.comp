@@ -4,6 +4,7 @@
 #include "gpu/common.glsl"
 #include "image/finite.glsl"
 #include "volume/camera.glsl"
+#include "volume/known_surface.glsl"
 #include "volume/voxel.glsl"
 
 // The share of all light that an object hides from what a frame sees of its scene. One pixel of the view an invocation.
@@ -73,16 +74,15 @@ void main() {
   uint line = line_index();
   uvec2 pixel = uvec2(line % push.size.x, line / push.size.x);
   if (pixel.y >= push.size.y) return;
-  vec4 seen = FETCH(surface, int(line)), rotation = FETCH(room, kRotation);
-  float depth = finite(seen).w, square = finite(vec4(dot(seen.xyz, seen.xyz))).x, share = 0.0;
-  bool known = depth > 0.0 && depth < kLargest && square > 0.5 && square < 2.0;
-  if (known) {
-    vec3 place = to_world(rotation, FETCH(room, kPlace), depth * ray_of(push.lens, vec2(pixel)));
+  vec4 seen = known_surface(FETCH(surface, int(line))), rotation = FETCH(room, kRotation);
+  float share = 0.0;
+  if (seen.w > 0.0) {
+    vec3 place = to_world(rotation, FETCH(room, kPlace), seen.w * ray_of(push.lens, vec2(pixel)));
     vec3 normal = turned(rotation, seen.xyz);
     for (int k = 0; k < beam_count(); ++k) share += hidden_by(k, place, normal);
     float all = 0.0;
     for (int k = 0; k < beam_count() && share > 0.0; ++k) all += light_of_beam(k, normal);
     share /= max(all, 1e-20);
   }
-  STORE(hidden, line, vec4(vec3(push.strength * min(share, 1.0)), known ? depth : 0.0));
+  STORE(hidden, line, vec4(vec3(push.strength * min(share, 1.0)), seen.w));
 }

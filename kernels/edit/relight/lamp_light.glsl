@@ -18,9 +18,3 @@ vec3 light_of(int k, vec3 place, vec3 normal) {
     share *= 1.0 - falling((-dot(way, axis.xyz) - color.w) * FETCH(lamps, kLampRows * k + kMark).z);
   return color.rgb * share;
 }
-
-// A pixel of SeenScene::surface, all 0 where it has no normal or no depth.
-vec4 known_surface(vec4 seen) {
-  float depth = finite(seen).w, square = finite(vec4(dot(seen.xyz, seen.xyz))).x;
-  return depth > 0.0 && depth < kLargest && square > 0.5 && square < 2.0 ? vec4(seen.xyz, depth) : vec4(0.0);
-}

@@ -4,6 +4,7 @@
 #include "gpu/common.glsl"
 #include "edit/edit.glsl"
 #include "volume/camera.glsl"
+#include "volume/known_surface.glsl"
 #include "volume/noise.glsl"
 #include "volume/voxel.glsl"
 #include "relight.glsl"

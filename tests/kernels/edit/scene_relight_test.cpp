@@ -2,14 +2,11 @@
 // Lamps in a remembered scene: the kernels against their specification, and what no scene may
 // break.
 #include "kernels/edit/relight/relight.hpp"
-#include "tests/kernels/volume/volume_fixture.hpp"
+#include "tests/kernels/volume/remembered_room.hpp"
 #include "tests/reference/edit/scene_light.hpp"
 
 namespace inverse::testing {
 namespace {
-
-constexpr Volume::Params kParams{.voxel = 0.02F, .blocks = 8192};
-const Camera kCamera = camera_at(64, 48, {0.1, 0.25, 0.05}, {-0.1, 0.6, 2});
 
 reference::SceneLamp specified(const Lamp& lamp) {
   reference::SceneLamp result{.kind = static_cast<reference::SceneLamp::Kind>(lamp.kind)};
@@ -26,42 +23,10 @@ reference::SceneLamp specified(const Lamp& lamp) {
   return result;
 }
 
-class SceneRelightTest : public VolumeFixture {
+class SceneRelightTest : public RememberedRoom {
  protected:
-  void SetUp() override {
-    VolumeFixture::SetUp();
-    volume_.emplace(device, kParams);
-    for (int i = 0; i < 4; ++i) {
-      const double t = 0.4 * i;
-      const Camera camera =
-          camera_at(160, 120, {0.5 * std::sin(t) - 0.2, 0.2, 0.15 * std::cos(t)}, {-0.2, 0.6, 2});
-      const Seen seen = look(camera);
-      const reference::Plane surface = reference::normals(camera, seen.depth);
-      integrate(*volume_, camera, surface, seen.layers);
-      expected_.allocate(camera, surface);
-      expected_.integrate(camera, surface, seen.layers);
-    }
-    Volume::View view(device, extent_of(kCamera));
-    const auto pose = pose_of(kCamera);
-    run([&](gpu::Commands& commands) {
-      volume_->record_march(commands, lens_of(kCamera), pose, view);
-    });
-    surface_ = download(view.surface);
-  }
-
   std::shared_ptr<SeenScene> scene(const Pixels& surface, const Volume& volume, bool found = true) {
-    Pixels pose = download(pose_of(kCamera));
-    pose.insert(pose.end(), {found ? 1.F : 0.F, 0, 0, 0});
-    const Extent extent = extent_of(kCamera);
-    return std::make_shared<SeenScene>(SeenScene{.extent = extent,
-                                                 .lens = lens_of(kCamera),
-                                                 .surface = shared_plane(extent, surface),
-                                                 .pose = shared_plane({3, 1}, pose),
-                                                 .table = volume.table(),
-                                                 .voxels = volume.voxels(),
-                                                 .table_mask = volume.table_mask(),
-                                                 .voxel = kParams.voxel,
-                                                 .truncation = kParams.truncation * kParams.voxel});
+    return RememberedRoom::scene(kCamera, surface, volume, found);
   }
   /// The mean light of lamps alone on each pixel of a frame of white surfaces.
   std::vector<float> light(const std::shared_ptr<SeenScene>& scene, RelightParams params,
@@ -88,14 +53,6 @@ class SceneRelightTest : public VolumeFixture {
       result.push_back((sum[0] + sum[1] + sum[2]) / 3);
     return result;
   }
-
-  std::optional<Volume> volume_;
-  reference::Volume expected_{double{kParams.voxel},
-                              double{kParams.truncation * kParams.voxel},
-                              double{kParams.max_depth},
-                              double{kParams.memory},
-                              {}};
-  Pixels surface_;  // what kCamera sees
 };
 
 /// Lamps over the ball, low beside the box, a spot from the camera and the sun; then those that are

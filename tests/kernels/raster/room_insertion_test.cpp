@@ -6,7 +6,7 @@
 #include <set>
 
 #include "kernels/raster_draw_room.spv.hpp"
-#include "tests/kernels/volume/volume_fixture.hpp"
+#include "tests/kernels/volume/remembered_room.hpp"
 #include "tests/reference/environment/lit_sphere.hpp"
 #include "tests/reference/raster/room.hpp"
 
@@ -14,8 +14,6 @@ namespace inverse::testing {
 namespace {
 
 using Room = shaders::raster_cast;
-constexpr Volume::Params kParams{.voxel = 0.02F, .blocks = 8192};
-const Camera kCamera = camera_at(64, 48, {0.1, 0.25, 0.05}, {-0.1, 0.6, 2});
 constexpr Extent kFrame{128, 96};
 
 double dot3(const Vec3& a, const Vec3& b) { return reference::dot(a, b); }
@@ -52,49 +50,8 @@ Lit random_light(unsigned seed, const Vec3& center, double radius, size_t count,
   return lit;
 }
 
-class RoomInsertionTest : public VolumeFixture {
+class RoomInsertionTest : public RememberedRoom {
  protected:
-  void SetUp() override {
-    VolumeFixture::SetUp();
-    volume_.emplace(device, kParams);
-    for (int i = 0; i < 4; ++i) {
-      const double t = 0.4 * i;
-      const Camera camera =
-          camera_at(160, 120, {0.5 * std::sin(t) - 0.2, 0.2, 0.15 * std::cos(t)}, {-0.2, 0.6, 2});
-      const Seen seen = look(camera);
-      const reference::Plane surface = reference::normals(camera, seen.depth);
-      integrate(*volume_, camera, surface, seen.layers);
-      expected_.allocate(camera, surface);
-      expected_.integrate(camera, surface, seen.layers);
-    }
-    surface_ = seen_by(kCamera);
-  }
-  Pixels seen_by(const Camera& camera) {
-    Volume::View view(device, extent_of(camera));
-    const auto pose = pose_of(camera);
-    run([&](gpu::Commands& commands) {
-      volume_->record_march(commands, lens_of(camera), pose, view);
-    });
-    return download(view.surface);
-  }
-  std::shared_ptr<SeenScene> scene(const Camera& camera, const Pixels& surface) {
-    const Extent extent = extent_of(camera);
-    return std::make_shared<SeenScene>(SeenScene{.extent = extent,
-                                                 .lens = lens_of(camera),
-                                                 .surface = shared_plane(extent, surface),
-                                                 .pose = nullptr,
-                                                 .table = volume_->table(),
-                                                 .voxels = volume_->voxels(),
-                                                 .table_mask = volume_->table_mask(),
-                                                 .voxel = kParams.voxel,
-                                                 .truncation = kParams.truncation * kParams.voxel});
-  }
-  static Pose pose(const Camera& camera) {
-    Pose result;
-    for (size_t c = 0; c < 4; ++c) result.rotation[c] = float(camera.rotation[c]);
-    for (size_t c = 0; c < 3; ++c) result.place[c] = float(camera.place[c]);
-    return result;
-  }
   /// The table `room` (room.glsl), for a picture of the whole frame.
   static Pixels table_of(const Lit& lit) {
     Pixels table;
@@ -156,13 +113,6 @@ class RoomInsertionTest : public VolumeFixture {
   }
 
   static constexpr uint32_t kProbes = Room::kProbes * Room::kProbes * Room::kProbes;
-  std::optional<Volume> volume_;
-  reference::Volume expected_{double{kParams.voxel},
-                              double{kParams.truncation * kParams.voxel},
-                              double{kParams.max_depth},
-                              double{kParams.memory},
-                              {}};
-  Pixels surface_;  // what kCamera sees
 };
 
 /// Between the ball, the box and the camera; then half in the floor, around the ball, far away.
@@ -481,10 +431,10 @@ TEST_F(RoomInsertionTest, ObjectsStandAtTheirPlaceFromAllSides) {
     const Pixels surface = seen_by(camera), white(4 * kFrame.pixels(), 1);
     Layers layers =
         intrinsic_layers(shared_plane(kFrame, white), shared_plane(kFrame, white), nullptr);
-    layers.scene = scene(camera, surface);
+    layers.scene = scene(camera, surface, *volume_);
     run([&](gpu::Commands& commands) {
-      insertion.record(commands, layers, pose(camera), params, sphere, {{.25F, .25F, .25F}, 0, 2},
-                       {});
+      insertion.record(commands, layers, host_pose(camera), params, sphere,
+                       {{.25F, .25F, .25F}, 0, 2}, {});
     });
     const Pixels frame = download(layers[Role::input]),
                  intrinsic = download(layers[Role::intrinsic]),
@@ -536,8 +486,8 @@ TEST_F(RoomInsertionTest, ExtremesAreFiniteAndPlanesOfOthersStay) {
   for (const auto& params : extremes)
     for (const float intensity : {1.F, 0.F, 1e30F}) {
       Layers layers = intrinsic_layers(shared, shared, nullptr);
-      layers.scene = scene(kCamera, surface_);
-      Pose odd = pose(kCamera);
+      layers.scene = scene(kCamera, surface_, *volume_);
+      Pose odd = host_pose(kCamera);
       for (float& v : odd.rotation) v *= 3;  // no unit quaternion
       run([&](gpu::Commands& commands) {
         insertion.record(commands, layers, odd, params, sphere, {{0, 0, 0}, 1, 1024},

@@ -47,14 +47,11 @@ class HostBlocksTest : public VolumeFixture {
   /// Frames that add nothing, of which the host believes that so many blocks are free.
   void move(HostBlocks& host, Volume& volume, const Camera& camera, uint32_t free_blocks,
             int frames, uint64_t strokes = 0) {
-    Pose pose;
-    for (size_t c = 0; c < 4; ++c) pose.rotation[c] = float(camera.rotation[c]);
-    for (size_t c = 0; c < 3; ++c) pose.place[c] = float(camera.place[c]);
     const auto on_device = pose_of(camera);
     for (int i = 0; i < frames; ++i)
       run([&](gpu::Commands& commands) {
         host.record(commands, number_++, volume, {lens_of(camera), extent_of(camera), on_device},
-                    {pose, free_blocks}, strokes);
+                    {host_pose(camera), free_blocks}, strokes);
       });
   }
   VolumeData all(HostBlocks& host, const Volume& volume) {

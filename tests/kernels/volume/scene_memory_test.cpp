@@ -58,13 +58,6 @@ class SceneMemoryTest : public VolumeFixture {
       frame.steps.push_back(uint16_t(std::lround(std::min(z / double{kUnit}, 65535.0))));
     return frame;
   }
-  static Pose pose_of_camera(const Camera& camera) {
-    Pose pose;
-    for (size_t c = 0; c < 4; ++c) pose.rotation[c] = float(camera.rotation[c]);
-    for (size_t c = 0; c < 3; ++c) pose.place[c] = float(camera.place[c]);
-    return pose;
-  }
-
   /// Shows `memory` a frame whose true layers are found. What was known of it before: ln R and
   /// confidence; empty: nothing.
   Pixels show(SceneMemory& memory, const Frame& frame, const SceneMemory::Depth& depth) {
@@ -129,7 +122,7 @@ TEST_F(SceneMemoryTest, TakesPosesThatAreGiven) {
   for (int i = 0; i < 4; ++i) {
     const Frame frame = seen_by(around(1.5 * i));
     SceneMemory::Depth depth = frame.depth();
-    depth.pose = pose_of_camera(frame.camera);
+    depth.pose = host_pose(frame.camera);
     const Pixels known = show(memory, frame, depth);
     if (i > 0) {
       EXPECT_LT(match(known, frame).distance, 0.1) << i;
@@ -170,7 +163,7 @@ TEST_F(SceneMemoryTest, OneBadFrameDoesNotMoveTheCamera) {
   for (int i = 0; i < 40; ++i) {
     const Frame frame = seen_by(turning(0.025 * i));
     SceneMemory::Depth depth = frame.depth();
-    if (i == 0) depth.pose = pose_of_camera(frame.camera);
+    if (i == 0) depth.pose = host_pose(frame.camera);
     const std::vector<uint16_t> nothing(frame.steps.size(), 0);
     if (i == 30) depth.rows = reinterpret_cast<const std::byte*>(nothing.data());
     const Pixels known = show(memory, frame, depth);
@@ -191,7 +184,7 @@ TEST_F(SceneMemoryTest, FindsALostCameraByItsKeyframes) {
     for (int i = 0; i <= 40; ++i) {
       const Frame frame = seen_by(turning(0.025 * i));
       SceneMemory::Depth depth = frame.depth();
-      if (i == 0) depth.pose = pose_of_camera(frame.camera);
+      if (i == 0) depth.pose = host_pose(frame.camera);
       show(memory, frame, depth);
     }
     ASSERT_TRUE(found(memory).found);
@@ -222,13 +215,13 @@ TEST_F(SceneMemoryTest, LooksForTheCameraAfterASeek) {
     for (int i = 0; i <= 40; ++i) {
       const Frame frame = seen_by(turning(0.025 * i));
       SceneMemory::Depth depth = frame.depth();
-      if (i == 0) depth.pose = pose_of_camera(frame.camera);
+      if (i == 0) depth.pose = host_pose(frame.camera);
       show(memory, frame, depth);
     }
     const uint32_t blocks = found(memory).blocks;
     EXPECT_TRUE(memory.look_for_camera());
     SceneMemory::Depth depth = first.depth();
-    if (posed) depth.pose = pose_of_camera(first.camera);
+    if (posed) depth.pose = host_pose(first.camera);
     int frames = 1;
     Pixels known = show(memory, first, depth);
     for (; frames < 40 && !found(memory).found; ++frames) known = show(memory, first, depth);
@@ -251,7 +244,7 @@ TEST_F(SceneMemoryTest, RemembersMoreThanTheDeviceHasRoomFor) {
     for (int i = from; i != to; i += to > from ? 1 : -1) {
       const Frame frame = seen_by(turning(0.03 * i));
       SceneMemory::Depth depth = frame.depth();
-      if (i == 0 && from == 0) depth.pose = pose_of_camera(frame.camera);
+      if (i == 0 && from == 0) depth.pose = host_pose(frame.camera);
       known = show(memory, frame, depth);
       const SceneMemory::Findings now = found(memory);
       EXPECT_TRUE(now.found || i == from) << i;

@@ -13,6 +13,13 @@ inline Extent extent_of(const Camera& camera) {
   return {uint32_t(camera.width), uint32_t(camera.height)};
 }
 
+inline Pose host_pose(const Camera& camera) {
+  Pose pose;
+  for (size_t c = 0; c < 4; ++c) pose.rotation[c] = float(camera.rotation[c]);
+  for (size_t c = 0; c < 3; ++c) pose.place[c] = float(camera.place[c]);
+  return pose;
+}
+
 inline Pixels to_pixels(const reference::Plane& plane) {
   Pixels pixels;
   for (const auto& p : plane.data)
