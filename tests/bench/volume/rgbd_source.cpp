@@ -192,6 +192,53 @@ Options rgbd_options(RgbdSettings& settings, Options own) {
   return own;
 }
 
+std::vector<uint16_t> millimeters_of(const Lab& lab, const RgbdFrame& frame) {
+  std::vector<uint16_t> millimeters;
+  for (const float z : lab.download(frame.depth))
+    millimeters.push_back(uint16_t(std::lround(1000 * double{z})));
+  return millimeters;
+}
+
+SceneMemory::Depth depth_of(const std::vector<uint16_t>& millimeters, const RgbdSource& source,
+                            const std::optional<Pose>& pose) {
+  return {reinterpret_cast<const std::byte*>(millimeters.data()),
+          source.extent().width * sizeof(uint16_t),
+          source.extent(),
+          0.001F,
+          source.lens(),
+          pose};
+}
+
+void walk_scene(const Lab& lab, RgbdSource& source, float voxel,
+                const std::function<void(int number, const RgbdFrame& frame,
+                                         const std::shared_ptr<const SeenScene>& scene)>& score) {
+  constexpr int kEvery = 15;  // frames
+  const Extent extent = source.extent();
+  SceneMemory::Params made;
+  made.volume.voxel = voxel;
+  SceneMemory memory(lab.device(), extent, made);
+  gpu::Commands commands(lab.device());
+  for (int n = 0; n < source.frames(); ++n) {
+    const RgbdFrame frame = source.frame(lab, n);
+    const std::vector<uint16_t> depth = millimeters_of(lab, frame);
+    commands.begin();
+    memory.record_recall(commands, uint64_t(n), depth_of(depth, source, frame.pose),
+                         {extent, frame.picture});
+    memory.record_remember(commands, {extent, frame.layers});
+    const std::shared_ptr<const SeenScene> scene = memory.record_seen(commands);
+    commands.submit();
+    commands.wait();
+    if (2 * n >= source.frames() && n % kEvery == 0) score(n, frame, scene);
+  }
+}
+
+Option places(std::vector<std::array<float, 3>>& field) {
+  return {true, [&field](const char* value) {
+            auto& at = field.emplace_back();
+            return sscanf(value, "%f,%f,%f", &at[0], &at[1], &at[2]) == 3;
+          }};
+}
+
 gpu::BufferPtr pose_on(const Lab& lab, const Pose& pose) {
   Pixels values(pose.rotation.begin(), pose.rotation.end());
   values.insert(values.end(), pose.place.begin(), pose.place.end());

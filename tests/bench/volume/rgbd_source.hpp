@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Frames of depth cameras with known poses, for benchmarks.
 #pragma once
+#include <array>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "kernels/virtual_room/hand.hpp"
 #include "kernels/volume/camera.hpp"
+#include "kernels/volume/memory/scene_memory.hpp"
 #include "tests/bench/support/command_line.hpp"
 #include "tests/lab.hpp"
 
@@ -51,6 +55,20 @@ class RgbdSource {
 /// depth unless `noise` is 0.
 std::unique_ptr<RgbdSource> open_rgbd(const Lab& lab, const std::string& name,
                                       const RgbdSettings& settings);
+
+/// The depth of a frame in millimeters, as a camera sends it.
+std::vector<uint16_t> millimeters_of(const Lab& lab, const RgbdFrame& frame);
+/// The same for a memory; refers to `millimeters`.
+SceneMemory::Depth depth_of(const std::vector<uint16_t>& millimeters, const RgbdSource& source,
+                            const std::optional<Pose>& pose);
+/// Shows all frames of a path to a memory, which is given their true layers. Of every 15th one from
+/// the second half on calls `score` with its number and what it sees of the scene.
+void walk_scene(const Lab& lab, RgbdSource& source, float voxel,
+                const std::function<void(int number, const RgbdFrame& frame,
+                                         const std::shared_ptr<const SeenScene>& scene)>& score);
+
+/// An option X,Y,Z, meters, that may be given more than once.
+Option places(std::vector<std::array<float, 3>>& field);
 
 /// Two vec4 on the device.
 gpu::BufferPtr pose_on(const Lab& lab, const Pose& pose);

@@ -174,46 +174,21 @@ class Scored {
   VirtualRoom bare_, room_;
 };
 
-SceneMemory::Depth depth_of(const std::vector<uint16_t>& millimeters, const RgbdFrame& frame,
-                            const RgbdSource& source) {
-  return {reinterpret_cast<const std::byte*>(millimeters.data()),
-          source.extent().width * sizeof(uint16_t),
-          source.extent(),
-          0.001F,
-          source.lens(),
-          frame.pose};
-}
-
 void run_one(const Lab& lab, const std::string& name, const Settings& settings) {
-  constexpr int kEvery = 15;  // frames
   const auto source = open_rgbd(lab, name, settings);
   const Extent extent = source->extent();
-  SceneMemory::Params made;
-  made.volume.voxel = float(settings.voxel);
-  SceneMemory memory(lab.device(), extent, made);
   std::vector<std::unique_ptr<Scored>> places;
   for (const Point& place : settings.places)
     places.push_back(std::make_unique<Scored>(lab, place, float(settings.radius), extent));
-  gpu::Commands commands(lab.device());
-  for (int n = 0; n < source->frames(); ++n) {
-    const RgbdFrame frame = source->frame(lab, n);
-    std::vector<uint16_t> depth;
-    for (const float z : lab.download(frame.depth))
-      depth.push_back(uint16_t(std::lround(1000 * double{z})));
-    commands.begin();
-    memory.record_recall(commands, uint64_t(n), depth_of(depth, frame, *source),
-                         {extent, frame.picture});
-    memory.record_remember(commands, {extent, frame.layers});
-    const std::shared_ptr<const SeenScene> scene = memory.record_seen(commands);
-    commands.submit();
-    commands.wait();
-    if (2 * n < source->frames() || n % kEvery > 0) continue;
-    for (size_t k = 0; k < places.size(); ++k)
-      places[k]->score(lab, frame, source->lens(), extent, scene,
-                       settings.out.empty() ? ""
-                                            : settings.out + "/" + name + "-" + std::to_string(k) +
-                                                  "-" + std::to_string(n) + ".png");
-  }
+  walk_scene(lab, *source, float(settings.voxel),
+             [&](int n, const RgbdFrame& frame, const auto& scene) {
+               for (size_t k = 0; k < places.size(); ++k)
+                 places[k]->score(lab, frame, source->lens(), extent, scene,
+                                  settings.out.empty()
+                                      ? ""
+                                      : settings.out + "/" + name + "-" + std::to_string(k) + "-" +
+                                            std::to_string(n) + ".png");
+             });
   for (size_t k = 0; k < places.size(); ++k) {
     const Point& place = settings.places[k];
     const Row& row = places[k]->row;
@@ -228,16 +203,10 @@ void run_one(const Lab& lab, const std::string& name, const Settings& settings) 
 int run(int count, char** arguments) {
   Settings settings;
   std::vector<std::string> names;
-  const Options options = rgbd_options(
-      settings, {{"--voxel", number(settings.voxel)},
-                 {"--radius", number(settings.radius)},
-                 {"--out", text(settings.out)},
-                 {"--place", {true, [&](const char* value) {
-                                Point at;
-                                settings.places.push_back(at);
-                                auto& to = settings.places.back();
-                                return sscanf(value, "%f,%f,%f", &to[0], &to[1], &to[2]) == 3;
-                              }}}});
+  const Options options = rgbd_options(settings, {{"--voxel", number(settings.voxel)},
+                                                  {"--radius", number(settings.radius)},
+                                                  {"--out", text(settings.out)},
+                                                  {"--place", places(settings.places)}});
   if (!read(options, count, arguments, __FILE__, &names)) return 1;
   if (names.empty()) throw std::runtime_error("usage: room-clone-bench [options] orbit|wall…");
   if (settings.places.empty())
@@ -252,11 +221,6 @@ int run(int count, char** arguments) {
 }  // namespace
 }  // namespace inverse::bench
 
-int main(int count, char** arguments) {
-  try {
-    return inverse::bench::run(count, arguments);
-  } catch (const std::exception& error) {
-    fprintf(stderr, "room-clone-bench: %s\n", error.what());
-    return 1;
-  }
+int main(int argc, char** argv) {
+  return inverse::bench::run_main("room-clone-bench", inverse::bench::run, argc, argv);
 }

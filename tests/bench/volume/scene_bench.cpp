@@ -69,8 +69,7 @@ std::vector<Taken> take(const Lab& lab, const std::string& name, RgbdSource& sou
   std::vector<Taken> frames;
   for (int n = 0; n < source.frames(); ++n) {
     Taken taken{source.frame(lab, n), {}, {}, {}};
-    for (const float z : lab.download(taken.frame.depth))
-      taken.depth.push_back(uint16_t(std::lround(1000 * double(z))));
+    taken.depth = millimeters_of(lab, taken.frame);
     if (std::filesystem::is_directory(name)) {
       const LabeledFrame truth = load_rendered(name, n, Regime::kNearConstantValue);
       taken.reflectance = truth.reflectance;
@@ -188,15 +187,6 @@ Followed follow(const std::vector<Taken>& frames, const Lens& lens, Extent exten
   return followed;
 }
 
-SceneMemory::Depth depth_of(const Taken& taken, const Lens& lens, Extent extent) {
-  return {reinterpret_cast<const std::byte*>(taken.depth.data()),
-          extent.width * sizeof(uint16_t),
-          extent,
-          0.001F,
-          lens,
-          taken.frame.pose};
-}
-
 /// A decomposer: records a frame's work, and returns its layers.
 using Solver = std::function<PlanePtr(gpu::Commands&, size_t frame, const PlanePtr& input,
                                       const KnownReflectance* known)>;
@@ -253,7 +243,8 @@ void run_one(const Lab& lab, const std::string& name, const std::string& method,
     commands.begin();
     std::optional<KnownReflectance> known;
     if (memory)
-      known = memory->record_recall(commands, n, depth_of(taken, source.lens(), extent), *input);
+      known = memory->record_recall(commands, n, depth_of(taken.depth, source, taken.frame.pose),
+                                    *input);
     const PlanePtr layers = solver(commands, n, input, known && weight > 0 ? &*known : nullptr);
     if (memory) memory->record_remember(commands, *layers);
     commands.submit();
@@ -274,7 +265,7 @@ void run_one(const Lab& lab, const std::string& name, const std::string& method,
     errors += last;
     if (colors)
       lab.run([&](gpu::Commands& extra) {
-        colors->record_recall(extra, n, depth_of(taken, source.lens(), extent), *input);
+        colors->record_recall(extra, n, depth_of(taken.depth, source, taken.frame.pose), *input);
         colors->record_remember(extra, *input);
       });
   }

@@ -130,15 +130,8 @@ void run_one(const Lab& lab, RgbdSource& source, const Solved& solved, bool prin
   for (int n = 0; n < source.frames(); ++n) {
     const RgbdFrame frame = source.frame(lab, n);
     const View view{extent, source.lens(), frame.pose, frame.true_depth};
-    std::vector<uint16_t> steps;
-    for (const float z : lab.download(frame.depth))
-      steps.push_back(uint16_t(std::lround(1000 * double(z))));
-    const SceneMemory::Depth depth{reinterpret_cast<const std::byte*>(steps.data()),
-                                   extent.width * sizeof(uint16_t),
-                                   extent,
-                                   0.001F,
-                                   source.lens(),
-                                   frame.pose};
+    const std::vector<uint16_t> steps = millimeters_of(lab, frame);
+    const SceneMemory::Depth depth = depth_of(steps, source, frame.pose);
     memory.set_strokes(placed);
     memory.keep_views(n == kDrawn);
     commands.begin();

@@ -113,15 +113,9 @@ Result play(const Lab& lab, const Settings& settings, const std::string& name) {
   for (int n = 0; n < source->frames(); ++n) {
     const RgbdFrame frame = source->frame(lab, n);
     const View view{extent, source->lens(), frame.pose, frame.true_depth};
-    std::vector<uint16_t> steps;
-    for (const float z : lab.download(frame.depth))
-      steps.push_back(uint16_t(std::lround(1000 * double(z))));
-    const SceneMemory::Depth depth{reinterpret_cast<const std::byte*>(steps.data()),
-                                   extent.width * sizeof(uint16_t),
-                                   extent,
-                                   0.001F,
-                                   source->lens(),
-                                   n == 0 ? std::optional(frame.pose) : std::nullopt};
+    const std::vector<uint16_t> steps = millimeters_of(lab, frame);
+    const SceneMemory::Depth depth =
+        depth_of(steps, *source, n == 0 ? std::optional(frame.pose) : std::nullopt);
     memory.set_strokes(placed);
     memory.set_update(settings.update || n < settings.seen);
     memory.set_touch(n >= settings.seen);
