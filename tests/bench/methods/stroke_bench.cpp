@@ -121,7 +121,7 @@ Decomposition solve(DeviceSession& session, ThesisDecomposition& method, const I
       [&](gpu::Commands& commands, const PlanePtr& input) {
         if (strokes) {
           StrokeMask mask(session.device(), input->extent);
-          mask.set(commands, strokes, nullptr);
+          mask.set(commands, strokes, {});
           drawn.mask = mask.pixels();
         }
         method.set_strokes(drawn);
