@@ -11,14 +11,16 @@
 WORD_IN(0, kinds);
 PLANE_IN(1, surface);      // of the frame: w: depth
 SCALAR_IN(2, view_depth);
-PLANE_IN(3, reflectance);  // of the view: ln R; w: confidence
-PLANE_OUT(4, sums);        // TOUCH_STRIDE a tile
+PLANE_IN(3, view_surface);  // xyz: normal, in the camera's axes
+PLANE_IN(4, reflectance);   // of the view: ln R; w: confidence
+PLANE_OUT(5, sums);         // TOUCH_STRIDE a tile
 layout(push_constant) uniform Push {
   vec4 lens;
   uvec2 size;
 } push;
 
 const float kNear = 0.022;  // meters: a finger and some
+const float kAbove = 0.5;   // of the distance, along the normal: what continues the surface, or lies behind it, is part of the scene
 const int kSide = 4;        // places on each side of a pixel where the scene is looked at
 
 void main() {
@@ -48,7 +50,7 @@ void main() {
         nearest = point;
         from = there;
       }
-    if (from >= 0) {
+    if (from >= 0 && dot(here - nearest, FETCH(view_surface, from).xyz) > kAbove * distance_there) {
       float share = 1.0 - distance_there / kNear, weight = share * share;
       vec4 r = FETCH(reflectance, from);
       place = weight * vec4(nearest, 1.0);

@@ -55,6 +55,7 @@ void TouchFinder::record(gpu::Commands& commands, const Frame& frame, const Volu
                     {.kinds = kinds_[0],
                      .surface = frame.surface,
                      .view_depth = view.depth,
+                     .view_surface = view.surface,
                      .reflectance = view.reflectance,
                      .sums = sums_},
                     {.lens = frame.lens.values(), .size = extent_},

@@ -21,14 +21,17 @@ constexpr std::array<float, 4> kSkin{0.4F, 0.2F, 0.12F, 1}, kCloth{0.1F, 0.1F, 0
 struct Input {
   Camera camera;
   std::vector<double> depth, view;
-  reference::Plane layers, reflectance;
+  reference::Plane layers, normals, reflectance;
 
   explicit Input(const Camera& of)
       : camera(of),
         depth(size_t(of.width) * size_t(of.height)),
         view(depth.size()),
         layers(of.width, of.height),
-        reflectance(of.width, of.height) {}
+        normals(of.width, of.height),
+        reflectance(of.width, of.height) {
+    for (auto& normal : normals.data) normal = {0, 0, -1, 0};
+  }
 };
 
 std::vector<float> narrow(const std::vector<double>& values) {
@@ -52,6 +55,7 @@ class TouchTest : public VolumeFixture {
     for (size_t i = 0; i < surface.size(); ++i) surface.data[i][3] = in.depth[i];
     Volume::View view(device, extent);
     view.depth = upload(gpu::Element::scalar, narrow(in.view).data(), pixels);
+    view.surface = upload(to_pixels(in.normals));
     view.reflectance = upload(to_pixels(in.reflectance));
     Pixels valid(16, 0);
     valid[0] = found;
@@ -85,7 +89,8 @@ class TouchTest : public VolumeFixture {
     EXPECT_LE(other, kinds.size() / 500) << "of " << kinds.size();
     const auto kept = reference::background(width, height, in.depth, out.kinds);
     for (size_t i = 0; i < kept.size(); ++i) ASSERT_EQ(out.kept[i], float(kept[i])) << i;
-    const auto expected = reference::touch(in.camera, in.depth, in.view, in.reflectance, out.kinds);
+    const auto expected =
+        reference::touch(in.camera, in.depth, in.view, in.normals, in.reflectance, out.kinds);
     EXPECT_NEAR(double{out.result[10]}, expected.front, 1e-5);
     EXPECT_NEAR(double{out.result[3]}, expected.area, 1e-3 * expected.area + 1e-12);
     if (!(expected.area > 0)) return;
@@ -140,6 +145,9 @@ TEST_F(TouchTest, AgreesWithReferenceOnRandomInput) {
           in.reflectance.data[i][c] = -3 * unit(random);
         }
         in.reflectance.data[i][3] = unit(random) < 0.2 ? 0 : unit(random);
+        Vec3 normal{unit(random) - 0.5, unit(random) - 0.5, -unit(random)};
+        const double length = std::hypot(normal[0], normal[1], normal[2]);
+        for (size_t c = 0; c < 3; ++c) in.normals.data[i][c] = normal[c] / length;
       }
       compare(in, find(in));
     }
@@ -153,6 +161,7 @@ TEST_F(TouchTest, BearsExtremeInput) {
       in.depth[i] = odd;
       in.view[(i + 3) % in.view.size()] = odd;
       in.layers.data[i] = {odd, odd, odd, odd};
+      in.normals.data[i] = {odd, odd, odd, odd};
     }
     const Output out = find(in);
     for (const float value : out.result) EXPECT_TRUE(std::isfinite(value)) << odd;
@@ -196,6 +205,24 @@ TEST_F(TouchTest, HoveringSkinAndOtherColorsAreNoTouch) {
   const Output lost = find(finger_over_wall(0), false);
   EXPECT_FALSE(TouchFinder::read(lost.result.data())) << "the camera is lost";
   EXPECT_EQ(TouchFinder::front(lost.result.data()), 0);
+}
+
+/// A table of the color of skin, of which only the part left of the picture's middle was seen
+/// before, with the floor behind it.
+TEST_F(TouchTest, WhatContinuesTheSceneIsNoTouch) {
+  Input in(ahead(160, 120));
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 160; ++x) {
+      const size_t at = in.layers.index(x, y);
+      in.depth[at] = 0.8;
+      in.view[at] = x < 80 ? 0.8 : 1.2;
+      paint(in.layers, at, kSkin);
+      in.reflectance.data[at] = {-1, -1, -2, 1};
+    }
+  const Output out = find(in);
+  compare(in, out);
+  EXPECT_FALSE(TouchFinder::read(out.result.data()));
+  EXPECT_GT(TouchFinder::front(out.result.data()), 0.4F);
 }
 
 }  // namespace

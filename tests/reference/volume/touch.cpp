@@ -86,9 +86,9 @@ std::vector<TouchKind> grow(int width, int height, const std::vector<double>& de
 }
 
 TouchFound touch(const Camera& camera, const std::vector<double>& depth,
-                 const std::vector<double>& view, const Plane& reflectance,
+                 const std::vector<double>& view, const Plane& normals, const Plane& reflectance,
                  const std::vector<TouchKind>& kinds) {
-  constexpr double kNear = 0.022;
+  constexpr double kNear = 0.022, kAbove = 0.5;
   constexpr int kSide = 4;
   struct Sums {
     Vec3 place{}, color{};
@@ -129,6 +129,9 @@ TouchFound touch(const Camera& camera, const std::vector<double>& depth,
           from = n;
         }
       if (nearest >= kNear) continue;
+      double above = 0;
+      for (std::size_t c = 0; c < 3; ++c) above += (here[c] - place[c]) * normals.data[from][c];
+      if (above <= kAbove * nearest) continue;
       const double weight = std::pow(1 - nearest / kNear, 2);
       Sums& sums = tiles[std::size_t(y / kTile) * std::size_t(across) + std::size_t(x / kTile)];
       const Vec4& r = reflectance.data[from];

@@ -29,7 +29,8 @@ std::vector<TouchKind> grow(int width, int height, const std::vector<double>& de
                             const std::vector<TouchKind>& kinds);
 
 /// The touch of a frame. Skin in front has the weight (1 - d / 2.2 cm)², d its distance to the
-/// nearest place of the view, of 9 x 9 within about that. Of 3 x 3 tiles of 8 x 8 pixels, those
+/// nearest place of the view, of 9 x 9 within about that, if it lies outside of the surface there:
+/// more than d / 2 along its normal. Of 3 x 3 tiles of 8 x 8 pixels, those
 /// with most weight count; the one in the middle is one of arm_tiles.
 struct TouchFound {
   Vec3 place{};     ///< mean of the nearest places, in the world
@@ -40,9 +41,10 @@ struct TouchFound {
   double pixels = 0;    ///< with a weight
   double front = 0;     ///< share of the pixels with a depth
 };
-/// `reflectance`: of the view, ln R and confidence.
+/// `normals`: of the view, toward the camera in its axes. `reflectance`: of the view, ln R and
+/// confidence.
 TouchFound touch(const Camera& camera, const std::vector<double>& depth,
-                 const std::vector<double>& view, const Plane& reflectance,
+                 const std::vector<double>& view, const Plane& normals, const Plane& reflectance,
                  const std::vector<TouchKind>& kinds);
 
 /// Of tiles of 8 × 8 pixels, row by row: whether tiles with at least four pixels in front connect
