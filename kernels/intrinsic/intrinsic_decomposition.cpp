@@ -179,7 +179,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
                                       const Params& params, const FrameInfo& info) {
   if (info.reset) reset();
   take_strokes(commands, input, info);
-  depth_cue_.set(info.known);
+  depth_cue_.set(info.known, has_history_);
   make_plan(params, info);
   list_tiles(commands, params);
   if (info.light) info.light->record_move(commands, plan_.tiles());
@@ -237,7 +237,7 @@ void IntrinsicDecomposition::take_strokes(gpu::Commands& commands, const PlanePt
   if (!strokes_.empty()) commands.stage("strokes");
 }
 
-EdgePrior::Target IntrinsicDecomposition::prior_target() const {
+EdgePrior::Target IntrinsicDecomposition::prior_target() {
   return {.system = multigrid_.system(),
           .flux = flux_,
           .value = value_,

@@ -126,7 +126,7 @@ class IntrinsicDecomposition {
   };
   const Report& report(uint64_t frame) const { return reports_[frame]; }
   /// What the prior writes, and the strokes that change it.
-  EdgePrior::Target prior_target() const;
+  EdgePrior::Target prior_target();
   /// The list of tiles that stages run on; null: on all.
   const TileList* list() const { return plan_.tiles() ? &active_.list() : nullptr; }
   // The parts of `record`, in its order.

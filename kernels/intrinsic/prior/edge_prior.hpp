@@ -46,7 +46,7 @@ class EdgePrior {
     gpu::BufferPtr flux;    ///< two vec4 a pack: a (m_x - m_y) to the right and down
     gpu::BufferPtr value;   ///< three vec4 a pack of cells: v, V, g
     const Strokes* strokes = nullptr;  ///< change what was written; null: none
-    const DepthCue* depth = nullptr;   ///< changes it before; null: nothing does
+    DepthCue* depth = nullptr;         ///< changes it before; null: nothing does
   };
   static constexpr uint64_t kFluxStride = shaders::intrinsic_prior_edges::FLUX_STRIDE,
                             kValueStride = shaders::intrinsic_prior_cell_values::VALUE_STRIDE;

@@ -18,7 +18,7 @@ class DepthCueTest : public IntrinsicTest {
     std::mt19937 random(seed);
     std::uniform_real_distribution<float> unit(0, 1);
     Known known{{}, {int(extent.width), int(extent.height), {}, {}, {}, 200}};
-    Pixels surface, depth;
+    Pixels surface, depth, known_depth;
     struct Face {
       std::array<float, 3> normal;
       float z, front;
@@ -48,6 +48,7 @@ class DepthCueTest : public IntrinsicTest {
       }
       surface.insert(surface.end(), s.begin(), s.end());
       depth.push_back(here);
+      known_depth.push_back(s[3]);
       known.expected.normal.push_back({double{s[0]}, double{s[1]}, double{s[2]}});
       known.expected.known_depth.push_back(double{s[3]});
       known.expected.depth.push_back(double{here});
@@ -55,6 +56,7 @@ class DepthCueTest : public IntrinsicTest {
     known.given.extent = extent;
     known.given.surface = upload(surface);
     known.given.depth = upload(gpu::Element::scalar, depth.data(), depth.size());
+    known.given.known_depth = upload(gpu::Element::scalar, known_depth.data(), known_depth.size());
     known.given.valid = upload({1, 0, 0, 0});
     known.given.focal = 200;
     return known;
@@ -83,7 +85,7 @@ TEST_F(DepthCueTest, AgreesWithReference) {
           if (valid > 0 && extent.pixels() > 1000) {
             EXPECT_NE(expected.b_right, before.b_right);
           }
-          cue.set(&known.given);
+          cue.set(&known.given, false);
           EdgePrior::Params params;
           params.depth_weight = weight;
           run([&](gpu::Commands& commands) {
@@ -106,10 +108,11 @@ TEST_F(DepthCueTest, EdgesAreReusedWhileTheViewIsKept) {
   DepthCue cue(device, extent);
   EdgePrior::Target target = prior_target(extent);
   target.depth = &cue;
-  const auto evaluated = [&](unsigned seed, uint32_t outdated) {
+  const auto evaluated = [&](unsigned seed, uint32_t outdated, bool continues = true) {
     Known known = known_of(extent, seed, false);
     known.given.outdated = upload(gpu::Element::word, &outdated, 1);
-    cue.set(&known.given);
+    cue.set(&known.given, continues);
+    if (!continues) prior.reset();
     run([&](gpu::Commands& commands) {
       made.record(commands, frame.buffer, nullptr);
       prior.record_changes(commands, made, target, {}, 0.05F);
@@ -125,6 +128,8 @@ TEST_F(DepthCueTest, EdgesAreReusedWhileTheViewIsKept) {
   EXPECT_EQ(download(target.system), first);
   EXPECT_EQ(evaluated(2, 1), prior.tiles());
   EXPECT_NE(download(target.system), first);
+  EXPECT_EQ(evaluated(1, 0, false), prior.tiles()) << "of a view that was kept for others";
+  EXPECT_EQ(download(target.system), first);
 }
 
 }  // namespace

@@ -20,21 +20,13 @@ struct Side {
   std::array<double, 3> normal{};
 };
 
-/// The pixels on one side of the middle of an edge.
-Side side_of(const Guide& guide, const SeenSurface& seen, int x, int y, bool down, int sign) {
-  const GuideLevel& fine = guide.level[0];
-  // The pixel of the view `k` half pixels of it from the middle, which is at (twice + 1)/2 of the
-  // frame's; in whole numbers, as it may lie between two pixels.
-  const auto place = [](int twice, int k, int of, int size) {
-    const long long at = (twice + 1LL) * size + static_cast<long long>(k) * of;
-    return int(std::clamp(at < 0 ? -1LL : at / (2LL * of), 0LL, size - 1LL));
-  };
+/// The pixels of the view on one side of an edge: from one on, in steps of `sign`.
+Side side_of(const SeenSurface& seen, int x, int y, bool down, int sign) {
   Side side;
   std::array<double, 3> sum{};
   for (int k = 0; k < kReach; ++k) {
-    const int off = sign * (2 * k + 1);
-    const int px = place(2 * x + !down, down ? 0 : off, fine.width, seen.width),
-              py = place(2 * y + down, down ? off : 0, fine.height, seen.height);
+    const int px = std::clamp(x + (down ? 0 : sign * k), 0, seen.width - 1),
+              py = std::clamp(y + (down ? sign * k : 0), 0, seen.height - 1);
     const auto i = std::size_t(py) * std::size_t(seen.width) + std::size_t(px);
     const auto& n = seen.normal[i];
     const double z = seen.known_depth[i], square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
@@ -56,8 +48,22 @@ Side side_of(const Guide& guide, const SeenSurface& seen, int x, int y, bool dow
   return side;
 }
 
+/// Of the edge from pixel (x, y) of the frame.
 double cue(const Guide& guide, const SeenSurface& seen, int x, int y, bool down) {
-  const Side a = side_of(guide, seen, x, y, down, -1), b = side_of(guide, seen, x, y, down, 1);
+  const GuideLevel& fine = guide.level[0];
+  // The pixel of the view before its edge that is nearest to the place (i + 1) size/of, in whole
+  // numbers, as that may be the middle of a pixel; and the one that has the place (i + 1/2)
+  // size/of.
+  const auto before = [](int i, int of, int size) {
+    const long long at = 2LL * (i + 1) * size - of;
+    return int(std::clamp(at < 0 ? 0LL : at / (2LL * of), 0LL, std::max(size - 2LL, 0LL)));
+  };
+  const auto at = [](int i, int of, int size) {
+    return int(std::min((2LL * i + 1) * size / (2LL * of), size - 1LL));
+  };
+  const int px = (down ? at : before)(x, fine.width, seen.width),
+            py = (down ? before : at)(y, fine.height, seen.height);
+  const Side a = side_of(seen, px, py, down, -1), b = side_of(seen, px + !down, py + down, down, 1);
   if (!a.known || !b.known || (a.hidden && b.hidden)) return 0;
   const double z = std::min(a.z, b.z), step = std::max({std::abs(a.z - b.z), a.step, b.step});
   const double turn =

@@ -19,7 +19,8 @@ struct SeenSurface {
 
 /// Multiplies the b of each edge by e^(weight (1 - apart) ((1 - t) 1.2 - .5 t)).
 ///
-/// On each side of the edge are three pixels of the view along it. t = x^2/(1 + x^2), x the
+/// That of an edge of the frame is the one of the edge of the view that is nearest to its middle.
+/// On each side of it are three pixels of the view. t = x^2/(1 + x^2), x the
 /// difference of the mean normals of both sides over .4 + .2 noise(z) focal/z. apart goes from 0 to
 /// 1 as the depth of neighbors among the inner four of these steps by 1.8 to 3 % of z, the smaller
 /// depth beside the edge. Pixels whose depth differs from that beside the edge by 3 % for each
