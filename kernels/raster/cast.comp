@@ -7,7 +7,8 @@
 #include "volume/known_surface.glsl"
 #include "volume/voxel.glsl"
 
-// The share of all light that an object hides from what a frame sees of its scene. One pixel of the view an invocation.
+// The share of all light that an object hides from what a frame sees of its scene, at every kCastStep-th pixel of the view: one an
+// invocation.
 //
 //   sum over beams of light on the surface × share of the beam's rays that meet the object / sum of light on the surface
 //
@@ -20,7 +21,7 @@ WORD_IN(4, voxels);
 PLANE_OUT(5, hidden);  // x; w: depth, meters, 0: nothing is known
 layout(push_constant) uniform Push {
   vec4 lens;
-  uvec2 size;
+  uvec2 size;  // of the view
   uint table_mask;
   float voxel;
   float truncation;
@@ -31,6 +32,7 @@ layout(push_constant) uniform Push {
 #include "volume/shadow.glsl"
 #include "room.glsl"
 
+const uint kCastStep = 2u;        // pixels of the view; edges of shadows are about as wide, unless they are far
 const int kRays = 16, kSteps = 6;  // of a beam; along a ray, from the surface to the object's top
 const float kBias = 0.01;          // radii
 const float kLift = 1.5;           // voxels, of rays off the surface
@@ -72,9 +74,9 @@ float hidden_by(int k, vec3 place, vec3 normal) {
 
 void main() {
   uint line = line_index();
-  uvec2 pixel = uvec2(line % push.size.x, line / push.size.x);
+  uvec2 grid = (push.size + kCastStep - 1u) / kCastStep, pixel = kCastStep * uvec2(line % grid.x, line / grid.x);
   if (pixel.y >= push.size.y) return;
-  vec4 seen = known_surface(FETCH(surface, int(line))), rotation = FETCH(room, kRotation);
+  vec4 seen = known_surface(FETCH(surface, int(pixel.y * push.size.x + pixel.x))), rotation = FETCH(room, kRotation);
   float share = 0.0;
   if (seen.w > 0.0) {
     vec3 place = to_world(rotation, FETCH(room, kPlace), seen.w * ray_of(push.lens, vec2(pixel)));

@@ -24,8 +24,9 @@ PLANE_OUT(9, inserted_model);
 PLANE_OUT(10, inserted);
 layout(push_constant) uniform Push {
   uvec2 size;
-  uvec2 view;                 // of `hidden`
+  uvec2 view;                 // `hidden` has each step-th pixel of it
   ivec2 window, window_size;  // of the picture
+  uint step;
   float albedo;               // mean of the diffuse albedo
   uint has_light, has_slope;  // what is not there is white
   uint first_row;
@@ -53,7 +54,7 @@ void main() {
   for (uint y = at.y; y < last; ++y) {
     int n = int(y * push.size.x + at.x);
     vec4 seen = FETCH(frame, n), before = FETCH(model, n), now = FETCH(intrinsic, n);
-    float share = between_pixels(uvec2(at.x, y), push.size, push.view).x;
+    float share = between_pixels(uvec2(at.x, y), push.size, push.view, push.step).x;
     if (share > 0.0) now.w *= 1.0 - share;
     ivec2 own = ivec2(at.x, y) - push.window;
     if (all(greaterThanEqual(own, ivec2(0))) && all(lessThan(own, push.window_size))) {

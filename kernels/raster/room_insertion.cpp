@@ -235,7 +235,8 @@ void RoomInsertion::record(gpu::Commands& commands, Layers& layers, const Pose& 
     commands.stage("draw");
   }
 
-  const auto pixels = static_cast<uint32_t>(scene.extent.pixels());
+  const auto along = [](uint32_t n) { return (n + Room::kCastStep - 1) / Room::kCastStep; };
+  const uint32_t pixels = along(scene.extent.width) * along(scene.extent.height);
   if (!hidden_ || hidden_->count() != pixels)
     hidden_ = gpu::Buffer::create(device_, gpu::Element::vec4, pixels);
   commands.dispatch(cast_,
@@ -280,6 +281,7 @@ void RoomInsertion::record(gpu::Commands& commands, Layers& layers, const Pose& 
        .view = scene.extent,
        .window = {window.left, window.top},
        .window_size = {static_cast<int>(extent.width), static_cast<int>(extent.height)},
+       .step = Room::kCastStep,
        .albedo = albedo > kMinAlbedo ? albedo : kMinAlbedo,
        .has_light = colored ? 1U : 0U,
        .has_slope = slope ? 1U : 0U,

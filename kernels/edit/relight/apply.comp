@@ -103,7 +103,7 @@ void main() {
     }
     vec2 off = vec2(at.x, y) + 0.5 - 0.5 * vec2(push.size);
     vec3 of_lamps = light_on(vec3(off * scale, above), normal);
-    if (push.view.x > 0u) of_lamps = min(of_lamps + between_pixels(uvec2(at.x, y), push.size, push.view), vec3(kLargest));
+    if (push.view.x > 0u) of_lamps = min(of_lamps + between_pixels(uvec2(at.x, y), push.size, push.view, 1u), vec3(kLargest));
     vec3 added = matte * of_lamps;
     vec3 total = keep * (has_slope ? colored_light(FETCH(slope, 0), layers.w) : layers.www) * before.rgb + added;
     float own = keep * layers.w, gray = mean3(added), now = min(own + gray, kLargest);
