@@ -13,6 +13,7 @@ SCALAR_IN(1, view_depth); // from the same place
 PLANE_IN(2, layers);      // rgb: its reflectance
 PLANE_IN(3, found);
 WORD_OUT(4, kinds);
+WORD_INOUT(5, any);       // set to 1 if there is such a pixel
 layout(push_constant) uniform Push { uvec2 size; } push;
 
 const float kClose = 0.004;      // meters, and kCloseSteps standard deviations of the sensor: a finger on a surface is as near
@@ -41,4 +42,5 @@ void main() {
   bool front = measured && known && gap > kMargin + kSteps * noise, maybe = measured && (!known || gap > kClose + kCloseSteps * noise);
   uint kind = (front ? TOUCH_FRONT : 0u) | (maybe ? TOUCH_MAYBE : 0u) | (is_skin(FETCH(layers, int(line)).rgb) ? TOUCH_SKIN : 0u);
   STORE(kinds, line, kind);
+  if (front) STORE(any, 0, 1u);
 }

@@ -25,6 +25,7 @@ TouchFinder::TouchFinder(const std::shared_ptr<gpu::Device>& device, Extent exte
       points_(device, {}, kTile * kTile),
       choose_(device, {}, gpu::kOneGroup),
       background_(device),
+      any_(gpu::Buffer::create(device, gpu::Element::word, 1)),
       sums_(gpu::Buffer::create(device, gpu::Element::vec4,
                                 tiles().pixels() * volume_touch_points::TOUCH_STRIDE)),
       touch_(gpu::Buffer::create(device, gpu::Element::vec4, volume_touch_choose::TOUCH_RESULT)),
@@ -39,29 +40,33 @@ Extent TouchFinder::tiles() const {
 
 void TouchFinder::record(gpu::Commands& commands, const Frame& frame, const Volume::View& view) {
   const auto pixels = static_cast<uint32_t>(extent_.pixels());
+  for (const gpu::BufferPtr& buffer : {any_, touch_, arm_}) commands.fill(buffer);
   commands.dispatch(compare_,
                     {.surface = frame.surface,
                      .view_depth = view.depth,
                      .layers = frame.layers,
                      .found = frame.found,
-                     .kinds = kinds_[0]},
+                     .kinds = kinds_[0],
+                     .any = any_},
                     {.size = extent_}, pixels);
-  for (uint32_t pass = 0; pass < kPasses; ++pass)
-    commands.dispatch(
-        grow_,
-        {.kinds = kinds_[pass % 2], .surface = frame.surface, .grown = kinds_[(pass + 1) % 2]},
-        {.size = extent_}, pixels);
-  commands.dispatch(points_,
-                    {.kinds = kinds_[0],
-                     .surface = frame.surface,
-                     .view_depth = view.depth,
-                     .view_surface = view.surface,
-                     .reflectance = view.reflectance,
-                     .sums = sums_},
-                    {.lens = frame.lens.values(), .size = extent_},
-                    static_cast<uint32_t>(tiles().pixels()) * kTile * kTile);
-  commands.dispatch(choose_, {.sums = sums_, .pose = frame.pose, .touch = touch_, .arm = arm_},
-                    {.lens = frame.lens.values(), .tiles = tiles()}, gpu::kOneGroup);
+  commands.when(any_, 0, [&] {
+    for (uint32_t pass = 0; pass < kPasses; ++pass)
+      commands.dispatch(
+          grow_,
+          {.kinds = kinds_[pass % 2], .surface = frame.surface, .grown = kinds_[(pass + 1) % 2]},
+          {.size = extent_}, pixels);
+    commands.dispatch(points_,
+                      {.kinds = kinds_[0],
+                       .surface = frame.surface,
+                       .view_depth = view.depth,
+                       .view_surface = view.surface,
+                       .reflectance = view.reflectance,
+                       .sums = sums_},
+                      {.lens = frame.lens.values(), .size = extent_},
+                      static_cast<uint32_t>(tiles().pixels()) * kTile * kTile);
+    commands.dispatch(choose_, {.sums = sums_, .pose = frame.pose, .touch = touch_, .arm = arm_},
+                      {.lens = frame.lens.values(), .tiles = tiles()}, gpu::kOneGroup);
+  });
 }
 
 void TouchFinder::record_background(gpu::Commands& commands, const gpu::BufferPtr& depth) const {

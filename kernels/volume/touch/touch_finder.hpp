@@ -63,7 +63,7 @@ class TouchFinder {
   gpu::Program<shaders::volume_touch_choose> choose_;
   gpu::Program<shaders::volume_touch_background> background_;
   std::array<gpu::BufferPtr, 2> kinds_;
-  gpu::BufferPtr sums_, touch_, arm_;
+  gpu::BufferPtr any_, sums_, touch_, arm_;
 };
 
 }  // namespace inverse
