@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "decomposer.hpp"
 #include "gst/rgbd/meta/inverse_depth_meta.h"
 #include "stroke_editor.hpp"
+#include "stroke_text.hpp"
 
 namespace inverse {
 namespace {
@@ -116,6 +118,7 @@ void SceneWork::reset() {
   has_scene_ = false;
   memory_.reset();
   seen_.reset();
+  loaded_.clear();
   told_.clear();
 }
 
@@ -149,6 +152,11 @@ bool SceneWork::begin(FrameContext& frame, const SceneMemory::Depth& depth,
   made_with_ = params;
   began_ = has_scene_ = true;
   if (!params.scene_load.empty()) load(frame, params.scene_load);
+  try {
+    if (!params.scene_location.empty()) check_scene_target(params.scene_location);
+  } catch (const Error& error) {
+    warn(frame, std::string("scene-location: ") + error.what());
+  }
   return true;
 }
 
@@ -157,12 +165,22 @@ void SceneWork::load(FrameContext& frame, const std::string& path) {
     const SceneData scene = load_scene(path);
     try {
       memory_->restore(scene);
+      loaded_ = read_strokes(scene.strokes).strokes;
     } catch (const Error& error) {
       throw Error(error.kind(), "scene " + path + ": " + error.what());
     }
   } catch (const Error& error) {
     warn(frame, std::string("scene-load: ") + error.what() + "; the scene begins empty");
   }
+}
+
+SceneData SceneWork::data() {
+  SceneData scene = memory_->data();
+  StrokeList placed;
+  if (strokes_)
+    std::ranges::copy_if(strokes_->strokes, std::back_inserter(placed.strokes), &Stroke::in_scene);
+  scene.strokes = text_of(placed);
+  return scene;
 }
 
 void SceneWork::write_wanted(FrameContext& frame) {
@@ -173,7 +191,7 @@ void SceneWork::write_wanted(FrameContext& frame) {
   }
   for (const std::string& file : files) {
     try {
-      save_scene(memory_->data(), file);
+      save_scene(data(), file);
       frame.messages.emplace_back(
           gst_structure_new("scene-saved", "location", G_TYPE_STRING, file.c_str(), nullptr));
     } catch (const Error& error) {
@@ -200,7 +218,7 @@ void SceneWork::ended(const std::string& location) {
   }
   if (!location.empty()) files.push_back(location);
   if (files.empty()) return;
-  const SceneData scene = memory_->data();
+  const SceneData scene = data();
   for (const std::string& file : files) save_scene(scene, file);
 }
 
@@ -260,7 +278,8 @@ const KnownReflectance* SceneWork::recall(FrameContext& frame, uint64_t number,
   memory_->set_weight(params.scene_weight);
   written_ = false;
   write_wanted(frame);
-  memory_->set_strokes(wanted.strokes);
+  strokes_ = wanted.strokes;
+  memory_->set_strokes(strokes_);
   memory_->keep_views(wanted.keep_view);
   memory_->set_update(params.scene_update);
   memory_->set_touch(wanted.touch);

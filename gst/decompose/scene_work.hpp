@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gst/base/filter.hpp"
@@ -87,6 +88,8 @@ class SceneWork {
   }
   /// Whether that frame is the first of another scene than the frame before.
   bool began() const { return began_; }
+  /// Strokes of a scene that was loaded, since the last call.
+  std::vector<Stroke> take_loaded() { return std::exchange(loaded_, {}); }
   /// After the method. Layers that are sent on get what the frame sees of the scene.
   void remember(FrameContext& frame);
   /// Forgets the scene at the next frame. From any thread.
@@ -110,6 +113,8 @@ class SceneWork {
   void warn_of(FrameContext& frame, const SceneMemory::Findings& found);
   /// Reads a scene into the memory; a warning if it cannot.
   void load(FrameContext& frame, const std::string& path);
+  /// The scene with its strokes, for a file.
+  SceneData data();
   /// Writes the files that were asked for.
   void write_wanted(FrameContext& frame);
   /// Makes the memory for frames like this one; false, with a warning, if it cannot.
@@ -120,7 +125,9 @@ class SceneWork {
   SceneParams made_with_;
   std::optional<KnownReflectance> known_;
   std::optional<SeenStrokes> seen_;
-  bool remembers_ = false;  // this frame
+  StrokesPtr strokes_;          // all of the last frame
+  std::vector<Stroke> loaded_;  // from a file
+  bool remembers_ = false;      // this frame
   bool began_ = false;
   std::set<std::string> told_;
   bool written_ = false;  // since the last frame

@@ -56,6 +56,7 @@ class SolveMethod : public DecompositionMethod {
   SceneWork* scene() override { return &scene_work_; }
   void completed(uint64_t number) override {
     const auto view = scene_work_.view(number);
+    strokes_.add_loaded(*log_, scene_work_.take_loaded());
     stroke_work_.completed(*log_, number, solve_findings(method_->findings(number)).strokes, view);
     strokes_.touch(*log_, scene_work_.touch(number), view, settings_.properties());
   }

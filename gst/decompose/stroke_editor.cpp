@@ -221,6 +221,25 @@ void StrokeEditor::add(const Log& log, const std::string& stroke) {
   set(log, text_of(list));
 }
 
+void StrokeEditor::add_loaded(const Log& log, const std::vector<Stroke>& strokes) {
+  if (strokes.empty()) return;
+  bool left_out = false;
+  amend(log, [&](const std::string& text) {
+    StrokeList list = read_strokes(text);
+    for (const Stroke& stroke : strokes) {
+      if (std::ranges::find(list.strokes, stroke) != list.strokes.end()) continue;
+      if (list.strokes.size() == kMaxStrokes)
+        left_out = true;
+      else
+        list.strokes.push_back(stroke);
+    }
+    return text_of(list);
+  });
+  if (!left_out) return;
+  const Lock lock(mutex_);
+  warnings_.push_back(full(kMaxStrokes) + "; some of the scene's are left out");
+}
+
 void StrokeEditor::remove(const Log& log, unsigned index) {
   StrokeList list = read_strokes(text(log));
   erase(list.strokes, index);

@@ -58,6 +58,8 @@ class StrokeEditor : public ListEditor {
   StrokeLists take(const std::string& strokes, Extent frame, bool mosaic);
   /// Forgets the stroke that is being drawn: its picture is gone.
   void flush();
+  /// Adds strokes that a scene from a file has, but not those that the list has already.
+  void add_loaded(const Log& log, const std::vector<Stroke>& strokes);
   /// Forgets what was seen of a scene.
   void forget_scene();
 

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "scene_file.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <bit>
+#include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <type_traits>
 #include <unordered_set>
 
@@ -17,7 +21,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "files are little endian");
 
-constexpr std::string_view kMagic = "gst-inverse scene 1\n";
+constexpr std::string_view kMagic = "gst-inverse scene 2\n";
 constexpr uint64_t kMaxBytes = uint64_t{64} << 30;
 
 [[noreturn]] void fail(const std::string& path, const std::string& why) {
@@ -38,10 +42,12 @@ class Writer {
     static_assert(std::is_trivially_copyable_v<T>);
     bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
   }
-  template <typename T>
-  void put(const std::vector<T>& values) {
+  template <typename List>
+  requires requires(const List& list) { list.data(); }
+  void put(const List& values) {
     put(uint64_t{values.size()});
-    bytes.append(reinterpret_cast<const char*>(values.data()), sizeof(T) * values.size());
+    bytes.append(reinterpret_cast<const char*>(values.data()),
+                 sizeof(typename List::value_type) * values.size());
   }
   std::string bytes;
 };
@@ -55,12 +61,14 @@ class Reader {
     take(&value, sizeof value);
     return value;
   }
-  template <typename T>
-  std::vector<T> list() {
+  template <typename List>
+  List list() {
+    constexpr size_t kBytes = sizeof(typename List::value_type);
     const auto count = get<uint64_t>();
-    if (count > left_.size() / sizeof(T)) fail(path_, "ends too early; it was not copied whole");
-    std::vector<T> values(count);
-    take(values.data(), sizeof(T) * count);
+    if (count > left_.size() / kBytes) fail(path_, "ends too early; it was not copied whole");
+    List values;
+    values.resize(count);
+    take(values.data(), kBytes * count);
     return values;
   }
 
@@ -87,6 +95,7 @@ std::string text_of(const SceneData& scene) {
     writer.put(frame.picture.brightness);
     writer.put(frame.picture.depth);
   }
+  writer.put(scene.strokes);
   const uint64_t sum = checksum(writer.bytes);
   std::string text(kMagic);
   text.append(reinterpret_cast<const char*>(&sum), sizeof sum);
@@ -102,6 +111,11 @@ void check_scene_target(const std::string& path) {
     throw Error(ErrorKind::output, "scene " + path +
                                        " cannot be written: name it .ply for a mesh, or .scene to "
                                        "load it again");
+  std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  if (folder.empty()) folder = ".";
+  if (access(folder.c_str(), W_OK | X_OK) != 0)
+    throw Error(ErrorKind::output, "scene " + path + " cannot be written into the folder " +
+                                       folder.string() + ": " + std::strerror(errno));
 }
 
 void save_scene(const SceneData& scene, const std::string& path) {
@@ -127,9 +141,9 @@ SceneData load_scene(const std::string& path) {
   VolumeData& volume = scene.volume;
   volume.voxel = reader.get<float>();
   volume.truncation = reader.get<float>();
-  volume.keys = reader.list<uint32_t>();
-  volume.voxels = reader.list<uint32_t>();
-  volume.colors = reader.list<uint32_t>();
+  volume.keys = reader.list<std::vector<uint32_t>>();
+  volume.voxels = reader.list<std::vector<uint32_t>>();
+  volume.colors = reader.list<std::vector<uint32_t>>();
   const size_t blocks = volume.keys.size();
   const std::unordered_set<uint32_t> distinct(volume.keys.begin(), volume.keys.end());
   if (!(volume.voxel > 0 && volume.voxel < 1 && volume.truncation >= 1) ||
@@ -139,14 +153,15 @@ SceneData load_scene(const std::string& path) {
     fail(path, "contradicts itself; save it again");
   for (auto left = reader.get<uint64_t>(); left > 0; --left) {
     Keyframes::Frame frame{.picture = {}, .pose = reader.get<Pose>()};
-    frame.picture.brightness = reader.list<float>();
-    frame.picture.depth = reader.list<float>();
+    frame.picture.brightness = reader.list<std::vector<float>>();
+    frame.picture.depth = reader.list<std::vector<float>>();
     if (frame.picture.brightness.size() != frame.picture.depth.size() ||
         !std::ranges::all_of(frame.pose.rotation, [](float v) { return std::isfinite(v); }) ||
         !std::ranges::all_of(frame.pose.place, [](float v) { return std::isfinite(v); }))
       fail(path, "contradicts itself; save it again");
     scene.keyframes.push_back(std::move(frame));
   }
+  scene.strokes = reader.list<std::string>();
   return scene;
 }
 

@@ -12,12 +12,13 @@ namespace inverse {
 struct SceneData {
   VolumeData volume;
   std::vector<Keyframes::Frame> keyframes;
+  std::string strokes;  ///< in it, as the user of this class writes them
 };
 
 /// Writes a scene: as a mesh (ply_of) if the name ends in .ply, else as a file for `load_scene`,
 /// which ends in .scene. Throws Error(output) if it ends in something else or cannot be written.
 void save_scene(const SceneData& scene, const std::string& path);
-/// Throws Error(output) if `save_scene` would not take the name.
+/// Throws Error(output) if `save_scene` would not take the name, or its folder takes no files.
 void check_scene_target(const std::string& path);
 
 /// Reads such a file. Throws Error(file) if it is missing, damaged or of another version.

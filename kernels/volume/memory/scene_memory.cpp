@@ -286,7 +286,7 @@ void SceneMemory::record_remember(gpu::Commands& commands, const Plane& layers) 
 }
 
 SceneData SceneMemory::data() {
-  SceneData scene{volume_.data(), keyframes_.frames()};
+  SceneData scene{volume_.data(), keyframes_.frames(), {}};
   host_blocks_.append_to(scene.volume);
   return scene;
 }

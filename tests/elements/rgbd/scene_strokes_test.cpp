@@ -9,6 +9,7 @@
 #include "gst/rgbd/meta/depth_meta.hpp"
 #include "tests/elements/element_test.hpp"
 #include "tests/pipeline.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -204,6 +205,31 @@ TEST(SceneStrokes, NeedAScene) {
   ASSERT_EQ(line.result.warnings.size(), 1U);
   EXPECT_NE(line.result.warnings[0].find("have no effect"), std::string::npos);
   EXPECT_EQ(line.states, std::vector<std::string>{"outside"});
+}
+
+// A scene's file has the strokes in it; a line that loads it adds them to its own.
+TEST(SceneStrokes, AreSavedAndLoadedWithTheScene) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "room.scene";
+  const Line made("", "scene-location=" + file, 14, [](GstElement* element, int n) {
+    if (n == 0) set(element, kRecolor);
+  });
+  ASSERT_TRUE(made.result.eos) << made.result.first_error();
+  const auto places = places_of(made.strokes);
+  ASSERT_FALSE(places.empty()) << made.strokes;
+  const Line alone("", "scene-load=" + file, 16);
+  EXPECT_TRUE(alone.result.warnings.empty()) << alone.result.warnings[0];
+  EXPECT_EQ(places_of(alone.strokes), places) << alone.strokes;
+  EXPECT_EQ(alone.states, std::vector<std::string>{"in-scene"});
+  // What is there already is not there twice; others stay, also those that are undone.
+  const Line both("", "scene-load=" + file, 12, [&](GstElement* element, int n) {
+    gboolean done = FALSE;
+    if (n == 0) set(element, made.strokes.c_str());
+    const char* other = R"({"kind":"select","balls":[[0,0.3,0.2,0.05]]})";
+    if (n == 1) g_signal_emit_by_name(element, "add-stroke", other, &done);
+    if (n == 9) g_signal_emit_by_name(element, "undo-stroke", &done);
+  });
+  EXPECT_EQ(both.strokes, made.strokes);
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ TEST_F(SceneFileTest, FilesAreReadBackOrRefused) {
   const TemporaryFolder folder;
   Volume volume(device, kParams);
   see(volume, 2);
-  SceneData scene{volume.data(), {}};
+  SceneData scene{volume.data(), {}, "[{\"kind\":\"select\"}]"};
   for (int i = 0; i < 3; ++i)
     scene.keyframes.push_back({{{1, 2, float(i)}, {0, 1, 2}}, {{0, 0, 0, 1}, {float(i), 2, 3, 0}}});
   const std::string path = folder.path() + "/room.scene";
@@ -83,6 +83,7 @@ TEST_F(SceneFileTest, FilesAreReadBackOrRefused) {
   ASSERT_EQ(read.keyframes.size(), 3U);
   EXPECT_EQ(read.keyframes[2].picture.brightness, scene.keyframes[2].picture.brightness);
   EXPECT_EQ(read.keyframes[2].pose.place, scene.keyframes[2].pose.place);
+  EXPECT_EQ(read.strokes, scene.strokes);
 
   EXPECT_THROW(load_scene(folder.path() + "/missing.scene"), Error);
   EXPECT_THROW(load_scene(folder.path()), Error);
