@@ -69,6 +69,13 @@ class JsonCheck final : public nlohmann::json_sax<Json> {
   std::vector<std::unordered_set<std::string>> names_;  // in each open bracket
 };
 
+/// What is wrong with JSON that lacks something, in words for who wrote it: "key 'x' not found".
+inline std::string json_fault(const nlohmann::detail::exception& error) {
+  const std::string what = error.what();  // "[json...] ..."
+  const size_t from = what.find("] ");
+  return from == std::string::npos ? what : what.substr(from + 2);
+}
+
 /// Parses JSON from strangers. If it is none, is nested deeper than kMaxJsonDepth, has more than
 /// kMaxJsonValues values or one name twice in an object, of which readers take either, the result
 /// is discarded and `fault` says why (JsonCheck).

@@ -2,10 +2,10 @@
 #include "calibration.hpp"
 
 #include <cmath>
-#include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
+#include "common/json.hpp"
+#include "common/open_file.hpp"
 
 namespace inverse {
 namespace {
@@ -21,8 +21,8 @@ CalibratedCamera camera_of(const Json& json) {
   camera.cx = matrix.at(0).at(2).get<double>();
   camera.cy = matrix.at(1).at(2).get<double>();
   if (json.contains("distortion"))
-    for (size_t i = 0; i < camera.distortion.size() && i < json["distortion"].size(); ++i)
-      camera.distortion[i] = json["distortion"].at(i).get<double>();
+    for (size_t i = 0; i < camera.distortion.size() && i < json.at("distortion").size(); ++i)
+      camera.distortion[i] = json.at("distortion").at(i).get<double>();
   return camera;
 }
 
@@ -103,22 +103,25 @@ CalibratedCamera typical_camera(Extent size) {
 }
 
 Calibration read_calibration(const std::string& path) {
-  std::ifstream file(path);
-  if (!file)
-    throw Error(ErrorKind::file, "cannot read the calibration " + path + "; check the path");
+  constexpr uint64_t kMaxBytes = uint64_t{1} << 20;
+  std::string fault;
+  const std::string text = read_file(path, kMaxBytes, fault);
+  if (!fault.empty()) throw Error(ErrorKind::file, "calibration " + path + " " + fault);
+  const Json json = parse_json<Json>(text, fault);
+  if (!fault.empty()) throw Error(ErrorKind::file, "calibration " + path + " " + fault);
   Calibration read;
   try {
-    const Json json = Json::parse(file);
     read.color = camera_of(json.at("color"));
     read.depth = camera_of(json.at("depth"));
-    if (json["depth"].contains("unit")) read.unit = json["depth"]["unit"].get<double>();
+    if (json.at("depth").contains("unit")) read.unit = json.at("depth").at("unit").get<double>();
     if (json.contains("rotation"))
       for (size_t i = 0; i < 9; ++i)
-        read.rotation[i] = json["rotation"].at(i / 3).at(i % 3).get<double>();
+        read.rotation[i] = json.at("rotation").at(i / 3).at(i % 3).get<double>();
     if (json.contains("translation"))
-      for (size_t i = 0; i < 3; ++i) read.translation[i] = json["translation"].at(i).get<double>();
+      for (size_t i = 0; i < 3; ++i)
+        read.translation[i] = json.at("translation").at(i).get<double>();
   } catch (const Json::exception& error) {
-    throw Error(ErrorKind::file, path + " is no calibration: " + error.what());
+    throw Error(ErrorKind::file, path + " is no calibration: " + json_fault(error));
   }
   for (const bool color : {true, false})
     if (!(color ? read.color : read.depth).usable())

@@ -311,7 +311,8 @@ void read_meta(const std::string& path, Listing& listing, Warnings& warnings) {
         ++wrong;
     }
   } catch (const nlohmann::json::exception& error) {
-    refuse(path + " does not describe a recording: " + error.what() + "; mend it, or remove it");
+    refuse(path + " does not describe a recording: " + json_fault(error) +
+           "; mend it, or remove it");
   }
   if (matched == 0)
     warnings.push_back(path +

@@ -291,8 +291,8 @@ TEST_F(CalibrationFile, WrongFilesAreErrors) {
   const std::string camera = std::string("{") + kCamera + "}",
                     singular = R"({"size":[64,48],"matrix":[[0,0,31],[0,60,23],[0,0,1]]})";
   const std::pair<std::string, const char*> files[] = {
-      {"no json", "is no calibration"},
-      {"{}", "is no calibration"},
+      {"no json", "is not valid JSON at line 1"},
+      {"{}", "is no calibration: key 'color' not found"},
       {R"({"color":)" + camera + "}", "is no calibration"},
       {R"({"color":)" + singular + R"(,"depth":)" + camera + "}", "singular"},
       {R"({"color":)" + camera + R"(,"depth":)" + camera +
@@ -305,7 +305,7 @@ TEST_F(CalibrationFile, WrongFilesAreErrors) {
     EXPECT_NE(merged.line.first_error().find(said), std::string::npos)
         << text << ": " << merged.line.first_error();
   }
-  EXPECT_NE(merge("calibration=/nowhere/c.json").line.first_error().find("cannot read"),
+  EXPECT_NE(merge("calibration=/nowhere/c.json").line.first_error().find("cannot be read"),
             std::string::npos);
 }
 

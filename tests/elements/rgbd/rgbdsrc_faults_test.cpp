@@ -111,7 +111,8 @@ TEST(RgbdSrc, WhatIsNoRecordingIsAnError) {
   folder.write("odd/meta.json", "{");
   expect_error(path("odd"), "is not valid JSON");
   std::filesystem::remove(path("odd/meta.json"));
-  expect_error(path("odd") + " calibration=/nowhere.json", "cannot read the calibration");
+  expect_error(path("odd") + " calibration=/nowhere.json",
+               "calibration /nowhere.json cannot be read");
   expect_error(path("odd") + " poses=/nowhere.txt", "/nowhere.txt: it cannot be read");
   write_color(folder, "color/1.png", 1);
   write_color(folder, "depth/1.png", 1);
