@@ -14,7 +14,7 @@ float corner_weight(vec3 share, uint n) {
   return w.x * w.y * w.z;
 }
 
-// Interpolated distance of the voxels that were seen, in truncations; 2 if they are less than a third.
+// Interpolated distance of the voxels that were seen, in units of the truncation; 2 if they are less than a third.
 float distance_at(vec3 at) {
   ivec3 voxel = ivec3(floor(at - 0.5));
   vec3 share = at - 0.5 - vec3(voxel);

@@ -25,7 +25,7 @@ struct VolumeData {
     return static_cast<uint32_t>(block[0] + 1024) | static_cast<uint32_t>(block[2] + 1024) << 11 |
            static_cast<uint32_t>(block[1] + 512) << 22;
   }
-  /// Of a voxel's word, in truncations; its weight, 0: never seen.
+  /// Of a voxel's word, in units of the truncation; its weight, 0: never seen.
   static float distance_of(uint32_t word) {
     return static_cast<float>(static_cast<int16_t>(word & 0xffff)) / 32767.0F;
   }

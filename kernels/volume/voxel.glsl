@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A voxel: one word with signed distance (in truncations, -1…1, positive in front of the surface), weight and stroke; and two words
+// A voxel: one word with signed distance (in units of the truncation, -1…1, positive in front of the surface), weight and stroke; and two words
 // with ln reflectance and its confidence.
 const float kWeightSteps = 8.0;                      // of a sample of confidence 1
 const float kMinLogReflectance = -7.0, kMaxLogReflectance = 1.5;

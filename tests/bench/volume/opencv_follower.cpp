@@ -291,10 +291,10 @@ std::vector<NamedFollower> opencv_followers() {
   cv::ocl::setUseOpenCL(false);
   return {
       kinfu("KinFu, TSDF", {}),
-      kinfu("KinFu, TSDF, shift taken out", {.centered = true}),
+      kinfu("KinFu, TSDF, voxels centered", {.centered = true}),
       kinfu("KinFu, ColoredTSDF", {VolumeType::COLOREDTSDF}),
       kinfu("KinFu, HashTSDF", {VolumeType::HASHTSDF}),
-      kinfu("KinFu, HashTSDF, shift taken out", {VolumeType::HASHTSDF, false, true}),
+      kinfu("KinFu, HashTSDF, voxels centered", {VolumeType::HASHTSDF, false, true}),
       kinfu("KinFu, TSDF of its default size", {VolumeType::TSDF, true}),
       kinfu("KinFu, HashTSDF of its default size", {VolumeType::HASHTSDF, true}),
       {"LargeKinFu",
