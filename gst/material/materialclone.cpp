@@ -157,7 +157,8 @@ class CloneElement final : public Filter {
                         params.environment_location.empty() ? "that of the stream"
                                                             : params.environment_location.c_str());
     seen_.reset();
-    seen_from_ = {};
+    seen_from_.reset();
+    last_ = {};
     warned_ = timeless_ = told_no_scene_ = told_lost_ = false;
     without_object_ = 0;
     reported_size_ = false;
@@ -218,6 +219,7 @@ class CloneElement final : public Filter {
       frame.warnings.push_back(std::move(warning));
     const std::optional<Pose> pose = frame.draw ? std::nullopt : camera(frame, params);
     const bool in_sight = frame.draw || pose;
+    if (pose) follow_axes(frame.layers.scene->table, *pose);
     try {
       // Axes of what a lost camera sees are unknown.
       if (!in_sight)
@@ -254,7 +256,7 @@ class CloneElement final : public Filter {
       room.yaw = place.yaw, room.pitch = place.pitch, room.roll = place.roll;
       room.shadow = place.shadow, room.softness = place.softness;
       room_->insertion().record(frame.commands, frame.layers, *pose, room, *sphere_, *shown_,
-                                {view.intensity, view.rotation, seen_from_});
+                                {view.intensity, view.rotation, seen_from_.value_or(Pose{})});
     }
     drawn_[frame.number] = {*shown_, material_from_, light_.from(),
                             frame.draw ? insertion_->drawn()
@@ -322,6 +324,14 @@ class CloneElement final : public Filter {
     return pose;
   }
 
+  /// Once the scene was forgotten it begins with other axes, in which the stream's light stays
+  /// where the camera saw it.
+  void follow_axes(const gpu::BufferPtr& scene, const Pose& camera) {
+    if (last_.scene && last_.scene != scene && seen_from_)
+      seen_from_ = turned_along(*seen_from_, last_.camera, camera);
+    last_ = {scene, camera};
+  }
+
   /// Where the object is in this frame, which spin turns.
   Insertion::Params placed(FrameContext& frame, const Params& params) {
     Insertion::Params place = params.place;
@@ -370,7 +380,12 @@ class CloneElement final : public Filter {
   bool warned_ = false;                // of light that is none
   bool timeless_ = false;              // reported that frames have no time
   bool told_no_scene_ = false, told_lost_ = false;
-  Pose seen_from_;               // the camera of the frame that brought the stream's light
+  std::optional<Pose> seen_from_;  // the camera of the frame that brought the stream's light
+  struct Last {
+    gpu::BufferPtr scene;  // one of its buffers
+    Pose camera;
+  };
+  Last last_;                    // frame that found its camera
   bool checked_stream_ = false;  // whether the stream brings a material, once
   uint64_t without_object_ = 0;  // frames since limematerial last found an object
   std::mutex mouse_mutex_;

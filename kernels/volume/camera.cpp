@@ -32,6 +32,12 @@ std::array<float, 3> to_camera(const Pose& pose, const std::array<float, 3>& poi
   return {p.x(), p.y(), p.z()};
 }
 
+Pose turned_along(const Pose& camera, const Pose& before, const Pose& after) {
+  const Eigen::Quaternionf turn =
+      rotation_of(after) * rotation_of(before).conjugate() * rotation_of(camera);
+  return {{turn.x(), turn.y(), turn.z(), turn.w()}, camera.place};
+}
+
 Pose pose_of_rows(std::span<const double, 12> rows) {
   const Eigen::Map<const Rows> matrix(rows.data());
   const Eigen::Matrix3d left = matrix.leftCols<3>();

@@ -27,6 +27,8 @@ Pose pose_of_rows(std::span<const double, 12> rows);
 /// A point of the camera in the world, and back; meters.
 std::array<float, 3> to_world(const Pose& pose, const std::array<float, 3>& point);
 std::array<float, 3> to_camera(const Pose& pose, const std::array<float, 3>& point);
+/// A camera that turns with another one, from `before` to `after`; its place stays.
+Pose turned_along(const Pose& camera, const Pose& before, const Pose& after);
 /// Where a point of the camera, in front of it, is seen: pixels, whose centers are at whole
 /// numbers.
 std::array<float, 2> projected(const Lens& lens, const std::array<float, 3>& point);

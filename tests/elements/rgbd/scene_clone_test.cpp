@@ -209,6 +209,38 @@ TEST(SceneCloneLight, KeepsTheLightOfTheStreamInTheRoom) {
   EXPECT_GT(left, 3) << "never seen from behind";
 }
 
+// A scene that is forgotten has its axes from the next frame on; the light stays where it was.
+TEST(SceneCloneLight, KeepsTheLightWhenTheSceneIsForgotten) {
+  const Environment light = lamp(2, 20, 20, 20);
+  GBytes* map = g_bytes_new(light.rgb().data(), light.rgb().size() * sizeof(float));
+  constexpr int kFrames = 44, kForgotten = 38;
+  const std::string place = "room-x=0 room-y=0.1 room-z=0.6 room-size=0.2";
+  const Line line(
+      "speed=8", place, kFrames,
+      [&](GstElement* clone, GstBuffer* buffer, int n) {
+        gst_buffer_get_inverse_depth_meta(buffer)->posed = FALSE;  // else axes are those before
+        if (n == 0) add_light(buffer, map);
+        GstObject* pipeline = gst_object_get_parent(GST_OBJECT(clone));
+        if (n == kForgotten)
+          g_signal_emit_by_name(find_element(GST_ELEMENT(pipeline), "decomposer"), "forget-scene");
+        gst_object_unref(pipeline);
+      },
+      "intrinsicdecomp name=decomposer quality=low");
+  g_bytes_unref(map);
+  ASSERT_EQ(line.result.frames.size(), size_t{kFrames}) << line.result.first_error();
+  const GstInverseDepthMeta& first = line.seen.front();
+  int frames = 0;
+  for (size_t n = kForgotten; n < kForgotten + 6; ++n) {
+    double side = 0;
+    for (size_t k = 0; k < 3; ++k) side += line.seen[n].pose[4 * k] * first.pose[4 * k];
+    const Found found = found_in(line.result.frames[n]);
+    if (std::abs(side) < .5 || found.count < 60) continue;
+    ++frames;
+    EXPECT_GT((found.bright_x - found.x) * side, 1) << n;
+  }
+  EXPECT_GT(frames, 3);
+}
+
 void send(GstElement* element, std::initializer_list<GstEvent*> events) {
   GstPad* pad = gst_element_get_static_pad(element, "src");
   for (GstEvent* event : events) gst_pad_send_event(pad, event);
