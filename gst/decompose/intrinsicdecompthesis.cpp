@@ -8,8 +8,8 @@
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
 #include "kernels/thesis/chapter3/thesis_levels.hpp"
 #include "scene_work.hpp"
-#include "stroke_properties.hpp"
-#include "stroke_work.hpp"
+#include "strokes/stroke_properties.hpp"
+#include "strokes/stroke_work.hpp"
 
 namespace inverse {
 namespace {

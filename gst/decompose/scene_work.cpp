@@ -13,8 +13,8 @@
 
 #include "decomposer.hpp"
 #include "gst/rgbd/meta/inverse_depth_meta.h"
-#include "stroke_editor.hpp"
-#include "stroke_text.hpp"
+#include "strokes/stroke_editor.hpp"
+#include "strokes/stroke_text.hpp"
 
 namespace inverse {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "scene_work.hpp"
 #include "solve_properties.hpp"
-#include "stroke_work.hpp"
+#include "strokes/stroke_work.hpp"
 
 namespace inverse {
 

@@ -4,7 +4,7 @@
 #include "method.hpp"
 #include "prior_models.hpp"
 #include "scene_work.hpp"
-#include "stroke_properties.hpp"
+#include "strokes/stroke_properties.hpp"
 
 namespace inverse {
 

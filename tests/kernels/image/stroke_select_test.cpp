@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What strokes select, against tests/reference/image/strokes.*.
-#include "kernels/edit/stroke_select.hpp"
+#include "kernels/edit/strokes/stroke_select.hpp"
 
 #include "strokes_fixture.hpp"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "stroke_recolor.hpp"
 
+#include "kernels/edit/replace_layer.hpp"
 #include "kernels/image/pack4.hpp"
-#include "replace_layer.hpp"
 
 namespace inverse {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <memory>
 
-#include "kernels/edit_select_strokes.spv.hpp"
+#include "kernels/edit_strokes_select_strokes.spv.hpp"
 #include "kernels/image/layers.hpp"
 #include "kernels/image/strokes/stroke_mask.hpp"
 
@@ -26,7 +26,7 @@ class StrokeSelect {
   Extent extent_;
   PlanePool planes_;
   StrokeMask mask_;
-  gpu::Program<shaders::edit_select_strokes> select_;
+  gpu::Program<shaders::edit_strokes_select_strokes> select_;
 };
 
 }  // namespace inverse

@@ -3,11 +3,11 @@
 #include <memory>
 #include <optional>
 
-#include "kernels/edit_recolor_strokes.spv.hpp"
-#include "kernels/edit_select_stroke.spv.hpp"
+#include "kernels/edit/light_edit.hpp"
+#include "kernels/edit_strokes_recolor_strokes.spv.hpp"
+#include "kernels/edit_strokes_select_stroke.spv.hpp"
 #include "kernels/image/layers.hpp"
 #include "kernels/image/strokes/stroke_mask.hpp"
-#include "light_edit.hpp"
 
 namespace inverse {
 
@@ -33,8 +33,8 @@ class StrokeRecolor {
   Extent extent_;
   PlanePool planes_;
   StrokeMask mask_;
-  gpu::Program<shaders::edit_recolor_strokes> recolor_;
-  gpu::Program<shaders::edit_select_stroke> select_;
+  gpu::Program<shaders::edit_strokes_recolor_strokes> recolor_;
+  gpu::Program<shaders::edit_strokes_select_stroke> select_;
   gpu::Program<shaders::image_strokes_colors> average_;
   std::optional<LightEdit> light_;  // made when light first has layers
   gpu::BufferPtr colors_, key_;

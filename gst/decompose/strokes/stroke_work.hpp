@@ -4,12 +4,12 @@
 #include <optional>
 #include <vector>
 
-#include "kernels/edit/stroke_recolor.hpp"
-#include "kernels/edit/stroke_select.hpp"
+#include "gst/decompose/scene_work.hpp"
+#include "kernels/edit/strokes/stroke_recolor.hpp"
+#include "kernels/edit/strokes/stroke_select.hpp"
 #include "kernels/edit_pick.spv.hpp"
 #include "kernels/gpu/frame_ring.hpp"
 #include "kernels/image/strokes/stroke_tracker.hpp"
-#include "scene_work.hpp"
 #include "stroke_editor.hpp"
 
 namespace inverse {

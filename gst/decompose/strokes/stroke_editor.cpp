@@ -6,8 +6,8 @@
 #include <initializer_list>
 
 #include "common/number_text.hpp"
-#include "decomposer.hpp"
 #include "gst/base/color.hpp"
+#include "gst/decompose/decomposer.hpp"
 #include "kernels/image/view/mosaic.hpp"
 #include "stroke_properties.hpp"
 #include "stroke_text.hpp"
