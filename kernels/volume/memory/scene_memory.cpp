@@ -43,7 +43,6 @@ Tracker::Params from_afar(Tracker::Params params) {
   params.steps = {4, 6, 10};
   params.max_distance = {0.05F, 0.15F, 0.3F};
   params.photometric = {};
-  params.min_share = std::max(params.min_share, 0.5F);  // other places may look a little alike
   return params;
 }
 

@@ -17,7 +17,8 @@ layout(push_constant) uniform Push {
   uint groups;      // of align.comp
   float damping;    // added to the diagonal, as a share of the sum of weights (per m² and rad²)
   uint last;        // whether to decide
-  float min_share;  // of pixels with a depth that must match
+  float min_share;  // of pixels with a depth that must match, ...
+  float lost_share; // ... and if the camera was lost in the frame before
   float max_rms;    // meters
 } push;
 
@@ -66,8 +67,8 @@ void main() {
   }
   if (push.last == 0u) return;
   float rms = sqrt(total[6].w / max(weights, 1e-20)), share = total[7].y / max(total[7].z, 1.0);
-  bool good = solved && share >= push.min_share && rms <= push.max_rms;
   vec4 before = LOAD(found, kFound);
+  bool good = solved && share >= (before.x > 0.0 ? push.min_share : push.lost_share) && rms <= push.max_rms;
   STORE(found, kFound, good ? vec4(1.0, 0.0, before.z + 1.0, 0.0) : vec4(0.0, before.y + 1.0, 0.0, 0.0));
   STORE(found, kFit, vec4(rms, share, total[7].w / max(total[7].z, 1.0), smallest));
   STORE(found, kMotion, vec4(shift, angle));

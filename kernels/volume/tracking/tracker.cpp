@@ -122,6 +122,7 @@ void Tracker::record_align(gpu::Commands& commands, const Params& params) {
                          .damping = params.damping,
                          .last = uint32_t{l == 0 && step + 1 == params.steps[0]},
                          .min_share = params.min_share,
+                         .lost_share = std::max(params.lost_share, params.min_share),
                          .max_rms = params.max_rms},
                         gpu::kOneGroup);
     }

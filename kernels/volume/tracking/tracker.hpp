@@ -28,7 +28,9 @@ class Tracker {
     std::array<float, 3> photometric{0.03F, 0.03F, 0};
     float damping = 1e-5F;    ///< of a step, per m² and rad²
     float min_share = 0.35F;  ///< of pixels with a depth that must match
-    float max_rms = 0.03F;    ///< of the distances of matched points, meters
+    /// The same if the camera was lost: other places may look a little alike.
+    float lost_share = 0.5F;
+    float max_rms = 0.03F;  ///< of the distances of matched points, meters
   };
 
   /// For frames of one size. Throws Error(limit) and Error(out_of_memory).

@@ -233,6 +233,33 @@ TEST_F(SceneMemoryTest, LooksForTheCameraAfterASeek) {
   }
 }
 
+// A thing that comes before 55 % of the picture does not lose a camera; but one that is lost is not
+// found by the rest.
+TEST_F(SceneMemoryTest, ALostCameraNeedsMoreThanOneThatIsFollowed) {
+  SceneMemory memory(device, extent_of(turning(0)), params());
+  const Frame bare = seen_by(turning(0));
+  Frame covered = bare;
+  for (size_t i = 0; i < covered.steps.size(); ++i)
+    if (i % 160 < 88) covered.steps[i] = uint16_t(0.4F / kUnit);
+  SceneMemory::Depth depth = bare.depth();
+  depth.pose = host_pose(bare.camera);
+  show(memory, bare, depth);
+  for (int i = 0; i < 8; ++i) show(memory, bare, bare.depth());
+  memory.set_update(false);
+  for (int i = 0; i < 8; ++i) {
+    show(memory, covered, covered.depth());
+    EXPECT_TRUE(found(memory).found) << i << ", of which matched " << found(memory).matched;
+  }
+  memory.look_for_camera();
+  for (int i = 0; i < 16; ++i) {
+    show(memory, covered, covered.depth());
+    EXPECT_FALSE(found(memory).found) << i << ", of which matched " << found(memory).matched;
+  }
+  int frames = 0;
+  for (; frames < 16 && !found(memory).found; ++frames) show(memory, bare, bare.depth());
+  EXPECT_LT(frames, 12);
+}
+
 // What is out of sight leaves the device and comes back.
 TEST_F(SceneMemoryTest, RemembersMoreThanTheDeviceHasRoomFor) {
   SceneMemory::Params small = params();
