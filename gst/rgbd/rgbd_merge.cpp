@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 #include "gst/base/log/errors.hpp"
 #include "gst/base/log/log.hpp"
@@ -11,7 +12,8 @@
 namespace inverse {
 namespace {
 
-constexpr guint64 kManyUnpaired = 30, kManyUnposed = 30;
+constexpr guint kPictures = 30, kMaxUnpaired = 18;  // of these
+constexpr guint64 kManyUnposed = 30;
 
 GstClockTime running_time(GstAggregatorPad* pad, GstBuffer* buffer) {
   return gst_segment_to_running_time(&pad->segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
@@ -82,6 +84,8 @@ void RgbdMerge::start() {
   gst_video_info_init(&depth_info_);
   std::lock_guard lock(mutex_);
   merged_ = unpaired_ = depth_dropped_ = posed_ = 0;
+  recent_ = recent_unpaired_ = 0;
+  told_ = false;
 }
 
 void RgbdMerge::stop() { drop_depth(); }
@@ -158,23 +162,35 @@ GstFlowReturn RgbdMerge::aggregate(GstAggregator* aggregator, bool timeout) {
     gst_buffer_unref(color);
     color = nullptr;
   }
-  return push(aggregator, color, paired);
+  return push(aggregator, color, paired, held_ ? apart(held_time_, time) : GST_CLOCK_TIME_NONE);
 }
 
-GstFlowReturn RgbdMerge::push(GstAggregator* aggregator, GstBuffer* color, bool paired) {
+GstFlowReturn RgbdMerge::push(GstAggregator* aggregator, GstBuffer* color, bool paired,
+                              GstClockTime difference) {
+  const std::string nearest = GST_CLOCK_TIME_IS_VALID(difference)
+                                  ? std::to_string(difference / GST_MSECOND) + " ms away"
+                                  : "there is none";
   bool warns = false, unposed = false;
+  guint unpaired = 0;
   {
     std::lock_guard lock(mutex_);
     ++(paired ? merged_ : unpaired_);
-    warns = !paired && unpaired_ == kManyUnpaired && merged_ == 0;
+    recent_unpaired_ += paired ? 0 : 1;
+    if (++recent_ == kPictures) {
+      unpaired = std::exchange(recent_unpaired_, 0);
+      recent_ = 0;
+      const bool many = unpaired > kMaxUnpaired;
+      warns = !std::exchange(told_, many) && many;
+    }
     unposed = paired && merged_ == kManyUnposed && posed_ == 0 && trajectory_;
   }
   if (warns)
-    post_warning(log_of(element_), GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED,
-                 "none of %" G_GUINT64_FORMAT
-                 " pictures has a depth image within max-difference: color and depth are apart in "
-                 "time; raise max-difference, or give both the same time stamps",
-                 kManyUnpaired);
+    post_warning(
+        log_of(element_), GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED,
+        "%u of %u pictures have no depth image within max-difference (the last one's "
+        "nearest: %s): the time stamps of color and depth differ; raise max-difference, or "
+        "give both the same clock and rate",
+        unpaired, kPictures, nearest.c_str());
   if (unposed)
     post_warning(log_of(element_), GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED,
                  "none of %" G_GUINT64_FORMAT

@@ -47,7 +47,8 @@ class RgbdMerge {
   GstAggregatorPad* color() const { return color_; }
 
  private:
-  GstFlowReturn push(GstAggregator* aggregator, GstBuffer* color, bool paired);
+  GstFlowReturn push(GstAggregator* aggregator, GstBuffer* color, bool paired,
+                     GstClockTime difference);
   void attach(GstBuffer* color, const RgbdMergeParams& params);
   std::optional<PoseRows> pose_of(GstBuffer* color, const RgbdMergeParams& params);
   void drop_depth();
@@ -65,6 +66,8 @@ class RgbdMerge {
   bool held_used_ = false;
   mutable std::mutex mutex_;  // for the counts
   guint64 merged_ = 0, unpaired_ = 0, depth_dropped_ = 0, posed_ = 0;
+  guint recent_ = 0, recent_unpaired_ = 0;  // pictures since unpaired ones were last counted
+  bool told_ = false;                       // that these were too many
 };
 
 }  // namespace inverse

@@ -91,6 +91,20 @@ TEST(RgbdMerge, SaysThatStreamsAreApart) {
   EXPECT_TRUE(merged.line.eos);
 }
 
+// Depth at another rate is near some pictures only, which is said once.
+TEST(RgbdMerge, SaysThatRatesDiffer) {
+  const Merged merged = merge("max-difference=10",
+                              "videotestsrc num-buffers=96 ! "
+                              "video/x-raw,width=64,height=48,framerate=10/1",
+                              "videotestsrc num-buffers=96 ! "
+                              "video/x-raw,format=GRAY16_LE,width=32,height=24,framerate=9/1");
+  EXPECT_GT(merged.merged, 5U);
+  EXPECT_LT(merged.merged, 48U);
+  ASSERT_EQ(merged.line.warnings.size(), 1U) << merged.line.first_error();
+  EXPECT_NE(merged.line.warnings[0].find("of 30 pictures"), std::string::npos);
+  EXPECT_NE(merged.line.warnings[0].find("ms away"), std::string::npos) << merged.line.warnings[0];
+}
+
 TEST(RgbdMerge, PicturesKeepTheFormatThatIsWanted) {
   const Merged merged =
       merge("", std::string(kColor) + " ! videoconvert", kDepth, "video/x-raw,format=NV12 ! ");
