@@ -46,6 +46,7 @@ constexpr uint32_t kLongLost = 30;  // frames
 struct Looked {
   double known = 0;  ///< share of pixels
   float median = 0;  ///< of these, meters
+  float far = 0;     ///< their 90th percentile, meters
 };
 Looked look_at(const SceneMemory::Depth& depth) {
   constexpr uint32_t kStep = 8;
@@ -57,10 +58,13 @@ Looked look_at(const SceneMemory::Depth& depth) {
       if (value != 0 && value != G_MAXUINT16) steps.push_back(value);
     }
   if (steps.empty()) return {};
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::ranges::nth_element(steps, middle);
-  return {static_cast<double>(steps.size()) / static_cast<double>(pixels),
-          static_cast<float>(*middle) * depth.unit};
+  const auto quantile = [&](size_t tenths) {
+    const auto at = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() * tenths / 10);
+    std::ranges::nth_element(steps, at);
+    return static_cast<float>(*at) * depth.unit;
+  };
+  return {static_cast<double>(steps.size()) / static_cast<double>(pixels), quantile(5),
+          quantile(9)};
 }
 
 std::string number_text(float value) {
@@ -129,6 +133,7 @@ void SceneWork::warn(FrameContext& frame, const std::string& text) {
 bool SceneWork::begin(FrameContext& frame, const SceneMemory::Depth& depth,
                       const SceneParams& params) {
   constexpr double kMinKnown = 0.1;
+  constexpr float kNearScene = 0.7F, kFarScene = 9;  // meters; a wrong unit is off by 5 or more
   const Looked looked = look_at(depth);
   if (looked.known < kMinKnown) {
     warn(frame,
@@ -141,6 +146,10 @@ bool SceneWork::begin(FrameContext& frame, const SceneMemory::Depth& depth,
                     " m, and most of it is not remembered: that takes " +
                     number_text(Volume::Params{}.min_depth) + " m to scene-depth, " +
                     number_text(params.scene_depth) + " m; is the unit of depth (depth-unit), " +
+                    number_text(depth.unit) + " m a step, right?");
+  else if (!(looked.far >= kNearScene && looked.far <= kFarScene))
+    warn(frame, "the 90th percentile of depth is " + number_text(looked.far) +
+                    " m, which is unusual for a depth camera; is the unit of depth (depth-unit), " +
                     number_text(depth.unit) + " m a step, right?");
   try {
     memory_.emplace(device_, depth.extent, memory_params(params));
@@ -247,6 +256,10 @@ const KnownReflectance* SceneWork::recall(FrameContext& frame, uint64_t number,
       warn(frame,
            "stroke-touch needs the remembered scene, but frames come without depth or scene-memory "
            "is false: touches have no effect");
+    if (!params.scene_load.empty() || !params.scene_location.empty())
+      warn(frame,
+           "scene-load and scene-location need the remembered scene, but frames come without depth "
+           "or scene-memory is false: they have no effect");
     if (wanted.strokes && std::ranges::any_of(wanted.strokes->strokes, &Stroke::in_scene))
       warn(frame,
            "strokes with balls lie in a remembered scene, but frames come without "

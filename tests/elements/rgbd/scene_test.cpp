@@ -210,6 +210,8 @@ TEST(Scene, BadDepthIsSaidAndLosesNoFrame) {
       {"unknown almost everywhere", all(0)},
       {"unknown almost everywhere", all(65535)},
       {"unit of depth", [](GstInverseDepthMeta& meta, int) { meta.unit = 1e-6; }},
+      {"unit of depth (depth-unit)", [](GstInverseDepthMeta& meta, int) { meta.unit *= 5; }},
+      {"unit of depth (depth-unit)", [](GstInverseDepthMeta& meta, int) { meta.unit /= 5; }},
       {"unit of depth (depth-unit)", [](GstInverseDepthMeta& meta, int) { meta.unit *= 8; }},
       {"unit of depth (depth-unit)", [](GstInverseDepthMeta& meta, int) { meta.unit /= 50; }},
       {"unit of depth", [](GstInverseDepthMeta& meta, int) { meta.unit = 0; }},
@@ -288,6 +290,19 @@ TEST(Scene, IsWrittenAndKnownFromAFile) {
     EXPECT_NE(bad.line.warnings[0].find(said), std::string::npos) << bad.line.warnings[0];
     // At the start, and at the end what is not written then.
     EXPECT_EQ(bad.line.warnings.size(), settings.starts_with("scene-location") ? 2U : 1U);
+  }
+}
+
+TEST(Scene, FilesNeedDepth) {
+  for (const char* setting :
+       {"scene-load=/nowhere/room.scene", "scene-location=/nowhere/room.ply"}) {
+    const LineResult line = run_line(
+        std::string(
+            "videotestsrc num-buffers=4 ! video/x-raw,width=64,height=48 ! intrinsicdecomp ") +
+        setting + " ! appsink name=out sync=false");
+    EXPECT_EQ(line.frames.size(), 4U) << line.first_error();
+    ASSERT_EQ(line.warnings.size(), 1U) << setting;
+    EXPECT_NE(line.warnings[0].find("without depth"), std::string::npos) << line.warnings[0];
   }
 }
 
