@@ -168,7 +168,10 @@ std::optional<KnownReflectance> SceneMemory::record_recall(gpu::Commands& comman
   if (strokes_ && frames_[number].number)
     strokes_->heard(*(frames_[number].found->map_as<uint32_t>() + kLeftAt / sizeof(uint32_t)));
   std::optional<Pose> candidate = learn(number);
+  Tracker::Params search = from_afar(params_.tracker);
   if (std::exchange(searches_, false)) {
+    // The stream's own pose is no guess.
+    if (depth.pose) search.lost_share = search.min_share;
     commands.fill(tracker_.found());
     const Pose first = keyframes_.size() > 0 ? keyframes_.frames()[0].pose : Pose{};
     candidate = depth.pose.value_or(first);
@@ -186,7 +189,7 @@ std::optional<KnownReflectance> SceneMemory::record_recall(gpu::Commands& comman
                       gpu::Items{1});
     volume_.record_march(commands, lens_, tracker_.pose(), view_);
     tracker_.record_target(commands, view_, resized(commands, picture));
-    tracker_.record_align(commands, from_afar(params_.tracker));
+    tracker_.record_align(commands, search);
   } else {
     tracker_.record_align(commands, params_.tracker);
   }
