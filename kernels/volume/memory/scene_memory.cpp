@@ -42,7 +42,6 @@ Pose pose_in(const gpu::BufferPtr& read) {
 Tracker::Params from_afar(Tracker::Params params) {
   params.steps = {4, 6, 10};
   params.max_distance = {0.05F, 0.15F, 0.3F};
-  params.photometric = {};
   return params;
 }
 
@@ -172,7 +171,7 @@ std::optional<KnownReflectance> SceneMemory::record_recall(gpu::Commands& comman
   if (std::exchange(searches_, false)) {
     // The stream's own pose is no guess.
     if (depth.pose) search.lost_share = search.min_share;
-    commands.fill(tracker_.found());
+    tracker_.record_lost(commands);
     const Pose first = keyframes_.size() > 0 ? keyframes_.frames()[0].pose : Pose{};
     candidate = depth.pose.value_or(first);
   }
@@ -188,7 +187,8 @@ std::optional<KnownReflectance> SceneMemory::record_recall(gpu::Commands& comman
                        .pose = tracker_.pose()},
                       gpu::Items{1});
     volume_.record_march(commands, lens_, tracker_.pose(), view_);
-    tracker_.record_target(commands, view_, resized(commands, picture));
+    // Of the light there, only its mean may be like that of the frame before.
+    tracker_.record_target(commands, view_, lit_ ? lit_ : resized(commands, picture));
     tracker_.record_align(commands, search);
   } else {
     tracker_.record_align(commands, params_.tracker);
@@ -250,6 +250,8 @@ void SceneMemory::record_remember(gpu::Commands& commands, const Plane& layers) 
     host_blocks_.record(commands, number_, volume_, {lens_, extent_, tracker_.pose()}, *last_known_,
                         stroke_lists_);
   tracker_.record_target(commands, view_, here);
+  if (!lit_) lit_ = gpu::Buffer::create(device_, gpu::Element::vec4, extent_.pixels());
+  commands.copy(here, lit_, lit_->bytes());
   const Tracker::Small small = tracker_.small();
   commands.dispatch(
       thumbnail_,

@@ -154,6 +154,7 @@ class SceneMemory {
   gpu::Program<shaders::volume_memory_see> see_;
   PlanePool surfaces_, poses_;
   gpu::BufferPtr depth_, kept_depth_, stroke_ids_, resized_, certain_, thumbnail_plane_;
+  gpu::BufferPtr lit_;  // layers of the frame before; null: there was none
   struct InFlight {
     gpu::BufferPtr image, pose, found, depth;
     bool has_depth = false;  // of the view

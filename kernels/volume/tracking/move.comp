@@ -13,6 +13,8 @@ PLANE_IN(0, sums);
 PLANE_IN(1, start);   // the pose before the first step
 PLANE_INOUT(2, pose);
 PLANE_INOUT(3, found);
+PLANE_IN(4, agreement);  // agree.comp, if the camera was lost
+WORD_INOUT(5, lost);     // 1 if it is
 layout(push_constant) uniform Push {
   uint groups;      // of align.comp
   float damping;    // added to the diagonal, as a share of the sum of weights (per m² and rad²)
@@ -20,6 +22,8 @@ layout(push_constant) uniform Push {
   float min_share;  // of pixels with a depth that must match, ...
   float lost_share; // ... and if the camera was lost in the frame before
   float max_rms;    // meters
+  float min_alike;  // correlation with the view that one that was lost needs, ...
+  float plain;      // ... unless steps of the frame's ln brightness are smaller
 } push;
 
 float a[kUnknowns * (kUnknowns + 1)];  // rows of the upper triangle, then what the equations equal
@@ -68,8 +72,13 @@ void main() {
   if (push.last == 0u) return;
   float rms = sqrt(total[6].w / max(weights, 1e-20)), share = total[7].y / max(total[7].z, 1.0);
   vec4 before = LOAD(found, kFound);
-  bool good = solved && share >= (before.x > 0.0 ? push.min_share : push.lost_share) && rms <= push.max_rms;
+  bool was_lost = !(before.x > 0.0);
+  bool good = solved && share >= (was_lost ? push.lost_share : push.min_share) && rms <= push.max_rms;
+  vec4 alike = FETCH(agreement, 0);
+  good = good && !(was_lost && alike.y > push.plain && alike.x < push.min_alike);
+  STORE(found, kAlike, alike);
   STORE(found, kFound, good ? vec4(1.0, 0.0, before.z + 1.0, 0.0) : vec4(0.0, before.y + 1.0, 0.0, 0.0));
+  STORE(lost, 0, good ? 0u : 1u);
   STORE(found, kFit, vec4(rms, share, total[7].w / max(total[7].z, 1.0), smallest));
   STORE(found, kMotion, vec4(shift, angle));
   if (good) return;

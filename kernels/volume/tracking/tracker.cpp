@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tracker.hpp"
 
+#include <algorithm>
+
 #include "kernels/gpu/reduce.hpp"
 #include "kernels/image/pyramid.hpp"
 
@@ -26,11 +28,19 @@ Tracker::Tracker(const std::shared_ptr<gpu::Device>& device, Extent extent)
       align_(device),
       align_geometry_(device, {.photometric = false}),
       move_(device, {}, gpu::kOneGroup),
+      agree_(device, {}, gpu::kOneGroup),
       predict_(device),
       pose_(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
       start_(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
       before_(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
-      found_(gpu::Buffer::create(device, gpu::Element::vec4, volume_tracking_move::kFoundStride)) {
+      found_(gpu::Buffer::create(device, gpu::Element::vec4, volume_tracking_move::kFoundStride)),
+      agreement_(gpu::Buffer::create(device, gpu::Element::vec4, 1)),
+      lost_(gpu::Buffer::create(device, gpu::Element::word, 1)),
+      followed_(gpu::Buffer::create(device, gpu::Element::vec4, volume_tracking_move::kFoundStride,
+                                    gpu::Memory::upload)) {
+  auto* followed = followed_->map_as<float>();
+  std::fill_n(followed, 4 * volume_tracking_move::kFoundStride, 0.0F);
+  followed[4 * volume_tracking_move::kFound] = 1;
   for (Levels* levels : {&frame_, &target_}) {
     Extent size = extent;
     for (Level& level : *levels) {
@@ -79,7 +89,13 @@ void Tracker::record_frame(gpu::Commands& commands, const Lens& lens, const gpu:
 
 void Tracker::record_pose(gpu::Commands& commands, const gpu::BufferPtr& pose) {
   commands.copy(pose, pose_, pose_->bytes());
+  commands.copy(followed_, found_, found_->bytes());
+  commands.fill(lost_);
+}
+
+void Tracker::record_lost(gpu::Commands& commands) {
   commands.fill(found_);
+  commands.fill(lost_, 1);
 }
 
 void Tracker::record_target(gpu::Commands& commands, const Volume::View& view,
@@ -94,6 +110,24 @@ void Tracker::record_target(gpu::Commands& commands, const Volume::View& view,
                     {.pixels = pixels}, pixels);
   target_[0].depth = view.depth;
   record_levels(commands, target_);
+}
+
+void Tracker::record_agreement(gpu::Commands& commands, const Params& params) {
+  const size_t l = frame_.size() - 1;
+  commands.when(lost_, 0, [&] {
+    commands.dispatch(agree_,
+                      {.surface = frame_[l].surface,
+                       .pose = pose_,
+                       .model = target_[l].surface,
+                       .view_pose = target_pose_,
+                       .brightness = frame_[l].brightness,
+                       .appearance = target_[l].brightness,
+                       .agreement = agreement_},
+                      {.lens = frame_[l].lens.values(),
+                       .size = frame_[l].extent,
+                       .max_distance = params.max_distance[l]},
+                      gpu::kOneGroup);
+  });
 }
 
 void Tracker::record_align(gpu::Commands& commands, const Params& params) {
@@ -117,13 +151,23 @@ void Tracker::record_align(gpu::Commands& commands, const Params& params) {
                          .min_cosine = params.min_cosine,
                          .photometric = params.photometric[l]},
                         items_of(level.extent));
-      commands.dispatch(move_, {.sums = sums_, .start = start_, .pose = pose_, .found = found_},
+      const bool last = l == 0 && step + 1 == params.steps[0];
+      if (last) record_agreement(commands, params);
+      commands.dispatch(move_,
+                        {.sums = sums_,
+                         .start = start_,
+                         .pose = pose_,
+                         .found = found_,
+                         .agreement = agreement_,
+                         .lost = lost_},
                         {.groups = groups.x * groups.y,
                          .damping = params.damping,
-                         .last = uint32_t{l == 0 && step + 1 == params.steps[0]},
+                         .last = uint32_t{last},
                          .min_share = params.min_share,
                          .lost_share = std::max(params.lost_share, params.min_share),
-                         .max_rms = params.max_rms},
+                         .max_rms = params.max_rms,
+                         .min_alike = params.min_alike,
+                         .plain = params.plain},
                         gpu::kOneGroup);
     }
 }

@@ -5,6 +5,7 @@
 
 #include "kernels/volume/volume.hpp"
 #include "kernels/volume_smooth.spv.hpp"
+#include "kernels/volume_tracking_agree.spv.hpp"
 #include "kernels/volume_tracking_align.spv.hpp"
 #include "kernels/volume_tracking_appearance.spv.hpp"
 #include "kernels/volume_tracking_brightness.spv.hpp"
@@ -30,7 +31,10 @@ class Tracker {
     float min_share = 0.35F;  ///< of pixels with a depth that must match
     /// The same if the camera was lost: other places may look a little alike.
     float lost_share = 0.5F;
-    float max_rms = 0.03F;  ///< of the distances of matched points, meters
+    /// Then the frame must look like the view as well: the correlation of steps of ln brightness at
+    /// a quarter of the size, unless their root mean square in the frame is below `plain`.
+    float min_alike = 0.42F, plain = 0.03F;  // chosen on rooms of other seeds
+    float max_rms = 0.03F;                   ///< of the distances of matched points, meters
   };
 
   /// For frames of one size. Throws Error(limit) and Error(out_of_memory).
@@ -59,6 +63,8 @@ class Tracker {
 
   /// Records that the camera of the next target is at `pose`, two vec4 (Pose): that of the first.
   void record_pose(gpu::Commands& commands, const gpu::BufferPtr& pose);
+  /// Records that it is lost.
+  void record_lost(gpu::Commands& commands);
 
   /// Two vec4 (Pose).
   const gpu::BufferPtr& pose() const { return pose_; }
@@ -79,11 +85,15 @@ class Tracker {
   gpu::Program<shaders::volume_tracking_appearance> appearance_;
   gpu::Program<shaders::volume_tracking_align> align_, align_geometry_;
   gpu::Program<shaders::volume_tracking_move> move_;
+  gpu::Program<shaders::volume_tracking_agree> agree_;
   gpu::Program<shaders::volume_tracking_predict> predict_;
   using Levels = std::array<Level, 3>;
   void record_levels(gpu::Commands& commands, Levels& levels) const;
+  /// Records how alike the frame and the target look, if the camera was lost.
+  void record_agreement(gpu::Commands& commands, const Params& params);
   Levels frame_, target_;
   gpu::BufferPtr pose_, target_pose_, start_, before_, found_, sums_;
+  gpu::BufferPtr agreement_, lost_, followed_;  // followed_: what found_ is while the pose is given
 };
 
 }  // namespace inverse

@@ -162,6 +162,97 @@ TEST_F(TrackerTest, StepsAgreeWithReference) {
   }
 }
 
+// A lost camera is found only where the frame looks like the view, unless that is plain.
+TEST_F(TrackerTest, ALostCameraMustSeeWhatTheViewShows) {
+  const Camera view_camera = along_a_wall(0), frame_camera = along_a_wall(0.02);
+  const Extent extent = extent_of(view_camera);
+  const Seen seen = look(frame_camera, Scene::wall), target = look(view_camera, Scene::wall);
+  std::mt19937 engine(5);
+  std::uniform_real_distribution<double> any(0, 1);
+  const auto scalars = [&](const std::vector<double>& values) {
+    const Pixels floats(values.begin(), values.end());
+    return upload(gpu::Element::scalar, floats.data(), floats.size());
+  };
+  enum class Shown { same, other, plain };
+  for (const Shown shown : {Shown::same, Shown::other, Shown::plain}) {
+    // Light that falls off, and squares of paint.
+    reference::Plane picture = seen.layers, known = target.layers;
+    for (reference::Plane* plane : {&picture, &known})
+      for (size_t n = 0; n < plane->size(); ++n) {
+        const size_t x = n % extent.width, y = n / extent.width;
+        const bool dark = (x / 12 + y / 12) % 2 == 0;
+        const double light = plane == &picture ? 0.4 + 0.003 * double(x) : 1;
+        const double paint = shown == Shown::plain ? 0.5 : dark ? 0.2 : 0.6;
+        for (size_t c = 0; c < 3; ++c) plane->data[n][c] = paint * light;
+      }
+    if (shown == Shown::other)
+      for (size_t n = 0; n < picture.size(); ++n)
+        for (size_t c = 0; c < 3; ++c)
+          picture.data[n][c] = n / extent.width / 8 % 2 == 0 ? 0.2 : 0.5 + 0.01 * any(engine);
+    Volume::View view(device, extent);
+    Pixels reflectance;
+    for (const auto& r : known.data) {
+      for (size_t c = 0; c < 3; ++c) reflectance.push_back(float(std::log(r[c])));
+      reflectance.push_back(1);
+    }
+    view.depth = scalars(target.depth);
+    view.pose = pose_of(view_camera);
+    view.reflectance = upload(reflectance);
+    Tracker tracker(device, extent);
+    const Pixels ones(4 * extent.pixels(), 1);
+    const auto depths = scalars(seen.depth), lit = upload(ones), start = pose_of(frame_camera),
+               frame = upload(to_pixels(picture));
+    Tracker::Params params;
+    params.steps = {1, 0, 0};
+    run([&](gpu::Commands& commands) {
+      tracker.record_frame(commands, lens_of(view_camera), depths, frame);
+      tracker.record_pose(commands, start);
+      tracker.record_target(commands, view, lit);
+      tracker.record_lost(commands);
+      tracker.record_align(commands, params);
+    });
+    const Pixels found = download(tracker.found());
+    EXPECT_EQ(found[0], shown == Shown::other ? 0 : 1) << int(shown);
+    // The same by the specification, at a quarter of the size.
+    std::vector<double> depth =
+                            reference::smooth(view_camera.width, view_camera.height, seen.depth),
+                        brightness = reference::log_brightness(picture), view_depth = target.depth,
+                        view_brightness;
+    for (const auto& r : known.data) view_brightness.push_back(std::log((r[0] + r[1] + r[2]) / 3));
+    Camera quarter = view_camera;
+    for (int l = 0; l < 2; ++l) {
+      for (auto [d, b] :
+           {std::pair(&depth, &brightness), std::pair(&view_depth, &view_brightness)}) {
+        std::vector<double> half_depth, half_brightness;
+        reference::halve(quarter.width, quarter.height, *d, *b, half_depth, half_brightness);
+        *d = half_depth, *b = half_brightness;
+      }
+      quarter = {quarter.fx / 2,
+                 quarter.fy / 2,
+                 (quarter.cx + 0.5) / 2 - 0.5,
+                 (quarter.cy + 0.5) / 2 - 0.5,
+                 (quarter.width + 1) / 2,
+                 (quarter.height + 1) / 2,
+                 quarter.rotation,
+                 quarter.place};
+    }
+    Camera estimate = quarter;
+    estimate.rotation = frame_camera.rotation, estimate.place = frame_camera.place;
+    const reference::Agreement expected =
+        reference::agreement({estimate, reference::normals(quarter, depth), brightness},
+                             {quarter, reference::normals(quarter, view_depth), view_brightness},
+                             double{params.max_distance[2]});
+    const float* alike = &found[4 * size_t{shaders::volume_tracking_move::kAlike}];
+    if (shown != Shown::plain) {
+      EXPECT_NEAR(double{alike[0]}, expected.correlation, 5e-3) << int(shown);
+    }
+    EXPECT_NEAR(double{alike[1]}, expected.frame, 2e-3 + 0.01 * expected.frame);
+    EXPECT_NEAR(double{alike[2]}, expected.view, 2e-3 + 0.01 * expected.view);
+    EXPECT_NEAR(double{alike[3]}, expected.count, 0.01 * expected.count);
+    EXPECT_GT(expected.count, 1000);
+  }
+}
+
 TEST_F(TrackerTest, FollowsACamera) {
   const Errors errors = follow(around, Scene::room, {});
   EXPECT_TRUE(errors.found);

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace inverse::reference {
 namespace {
@@ -87,6 +88,51 @@ Alignment align(const Sight& frame, const Sight& view, const AlignParams& params
   Alignment result{frame.camera, std::sqrt(squares / weights), matched / all};
   result.camera.rotation = {moved.x(), moved.y(), moved.z(), moved.w()};
   for (size_t c = 0; c < 3; ++c) result.camera.place[c] += step[3 + Eigen::Index(c)];
+  return result;
+}
+
+Agreement agreement(const Sight& frame, const Sight& view, double max_distance) {
+  const int width = view.camera.width, height = view.camera.height;
+  /// Ln brightness of the view where a pixel of the frame falls; empty: its surface is not there.
+  const auto there = [&](int x, int y) -> std::optional<double> {
+    const double depth = frame.surface.at(x, y)[3];
+    if (!(depth > 0)) return {};
+    const Vector p = quaternion(view.camera).conjugate() *
+                     (quaternion(frame.camera) * (depth * vector(frame.camera.ray(x, y))) +
+                      vector(frame.camera.place) - vector(view.camera.place));
+    if (!(p[2] > 0)) return {};
+    const double u = view.camera.fx * p[0] / p[2] + view.camera.cx,
+                 w = view.camera.fy * p[1] / p[2] + view.camera.cy;
+    if (!(u >= 0 && w >= 0 && u <= width - 1 && w <= height - 1)) return {};
+    const int x0 = int(u), y0 = int(w);
+    double sum = 0;
+    for (int k = 0; k < 4; ++k) {
+      const int px = std::min(x0 + k % 2, width - 1), py = std::min(y0 + k / 2, height - 1);
+      if (!(std::abs(view.surface.at(px, py)[3] - p[2]) < max_distance)) return {};
+      sum += (k % 2 ? u - x0 : 1 - u + x0) * (k / 2 ? w - y0 : 1 - w + y0) *
+             view.brightness[view.surface.index(px, py)];
+    }
+    return sum;
+  };
+  double both = 0, of_frame = 0, of_view = 0;
+  Agreement result;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (const bool down : {false, true}) {
+        const int nx = x + (down ? 0 : 3), ny = y + (down ? 3 : 0);
+        if (nx >= width || ny >= height) continue;
+        const auto here = there(x, y), beside = there(nx, ny);
+        const double depth = frame.surface.at(x, y)[3];
+        if (!here || !beside || std::abs(frame.surface.at(nx, ny)[3] - depth) > kJump * depth)
+          continue;
+        const double a = *beside - *here, b = frame.brightness[frame.surface.index(nx, ny)] -
+                                              frame.brightness[frame.surface.index(x, y)];
+        both += a * b, of_frame += b * b, of_view += a * a;
+        ++result.count;
+      }
+  result.correlation = both / std::sqrt(std::max(of_frame * of_view, 1e-20));
+  result.frame = std::sqrt(of_frame / std::max(result.count, 1.0));
+  result.view = std::sqrt(of_view / std::max(result.count, 1.0));
   return result;
 }
 

@@ -29,6 +29,14 @@ struct Alignment {
 /// where the point p falls on the point q with the normal n and the ln brightness a of the view.
 Alignment align(const Sight& frame, const Sight& view, const AlignParams& params);
 
+/// How alike both look where the frame's points fall on the view within `max_distance` of depth.
+struct Agreement {
+  double correlation = 0;  ///< of steps of ln brightness to the third pixels at the right and below
+  double frame = 0, view = 0;  ///< root mean square of these
+  double count = 0;            ///< of steps; not across jumps of depth
+};
+Agreement agreement(const Sight& frame, const Sight& view, double max_distance);
+
 /// `last`, moved by what moves `before` to it: the turn in the world's axes, and the shift.
 Camera predict(const Camera& before, const Camera& last);
 
