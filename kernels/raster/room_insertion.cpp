@@ -198,6 +198,7 @@ void RoomInsertion::record(gpu::Commands& commands, Layers& layers, const Pose& 
   const Vector3f frame_pixels(
       static_cast<float>(frame_.width) / static_cast<float>(scene.extent.width),
       static_cast<float>(frame_.height) / static_cast<float>(scene.extent.height), 0);
+  const size_t beams = beams_.size() / Room::kBeamRows;
   std::vector<Row> rows{
       row(camera),
       row(place, 0),
@@ -206,7 +207,7 @@ void RoomInsertion::record(gpu::Commands& commands, Layers& layers, const Pose& 
       {static_cast<float>(window.left), static_cast<float>(window.top), 1 / frame_pixels.x(),
        1 / frame_pixels.y()},
       {static_cast<float>(scene.extent.width), static_cast<float>(scene.extent.height),
-       static_cast<float>(beams_.size() / Room::kBeamRows), static_cast<float>(lamps_)}};
+       static_cast<float>(beams), static_cast<float>(lamps_)}};
   rows.insert(rows.end(), beams_.begin(), beams_.end());
   commands.write_table(room_, gpu::Element::vec4, rows);
 
