@@ -14,7 +14,7 @@ PLANE_IN(1, start);   // the pose before the first step
 PLANE_INOUT(2, pose);
 PLANE_INOUT(3, found);
 PLANE_IN(4, agreement);  // agree.comp, if the camera was lost
-WORD_INOUT(5, lost);     // 1 if it is
+WORD_INOUT(5, lost);     // 1 if it was in the frame before, and then if it is
 layout(push_constant) uniform Push {
   uint groups;      // of align.comp
   float damping;    // added to the diagonal, as a share of the sum of weights (per m² and rad²)
@@ -72,7 +72,7 @@ void main() {
   if (push.last == 0u) return;
   float rms = sqrt(total[6].w / max(weights, 1e-20)), share = total[7].y / max(total[7].z, 1.0);
   vec4 before = LOAD(found, kFound);
-  bool was_lost = !(before.x > 0.0);
+  bool was_lost = LOAD(lost, 0) != 0u;
   bool good = solved && share >= (was_lost ? push.lost_share : push.min_share) && rms <= push.max_rms;
   vec4 alike = FETCH(agreement, 0);
   good = good && !(was_lost && alike.y > push.plain && alike.x < push.min_alike);

@@ -35,12 +35,7 @@ Tracker::Tracker(const std::shared_ptr<gpu::Device>& device, Extent extent)
       before_(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
       found_(gpu::Buffer::create(device, gpu::Element::vec4, volume_tracking_move::kFoundStride)),
       agreement_(gpu::Buffer::create(device, gpu::Element::vec4, 1)),
-      lost_(gpu::Buffer::create(device, gpu::Element::word, 1)),
-      followed_(gpu::Buffer::create(device, gpu::Element::vec4, volume_tracking_move::kFoundStride,
-                                    gpu::Memory::upload)) {
-  auto* followed = followed_->map_as<float>();
-  std::fill_n(followed, 4 * volume_tracking_move::kFoundStride, 0.0F);
-  followed[4 * volume_tracking_move::kFound] = 1;
+      lost_(gpu::Buffer::create(device, gpu::Element::word, 1)) {
   for (Levels* levels : {&frame_, &target_}) {
     Extent size = extent;
     for (Level& level : *levels) {
@@ -89,7 +84,7 @@ void Tracker::record_frame(gpu::Commands& commands, const Lens& lens, const gpu:
 
 void Tracker::record_pose(gpu::Commands& commands, const gpu::BufferPtr& pose) {
   commands.copy(pose, pose_, pose_->bytes());
-  commands.copy(followed_, found_, found_->bytes());
+  commands.fill(found_);
   commands.fill(lost_);
 }
 

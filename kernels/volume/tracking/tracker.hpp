@@ -93,7 +93,7 @@ class Tracker {
   void record_agreement(gpu::Commands& commands, const Params& params);
   Levels frame_, target_;
   gpu::BufferPtr pose_, target_pose_, start_, before_, found_, sums_;
-  gpu::BufferPtr agreement_, lost_, followed_;  // followed_: what found_ is while the pose is given
+  gpu::BufferPtr agreement_, lost_;
 };
 
 }  // namespace inverse
