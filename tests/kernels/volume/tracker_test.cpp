@@ -14,6 +14,10 @@ using Path = Camera (*)(double t);
 
 class TrackerTest : public VolumeFixture {
  protected:
+  gpu::BufferPtr scalars(const std::vector<double>& values) {
+    const Pixels floats(values.begin(), values.end());
+    return upload(gpu::Element::scalar, floats.data(), floats.size());
+  }
   /// The largest errors of the pose along a path, and whether it was found in every frame.
   struct Errors {
     double place = 0;  ///< meters
@@ -58,6 +62,27 @@ class TrackerTest : public VolumeFixture {
   }
 };
 
+/// What reference::align compares, without normals: depth and ln brightness at a level.
+struct Level {
+  Camera camera;
+  std::vector<double> depth, brightness;
+  reference::Sight sight(const Camera& posed) const {
+    Camera estimate = camera;
+    estimate.rotation = posed.rotation, estimate.place = posed.place;
+    return {estimate, reference::normals(camera, depth), brightness};
+  }
+};
+/// The same at half of the size.
+Level half_of(const Level& fine) {
+  const Camera& c = fine.camera;
+  Level half{{c.fx / 2, c.fy / 2, (c.cx + 0.5) / 2 - 0.5, (c.cy + 0.5) / 2 - 0.5, (c.width + 1) / 2,
+              (c.height + 1) / 2, c.rotation, c.place},
+             {},
+             {}};
+  reference::halve(c.width, c.height, fine.depth, fine.brightness, half.depth, half.brightness);
+  return half;
+}
+
 Camera around(double t) {
   return camera_at(160, 120,
                    {0.5 * std::sin(t) - 0.2, 0.2 + 0.1 * std::cos(2 * t), 0.15 * std::cos(t)},
@@ -87,10 +112,6 @@ TEST_F(TrackerTest, StepsAgreeWithReference) {
     params.steps = {};
     params.steps[level] = 1;
     Tracker tracker(device, extent);
-    const auto scalars = [&](const std::vector<double>& values) {
-      const Pixels floats(values.begin(), values.end());
-      return upload(gpu::Element::scalar, floats.data(), floats.size());
-    };
     std::vector<double> depth =
                             reference::smooth(view_camera.width, view_camera.height, seen.depth),
                         brightness = reference::log_brightness(seen.layers),
@@ -121,28 +142,10 @@ TEST_F(TrackerTest, StepsAgreeWithReference) {
       tracker.record_pose(commands, start_pose);
       tracker.record_align(commands, params);
     });
-    Camera camera = view_camera;
-    for (size_t l = 0; l < level; ++l) {
-      for (auto [d, b] :
-           {std::pair(&depth, &brightness), std::pair(&view_depth, &view_brightness)}) {
-        std::vector<double> half_depth, half_brightness;
-        reference::halve(camera.width, camera.height, *d, *b, half_depth, half_brightness);
-        *d = half_depth, *b = half_brightness;
-      }
-      camera = {camera.fx / 2,
-                camera.fy / 2,
-                (camera.cx + 0.5) / 2 - 0.5,
-                (camera.cy + 0.5) / 2 - 0.5,
-                (camera.width + 1) / 2,
-                (camera.height + 1) / 2,
-                camera.rotation,
-                camera.place};
-    }
-    Camera estimate = camera;
-    estimate.rotation = start.rotation, estimate.place = start.place;
+    Level frame{view_camera, depth, brightness}, model{view_camera, view_depth, view_brightness};
+    for (size_t l = 0; l < level; ++l) frame = half_of(frame), model = half_of(model);
     const reference::Alignment expected =
-        reference::align({estimate, reference::normals(camera, depth), brightness},
-                         {camera, reference::normals(camera, view_depth), view_brightness},
+        reference::align(frame.sight(start), model.sight(view_camera),
                          {double{params.max_distance[level]}, double{params.min_cosine},
                           double{params.photometric[level]}, double{params.damping}});
     const Pixels pose = download(tracker.pose());
@@ -169,10 +172,6 @@ TEST_F(TrackerTest, ALostCameraMustSeeWhatTheViewShows) {
   const Seen seen = look(frame_camera, Scene::wall), target = look(view_camera, Scene::wall);
   std::mt19937 engine(5);
   std::uniform_real_distribution<double> any(0, 1);
-  const auto scalars = [&](const std::vector<double>& values) {
-    const Pixels floats(values.begin(), values.end());
-    return upload(gpu::Element::scalar, floats.data(), floats.size());
-  };
   enum class Shown { same, other, plain };
   for (const Shown shown : {Shown::same, Shown::other, Shown::plain}) {
     // Light that falls off, and squares of paint.
@@ -214,34 +213,15 @@ TEST_F(TrackerTest, ALostCameraMustSeeWhatTheViewShows) {
     const Pixels found = download(tracker.found());
     EXPECT_EQ(found[0], shown == Shown::other ? 0 : 1) << int(shown);
     // The same by the specification, at a quarter of the size.
-    std::vector<double> depth =
-                            reference::smooth(view_camera.width, view_camera.height, seen.depth),
-                        brightness = reference::log_brightness(picture), view_depth = target.depth,
-                        view_brightness;
+    std::vector<double> view_brightness;
     for (const auto& r : known.data) view_brightness.push_back(std::log((r[0] + r[1] + r[2]) / 3));
-    Camera quarter = view_camera;
-    for (int l = 0; l < 2; ++l) {
-      for (auto [d, b] :
-           {std::pair(&depth, &brightness), std::pair(&view_depth, &view_brightness)}) {
-        std::vector<double> half_depth, half_brightness;
-        reference::halve(quarter.width, quarter.height, *d, *b, half_depth, half_brightness);
-        *d = half_depth, *b = half_brightness;
-      }
-      quarter = {quarter.fx / 2,
-                 quarter.fy / 2,
-                 (quarter.cx + 0.5) / 2 - 0.5,
-                 (quarter.cy + 0.5) / 2 - 0.5,
-                 (quarter.width + 1) / 2,
-                 (quarter.height + 1) / 2,
-                 quarter.rotation,
-                 quarter.place};
-    }
-    Camera estimate = quarter;
-    estimate.rotation = frame_camera.rotation, estimate.place = frame_camera.place;
-    const reference::Agreement expected =
-        reference::agreement({estimate, reference::normals(quarter, depth), brightness},
-                             {quarter, reference::normals(quarter, view_depth), view_brightness},
-                             double{params.max_distance[2]});
+    const Level of_frame{view_camera,
+                         reference::smooth(view_camera.width, view_camera.height, seen.depth),
+                         reference::log_brightness(picture)},
+        of_view{view_camera, target.depth, view_brightness};
+    const reference::Agreement expected = reference::agreement(
+        half_of(half_of(of_frame)).sight(frame_camera),
+        half_of(half_of(of_view)).sight(view_camera), double{params.max_distance[2]});
     const float* alike = &found[4 * size_t{shaders::volume_tracking_move::kAlike}];
     if (shown != Shown::plain) {
       EXPECT_NEAR(double{alike[0]}, expected.correlation, 5e-3) << int(shown);
@@ -313,10 +293,6 @@ TEST_F(TrackerTest, SaysThatItIsLost) {
   const Lens lens = lens_of(camera);
   const Seen seen = look(camera);
   const auto picture = upload(to_pixels(seen.layers)), start = pose_of(camera);
-  const auto scalars = [&](const std::vector<double>& values) {
-    const Pixels floats(values.begin(), values.end());
-    return upload(gpu::Element::scalar, floats.data(), floats.size());
-  };
   const double nan = std::numeric_limits<double>::quiet_NaN(),
                infinity = std::numeric_limits<double>::infinity();
   const auto moved = [&](auto change) {
