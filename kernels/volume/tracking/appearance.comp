@@ -11,7 +11,7 @@ SCALAR_IN(2, brightness);  // of the frame, ln
 SCALAR_OUT(3, appearance);
 layout(push_constant) uniform Push { uint pixels; } push;
 
-const float kBlack = 1e-3;  // S that says nothing of light
+const float kBlack = 1e-3;  // S up to which a frame counts as black
 
 void main() {
   uint at = line_index();
