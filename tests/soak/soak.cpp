@@ -75,7 +75,9 @@ Growth soak_frames(const Plan& plan) {
   return growth;
 }
 
-/// Sizes and formats in turn, two frames each; a sample after each round.
+/// Sizes and formats in turn; a sample after each round. Stats describe the last frame that is
+/// done, which has begun at most kFramesInFlight frames ago: of five frames, it is the second or a
+/// later one, by which time all that a size needs is allocated.
 Growth soak_caps(const Plan& plan) {
   struct Caps {
     const char* format;
@@ -83,6 +85,7 @@ Growth soak_caps(const Plan& plan) {
   };
   constexpr Caps kRound[] = {
       {"RGBA", 96, 72}, {"NV12", 64, 48}, {"YUY2", 130, 74}, {"I420", 35, 29}};
+  constexpr int kFrames = 5;
   Growth growth("caps", plan.slack);
   Line line(line_of(plan, "appsrc name=source format=time block=true max-buffers=2"));
   GstElement* source = line.find("source");
@@ -98,7 +101,7 @@ Growth soak_caps(const Plan& plan) {
     GstCaps* text = gst_video_info_to_caps(&info);
     gst_app_src_set_caps(GST_APP_SRC(source), text);
     gst_caps_unref(text);
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 0; i < kFrames; ++i) {
       GstBuffer* buffer = gst_buffer_new_allocate(nullptr, info.size, nullptr);
       gst_buffer_memset(buffer, 0, static_cast<guint8>(random()), info.size);
       GST_BUFFER_PTS(buffer) = gst_util_uint64_scale(frames++, GST_SECOND, 30);
