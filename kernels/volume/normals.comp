@@ -14,10 +14,10 @@ layout(push_constant) uniform Push {
   uvec2 size;
 } push;
 
-
+// Beyond the border, that of the pixel there.
 vec3 point(ivec2 pixel) {
-  bool inside = all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, ivec2(push.size)));
-  return inside ? FETCH1(depth, pixel.y * int(push.size.x) + pixel.x) * ray_of(push.lens, vec2(pixel)) : vec3(0.0);
+  pixel = clamp(pixel, ivec2(0), ivec2(push.size) - 1);
+  return FETCH1(depth, pixel.y * int(push.size.x) + pixel.x) * ray_of(push.lens, vec2(pixel));
 }
 vec3 difference(vec3 at, ivec2 pixel, ivec2 step) {
   vec3 low = point(pixel - step), high = point(pixel + step);

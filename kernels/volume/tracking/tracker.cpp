@@ -51,19 +51,22 @@ Tracker::Tracker(const std::shared_ptr<gpu::Device>& device, Extent extent)
                               uint64_t{groups.x} * groups.y * volume_tracking_align::kSums);
 }
 
-void Tracker::record_levels(gpu::Commands& commands, Levels& levels) const {
-  for (size_t l = 0; l < levels.size(); ++l) {
-    const Level& level = levels[l];
-    const auto pixels = static_cast<uint32_t>(level.extent.pixels());
-    if (l > 0)
-      commands.dispatch(halve_,
-                        {.fine_depth = levels[l - 1].depth,
-                         .fine_brightness = levels[l - 1].brightness,
-                         .depth = level.depth,
-                         .brightness = level.brightness},
-                        {.size = levels[l - 1].extent}, pixels);
-    commands.dispatch(normals_, {.depth = level.depth, .surface = level.surface},
-                      {.lens = level.lens.values(), .size = level.extent}, pixels);
+void Tracker::record_normals(gpu::Commands& commands, const Level& level) const {
+  commands.dispatch(normals_, {.depth = level.depth, .surface = level.surface},
+                    {.lens = level.lens.values(), .size = level.extent},
+                    static_cast<uint32_t>(level.extent.pixels()));
+}
+
+void Tracker::record_coarser(gpu::Commands& commands, const Levels& levels) const {
+  for (size_t l = 1; l < levels.size(); ++l) {
+    const Level &fine = levels[l - 1], &level = levels[l];
+    commands.dispatch(halve_,
+                      {.fine_depth = fine.depth,
+                       .fine_brightness = fine.brightness,
+                       .depth = level.depth,
+                       .brightness = level.brightness},
+                      {.size = fine.extent}, static_cast<uint32_t>(level.extent.pixels()));
+    record_normals(commands, level);
   }
 }
 
@@ -79,7 +82,8 @@ void Tracker::record_frame(gpu::Commands& commands, const Lens& lens, const gpu:
                     {.size = frame_[0].extent}, pixels);
   commands.dispatch(brightness_, {.picture = picture, .brightness = frame_[0].brightness},
                     {.size = frame_[0].extent}, pixels);
-  record_levels(commands, frame_);
+  record_normals(commands, frame_[0]);
+  record_coarser(commands, frame_);
 }
 
 void Tracker::record_pose(gpu::Commands& commands, const gpu::BufferPtr& pose) {
@@ -104,7 +108,8 @@ void Tracker::record_target(gpu::Commands& commands, const Volume::View& view,
                      .appearance = target_[0].brightness},
                     {.pixels = pixels}, pixels);
   target_[0].depth = view.depth;
-  record_levels(commands, target_);
+  target_[0].surface = view.surface;
+  record_coarser(commands, target_);
 }
 
 void Tracker::record_agreement(gpu::Commands& commands, const Params& params) {

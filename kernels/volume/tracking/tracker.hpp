@@ -53,8 +53,9 @@ class Tracker {
   /// Normal and depth of that frame, as Volume::Frame::surface.
   const gpu::BufferPtr& surface() const { return frame_[0].surface; }
 
-  /// Records what the next frames are brought onto: a view of the size and with the lens of the
-  /// last frame, under the light that `layers` have (R.rgb, S) of that frame.
+  /// Records what the next frames are brought onto: a view (depth, normals, reflectance) of the
+  /// size and with the lens of the last frame, under the light that `layers` have (R.rgb, S) of
+  /// that frame.
   void record_target(gpu::Commands& commands, const Volume::View& view,
                      const gpu::BufferPtr& layers);
   /// Records moving pose() to where the frame matches the target, from where it is if the motion
@@ -88,7 +89,8 @@ class Tracker {
   gpu::Program<shaders::volume_tracking_agree> agree_;
   gpu::Program<shaders::volume_tracking_predict> predict_;
   using Levels = std::array<Level, 3>;
-  void record_levels(gpu::Commands& commands, Levels& levels) const;
+  void record_normals(gpu::Commands& commands, const Level& level) const;
+  void record_coarser(gpu::Commands& commands, const Levels& levels) const;
   /// Records how alike the frame and the target look, if the camera was lost.
   void record_agreement(gpu::Commands& commands, const Params& params);
   Levels frame_, target_;

@@ -131,6 +131,7 @@ TEST_F(TrackerTest, StepsAgreeWithReference) {
                                       : brightness[n]);
     }
     view.depth = scalars(view_depth);
+    view.surface = upload(to_pixels(reference::normals(view_camera, view_depth)));
     view.pose = pose_of(view_camera);
     view.reflectance = upload(reflectance);
     const auto depths = scalars(seen.depth), lit = upload(layers), view_pose = pose_of(view_camera),
@@ -195,6 +196,7 @@ TEST_F(TrackerTest, ALostCameraMustSeeWhatTheViewShows) {
       reflectance.push_back(1);
     }
     view.depth = scalars(target.depth);
+    view.surface = upload(to_pixels(reference::normals(view_camera, target.depth)));
     view.pose = pose_of(view_camera);
     view.reflectance = upload(reflectance);
     Tracker tracker(device, extent);
