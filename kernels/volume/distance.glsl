@@ -2,12 +2,20 @@
 // distance_at(): the signed distance between voxels. Needs find_block.glsl, voxel.glsl, and WORD_IN `voxels`.
 const float kMinSeen = 0.33;
 
-// The eight voxels around a place of the world in voxels, of which the first one's center is below it.
-uint corner(ivec3 voxel, uint n, uint block, ivec3 block_at) {
-  ivec3 v = voxel + ivec3(n & 1u, n >> 1 & 1u, n >> 2);
-  ivec3 at = block_of(v);
-  uint found = at == block_at ? block : find_block(at);
-  return found == kNoBlock ? kNoBlock : found * kBlockVoxels + place_in_block(v);
+// The places of the eight voxels from `voxel` on, or kNoBlock. Only blocks that they lie in are looked up: one in most cases.
+uint[8] corners(ivec3 voxel) {
+  ivec3 first = block_of(voxel), across = block_of(voxel + 1) - first;
+  uint axes = uint(across.x | across.y << 1 | across.z << 2), part = 0u;  // bits of axes
+  uint places[8] = uint[](kNoBlock, kNoBlock, kNoBlock, kNoBlock, kNoBlock, kNoBlock, kNoBlock, kNoBlock);
+  do {
+    uint block = find_block(first + ivec3(part & 1u, part >> 1 & 1u, part >> 2));
+    for (uint n = 0u; n < 8u; ++n) {
+      uint place = block * kBlockVoxels + place_in_block(voxel + ivec3(n & 1u, n >> 1 & 1u, n >> 2));
+      places[n] = (n & axes) == part && block != kNoBlock ? place : places[n];
+    }
+    part = (part - axes) & axes;  // the next subset of the axes
+  } while (part != 0u);
+  return places;
 }
 float corner_weight(vec3 share, uint n) {
   vec3 w = mix(1.0 - share, share, vec3(n & 1u, n >> 1 & 1u, n >> 2));
@@ -18,12 +26,10 @@ float corner_weight(vec3 share, uint n) {
 float distance_at(vec3 at) {
   ivec3 voxel = ivec3(floor(at - 0.5));
   vec3 share = at - 0.5 - vec3(voxel);
-  ivec3 block_at = block_of(voxel);
-  uint block = find_block(block_at);
+  uint places[8] = corners(voxel);
   float sum = 0.0, total = 0.0;
   for (uint n = 0u; n < 8u; ++n) {
-    uint index = corner(voxel, n, block, block_at);
-    Voxel v = voxel_of(index == kNoBlock ? 0u : FETCH1(voxels, int(index)));
+    Voxel v = voxel_of(places[n] == kNoBlock ? 0u : FETCH1(voxels, int(places[n])));
     float weight = v.weight > 0.0 ? corner_weight(share, n) : 0.0;
     sum += weight * v.distance;
     total += weight;

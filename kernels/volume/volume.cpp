@@ -37,7 +37,8 @@ Volume::View::View(const std::shared_ptr<gpu::Device>& device, Extent size)
       pose(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
       outdated(gpu::Buffer::create(device, gpu::Element::word, 1)),
       nearest(gpu::Buffer::create(device, gpu::Element::word, tiles().pixels())),
-      farthest(gpu::Buffer::create(device, gpu::Element::word, tiles().pixels())) {}
+      farthest(gpu::Buffer::create(device, gpu::Element::word, tiles().pixels())),
+      start(gpu::Buffer::create(device, gpu::Element::scalar, rays().pixels())) {}
 
 Volume::Volume(const std::shared_ptr<gpu::Device>& device, const Params& params)
     : device_(device),
@@ -47,6 +48,7 @@ Volume::Volume(const std::shared_ptr<gpu::Device>& device, const Params& params)
       list_blocks_(device),
       integrate_(device, {}, kColumns),
       ranges_(device),
+      approach_(device),
       march_(device),
       normals_(device),
       outdated_(device),
@@ -245,11 +247,26 @@ void Volume::record_march(gpu::Commands& commands, const Lens& lens, const gpu::
                        .voxel = params_.voxel,
                        .min_depth = params_.min_depth},
                       params_.blocks);
+    const Extent rays = view.rays();
+    commands.dispatch(approach_,
+                      {.table = table_,
+                       .voxels = voxels_,
+                       .nearest = view.nearest,
+                       .farthest = view.farthest,
+                       .pose = view.pose,
+                       .start = view.start},
+                      {.lens = lens.values(),
+                       .size = rays,
+                       .tiles = tiles.width,
+                       .table_mask = entries_ - 1,
+                       .voxel = params_.voxel,
+                       .truncation = params_.truncation * params_.voxel},
+                      static_cast<uint32_t>(rays.pixels()));
     commands.dispatch(march_,
                       {.table = table_,
                        .voxels = voxels_,
                        .colors = colors_,
-                       .nearest = view.nearest,
+                       .start = view.start,
                        .farthest = view.farthest,
                        .pose = view.pose,
                        .depth = view.depth,

@@ -8,6 +8,7 @@
 #include "kernels/volume/camera.hpp"
 #include "kernels/volume/volume_data.hpp"
 #include "kernels/volume_allocate.spv.hpp"
+#include "kernels/volume_approach.spv.hpp"
 #include "kernels/volume_integrate.spv.hpp"
 #include "kernels/volume_list.spv.hpp"
 #include "kernels/volume_march.spv.hpp"
@@ -64,9 +65,12 @@ class Volume {
     gpu::BufferPtr outdated;     ///< a word: 1 if the last record_march rendered it, else 0
     /// Throws Error(out_of_memory).
     View(const std::shared_ptr<gpu::Device>& device, Extent extent);
-    /// 8 x 8 pixels, where rays start and end.
+    /// Of 8 x 8 pixels: the depths between which there are blocks.
     Extent tiles() const { return {(extent.width + 7) / 8, (extent.height + 7) / 8}; }
     gpu::BufferPtr nearest, farthest;
+    /// Of every second pixel: the depth in front of the surface.
+    Extent rays() const { return {(extent.width + 1) / 2, (extent.height + 1) / 2}; }
+    gpu::BufferPtr start;
     Lens lens;
     uint64_t version = 0;  ///< of the volume when it was rendered; 0: it was not
   };
@@ -110,6 +114,7 @@ class Volume {
   gpu::Program<shaders::volume_list> list_blocks_;
   gpu::Program<shaders::volume_integrate> integrate_;
   gpu::Program<shaders::volume_ranges> ranges_;
+  gpu::Program<shaders::volume_approach> approach_;
   gpu::Program<shaders::volume_march> march_;
   gpu::Program<shaders::volume_normals> normals_;
   gpu::Program<shaders::volume_outdated> outdated_;
