@@ -15,7 +15,7 @@ namespace {
 using namespace inverse;
 
 constexpr const char* kUsage =
-    "inverse-light-program PROGRAM [--rate STEPS] [FILE]\n"
+    "usage: inverse-light-program PROGRAM [--rate STEPS] [FILE]\n"
     "  PROGRAM  performance or static, also with a number of lights as static:96; or a file\n"
     "  STEPS    a second: a number, or a fraction as 30000/1001; 60 where it is left out\n"
     "  FILE     to write; else it is printed\n";
@@ -38,14 +38,20 @@ void set_rate(LightProgram& program, std::string_view rate) {
 int run(const std::vector<std::string>& words) {
   std::vector<std::string> names;
   std::string rate;
-  bool understood = true;
+  bool understood = true, help = false;
   for (size_t i = 0; i < words.size(); ++i) {
     if (words[i] == "--rate" && i + 1 < words.size())
       rate = words[++i];
+    else if (words[i] == "--help" || words[i] == "-h")
+      help = true;
     else if (words[i].starts_with("-"))
       understood = false;
     else
       names.push_back(words[i]);
+  }
+  if (help) {
+    std::fputs(kUsage, stdout);
+    return 0;
   }
   if (!understood || names.empty() || names.size() > 2) {
     std::fputs(kUsage, stderr);
