@@ -34,9 +34,6 @@ newest="queue leaky=downstream max-size-buffers=1"
 # To a file: VP8, supported by all browsers and players, fast enough for real time on two cores.
 encoder="videoconvert ! vp8enc deadline=1 cpu-used=8 threads=4 end-usage=cq cq-level=16 target-bitrate=20000000 keyframe-max-dist=60"
 
-# Compressed sound that Matroska accepts; other sound is stored as samples.
-sound="audio/mpeg,mpegversion=1;audio/mpeg,mpegversion={2,4},stream-format=raw;audio/x-vorbis;audio/x-opus;audio/x-flac,framed=true;audio/x-ac3;audio/x-eac3;audio/x-dts;audio/x-alaw;audio/x-mulaw;audio/x-tta;audio/x-raw"
-
 # The URI of a file, or the URI itself.
 uri_of() {
   case "$1" in

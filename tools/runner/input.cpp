@@ -45,7 +45,7 @@ Input file(const std::string& path) {
   struct stat status;
   if (stat(path.c_str(), &status) != 0) throw std::runtime_error("there is no file " + path);
   if (S_ISDIR(status.st_mode))
-    throw std::runtime_error(path + " is a folder; pipelines/batch takes folders");
+    throw std::runtime_error(path + " is a folder; inverse-transcode takes folders");
   if (access(path.c_str(), R_OK) != 0) throw std::runtime_error("no permission to read " + path);
   if (S_ISREG(status.st_mode) && status.st_size == 0) throw std::runtime_error(path + " is empty");
   GError* error = nullptr;

@@ -1,0 +1,284 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""inverse-transcode as it is started: what it writes, what it says, and its exit status."""
+import hashlib
+import json
+import os
+import pathlib
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SKIPPED = 77  # the exit status by which meson knows a skipped test
+try:
+    import gi
+
+    gi.require_version("Gst", "1.0")
+    from gi.repository import Gst
+except (ImportError, ValueError) as problem:
+    print(f"GStreamer for Python is missing ({problem}): install python3-gi, gir1.2-gst-plugins-base-1.0")
+    sys.exit(SKIPPED)
+Gst.init(None)
+
+VIDEO = "videotestsrc num-buffers={frames} ! video/x-raw,format={form},width=160,height=120,framerate=30/1 ! "
+SOUND = "audiotestsrc num-buffers={buffers} ! audio/x-raw,rate=48000,channels=2 ! audioconvert ! "
+
+
+class Stream:
+    """A stream of a file: its caps, the hash of its packets, and how many they are."""
+
+    def __init__(self, caps):
+        self.caps, self.packets, self.hash = caps, 0, hashlib.sha256()
+
+    @property
+    def name(self):
+        return self.caps.get_structure(0).get_name()
+
+
+def streams_of(path):
+    """The streams of a file, which must be whole, and its tags."""
+    pipeline = Gst.parse_launch("filesrc name=in ! parsebin name=parse")
+    pipeline.get_by_name("in").set_property("location", path)
+    streams = []
+
+    def added(_, pad):
+        stream = Stream(pad.get_current_caps())
+        streams.append(stream)
+        sink = Gst.ElementFactory.make("fakesink")
+        sink.set_property("sync", False)
+        sink.set_property("async", False)  # one thread feeds them all
+        sink.set_property("signal-handoffs", True)
+
+        def handoff(_, buffer, sink_pad):
+            stream.caps = sink_pad.get_current_caps()
+            stream.packets += 1
+            stream.hash.update(buffer.extract_dup(0, buffer.get_size()))
+
+        sink.connect("handoff", handoff)
+        pipeline.add(sink)
+        sink.sync_state_with_parent()
+        pad.link(sink.get_static_pad("sink"))
+
+    pipeline.get_by_name("parse").connect("pad-added", added)
+    pipeline.set_state(Gst.State.PLAYING)
+    tags, bus = {}, pipeline.get_bus()
+    while True:
+        message = bus.timed_pop_filtered(30 * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR | Gst.MessageType.TAG)
+        if message is None or message.type == Gst.MessageType.ERROR:
+            raise AssertionError(f"{path}: {message.parse_error()[0].message if message else 'no end'}")
+        if message.type == Gst.MessageType.EOS:
+            break
+        found = message.parse_tag()
+        for name in ("title", "image-orientation"):
+            known, value = found.get_string(name)
+            if known:
+                tags.setdefault(name, value)
+    pipeline.set_state(Gst.State.NULL)
+    return streams, tags
+
+
+class Transcode(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def make(self, name, line):
+        os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
+        pipeline = Gst.parse_launch(line + " ! filesink name=out")
+        pipeline.get_by_name("out").set_property("location", self.path(name))
+        pipeline.set_state(Gst.State.PLAYING)
+        message = pipeline.get_bus().timed_pop_filtered(60 * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR)
+        pipeline.set_state(Gst.State.NULL)
+        if message is None or message.type == Gst.MessageType.ERROR:
+            raise AssertionError(f"{line}: {message.parse_error()[0].message if message else 'no end'}")
+        return self.path(name)
+
+    def clip(self, name="clip.mkv", frames=12, sound="", form="I420", codec="vp8enc deadline=1"):
+        line = VIDEO.format(frames=frames, form=form) + f"{codec} ! queue ! mux. "
+        if sound:
+            line += SOUND.format(buffers=max(frames, 12) * 1600 // 1024 + 1) + f"{sound} ! queue ! mux. "
+        return self.make(name, line + "matroskamux name=mux")
+
+    def start(self, *words):
+        return subprocess.Popen([ROOT / "transcode" / "inverse-transcode", *words], cwd=self.folder, stdout=subprocess.PIPE,
+                                stderr=subprocess.PIPE, text=True)
+
+    def run_it(self, *words, status=0):
+        process = self.start(*words)
+        output, errors = process.communicate(timeout=200)
+        self.assertEqual(process.returncode, status, errors)
+        self.assertNotIn("Traceback", errors)
+        self.assertEqual([name for _, _, names in os.walk(self.folder) for name in names if name.endswith(".part")], [])
+        return output + errors
+
+    def need(self, *elements):
+        for element in elements:
+            if not Gst.ElementFactory.find(element):
+                self.skipTest(f"there is no {element}")
+
+    def test_sound_is_copied(self):
+        for sound in ("vorbisenc", "opusenc", "flacenc"):
+            with self.subTest(sound):
+                clip = self.clip(sound=sound)
+                self.run_it(clip, "-o", "out.mkv", "--again")
+                (video, copy), _ = streams_of(self.path("out.mkv"))
+                self.assertEqual(video.packets, 12)
+                original = next(s for s in streams_of(clip)[0] if s.name.startswith("audio/"))
+                self.assertGreater(copy.packets, 2)
+                self.assertEqual(copy.hash.digest(), original.hash.digest())
+
+    def test_sound_that_a_container_does_not_take_is_encoded(self):
+        self.clip(sound="flacenc")
+        self.assertIn("webm takes no audio/x-flac: it is encoded as opus", self.run_it("clip.mkv", "-o", "out.webm"))
+        self.assertEqual([s.name for s in streams_of(self.path("out.webm"))[0]], ["video/x-vp8", "audio/x-opus"])
+
+    def test_no_sound(self):
+        self.clip(sound="vorbisenc")
+        self.run_it("clip.mkv", "-o", "out.mkv", "--audio", "none")
+        self.assertEqual([s.name for s in streams_of(self.path("out.mkv"))[0]], ["video/x-vp8"])
+
+    def test_more_than_8_bits_are_kept(self):
+        self.need("vp9enc")
+        deep = "vp9enc deadline=1 cpu-used=8"
+        self.clip(form="I420_10LE", codec=deep, frames=6)
+        self.run_it("clip.mkv", "-o", "out.mkv")
+        (video,), _ = streams_of(self.path("out.mkv"))
+        self.assertEqual(video.caps.get_structure(0).get_uint("bit-depth-luma").value, 10)
+
+    def test_subtitles_and_title_are_kept(self):
+        self.need("capssetter")
+        with open(self.path("words.srt"), "w", encoding="utf-8") as words:
+            words.write("1\n00:00:00,100 --> 00:00:00,300\n<i>Words</i> & more\n")
+        self.make("clip.mkv", VIDEO.format(frames=12, form="I420") + "vp8enc deadline=1 ! taginject tags=title=Name ! queue ! mux. "
+                  f"filesrc location={self.path('words.srt')} ! subparse ! queue ! mux. matroskamux name=mux")
+        self.run_it("clip.mkv", "-o", "out.mkv")
+        streams, tags = streams_of(self.path("out.mkv"))
+        self.assertEqual([s.name for s in streams], ["video/x-vp8", "text/x-raw"])
+        self.assertEqual(streams[1].packets, 1)
+        self.assertEqual(tags["title"], "Name")
+
+    def test_rotation(self):
+        self.need("openh264enc", "mp4mux")
+        clip = self.make("clip.mp4", VIDEO.format(frames=6, form="I420") + "openh264enc ! h264parse ! mp4mux")
+        with open(clip, "rb") as file:
+            whole = file.read()
+        matrix = whole.index(b"tkhd") + 4 + 40
+        turned = struct.pack(">9i", 0, 1 << 16, 0, -1 << 16, 0, 0, 0, 0, 1 << 30)
+        with open(clip, "wb") as file:
+            file.write(whole[:matrix] + turned + whole[matrix + len(turned):])
+        self.assertEqual(streams_of(clip)[1]["image-orientation"], "rotate-90")
+        self.run_it("clip.mp4", "-o", "out.mkv", "--", "identity")
+        (video,), tags = streams_of(self.path("out.mkv"))
+        size = video.caps.get_structure(0)
+        self.assertEqual((size.get_int("width").value, size.get_int("height").value), (120, 160))
+        self.assertIn(tags.get("image-orientation", "rotate-0"), "rotate-0")
+
+    def test_layers_are_streams(self):
+        self.clip(sound="vorbisenc")
+        self.run_it("clip.mkv", "-o", "out.mkv", "--layers", "input,reflectance,shading", "--", "intrinsicdecomp")
+        streams, _ = streams_of(self.path("out.mkv"))
+        self.assertEqual([s.packets for s in streams[:3]], [12, 12, 12])
+        self.assertEqual(len({s.hash.digest() for s in streams[:3]}), 3)
+        self.assertEqual(streams[3].name, "audio/x-vorbis")
+
+    def test_any_names(self):
+        name = "a clip, 100 % \u00fc & #1?\nof two lines.mkv"
+        self.clip(name)
+        self.run_it(name, "-o", "its paint.mkv")
+        self.assertEqual(streams_of(self.path("its paint.mkv"))[0][0].packets, 12)
+
+    def test_a_folder_goes_on_where_it_was(self):
+        self.clip("day one/a.mkv", sound="vorbisenc")
+        self.clip("day one/deep/b.mkv")
+        for name, text in (("broken.mp4", "this is no video"), ("empty.mp4", ""), ("notes.txt", "not tried")):
+            with open(self.path("day one/" + name), "w", encoding="utf-8") as file:
+                file.write(text)
+        words = ["--jobs", "2", "--out", "results", "--report", "report.json", "day one"]
+        said = self.run_it(*words, status=1)
+        self.assertIn("2 done, 0 already there, 2 failed", said)
+        self.assertIn("empty.mp4: it is empty", said)
+        with open(self.path("report.json"), encoding="utf-8") as file:
+            report = json.load(file)
+        self.assertEqual(report["counts"], {"done": 2, "failed": 2})
+        first = self.path("results/day one/a.mkv")
+        before = os.path.getmtime(first)
+        os.unlink(self.path("results/day one/deep/b.mkv"))
+        os.unlink(self.path("day one/broken.mp4"))
+        os.unlink(self.path("day one/empty.mp4"))
+        self.assertIn("1 done, 1 already there, 0 failed", self.run_it(*words))
+        self.assertEqual(os.path.getmtime(first), before)
+        self.assertEqual(streams_of(self.path("results/day one/deep/b.mkv"))[0][0].packets, 12)
+
+    def test_two_inputs_of_one_output(self):
+        self.clip("in/a.mkv")
+        shutil.copy(self.path("in/a.mkv"), self.path("in/a.webm"))
+        said = self.run_it("in", "--out", "out", status=1)
+        self.assertIn("its output would replace that of in/a.mkv", said)
+        self.assertIn("1 done, 0 already there, 1 failed", said)
+
+    def test_what_cannot_be(self):
+        self.clip()
+        for words, text, status in (
+            (["clip.mkv", "-o", "clip.mkv"], "its output would replace it", 1),
+            (["none.mkv"], "there is no such file", 1),
+            (["clip.mkv", "-o", "out.txt"], "there is no container 'txt'", 2),
+            (["clip.mkv", "--", "nosuchelement"], "nosuchelement", 2),
+            (["clip.mkv", "-o", "clip.mkv/out.mkv"], "cannot write to clip.mkv", 1),
+            (["clip.mkv", "--layers", "nosuch", "--", "intrinsicdecomp"], "nosuch", 1),
+            (["clip.mkv", "--", "intrinsicdecomp", "!", "fakesink"], "fakesink", 2),
+            (["clip.mkv", "--", "identity", "error-after=3"], "identity", 1),
+        ):
+            with self.subTest(words):
+                self.assertIn(text, self.run_it(*words, status=status))
+        self.assertFalse(os.path.exists(self.path("out/transcode/clip.mkv")))
+
+    def test_dry_run_writes_nothing(self):
+        self.clip()
+        self.assertIn("clip.mkv -> out/transcode/clip.mkv", self.run_it("clip.mkv", "--dry-run"))
+        self.assertFalse(os.path.exists(self.path("out")))
+
+    def wait_for_part(self):
+        end = time.monotonic() + 60
+        while time.monotonic() < end:
+            parts = [n for n in os.listdir(self.folder) if n.endswith(".part")]
+            if parts and os.path.getsize(self.path(parts[0])) > 4000:
+                return
+            time.sleep(0.05)
+        self.fail("nothing was written")
+
+    def test_a_stop_leaves_a_whole_file(self):
+        self.clip(frames=600, sound="vorbisenc")
+        process = self.start("clip.mkv", "-o", "out.mkv")
+        self.wait_for_part()
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130, errors)
+        self.assertIn("what was done is in out.partial.mkv", errors)
+        self.assertFalse(os.path.exists(self.path("out.mkv")))
+        frames = streams_of(self.path("out.partial.mkv"))[0][0].packets
+        self.assertTrue(0 < frames < 600, frames)
+
+    def test_a_worker_that_is_killed_leaves_nothing(self):
+        self.clip(frames=600)
+        process = self.start("clip.mkv", "-o", "out.mkv")
+        self.wait_for_part()
+        workers = subprocess.run(["pgrep", "-P", str(process.pid), "-f", "worker"], stdout=subprocess.PIPE, text=True, check=True)
+        os.kill(int(workers.stdout.split()[0]), signal.SIGKILL)
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 1)
+        self.assertIn("its process ended (SIGKILL)", errors)
+        self.assertFalse(os.path.exists(self.path("out.mkv")))
+        self.run_it("clip.mkv", "-o", "out.mkv", "--", "identity")  # what was left is removed
+        self.assertEqual(streams_of(self.path("out.mkv"))[0][0].packets, 600)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Containers and codecs by name, and the elements that write them."""
+from dataclasses import dataclass
+
+import gi
+
+gi.require_version("Gst", "1.0")
+from gi.repository import Gst  # noqa: E402
+
+
+class FormatError(Exception):
+    """A name that is not known, or of which this machine has no element."""
+
+
+@dataclass(frozen=True)
+class Container:
+    muxer: str
+    video: str  # default codecs
+    deep_video: str  # of more than 8 bits
+    audio: str  # of streams that it cannot copy
+
+
+CONTAINERS = {
+    "mkv": Container("matroskamux", "vp8", "vp9", "opus"),
+    "webm": Container("webmmux", "vp8", "vp9", "opus"),
+    "mp4": Container("mp4mux", "h264", "h265", "aac"),
+    "mov": Container("qtmux", "h264", "prores", "aac"),
+}
+
+# Software first; with --hardware, the others first. What follows the element's name are settings.
+_SOFTWARE = {
+    "vp8": ["vp8enc deadline=1 cpu-used=8 threads=4 end-usage=cq cq-level=16 target-bitrate=20000000 keyframe-max-dist=60"],
+    "vp9": ["vp9enc deadline=1 cpu-used=8 threads=4 row-mt=true end-usage=cq cq-level=20 target-bitrate=20000000 "
+            "keyframe-max-dist=60"],
+    "h264": ["x264enc speed-preset=faster pass=qual quantizer=20 key-int-max=60 ! h264parse",
+             "openh264enc rate-control=quality bitrate=8000000 gop-size=60 ! h264parse"],
+    "h265": ["x265enc speed-preset=faster key-int-max=60 bitrate=8000 ! h265parse"],
+    "av1": ["svtav1enc preset=9 ! av1parse", "av1enc cpu-used=8 threads=4 end-usage=cq cq-level=24 ! av1parse"],
+    "ffv1": ["avenc_ffv1"],
+    "mjpeg": ["jpegenc quality=92"],
+    "prores": ["avenc_prores_ks"],
+}
+_HARDWARE = {
+    "h264": ["nvh264enc ! h264parse", "vah264enc ! h264parse", "vaapih264enc ! h264parse"],
+    "h265": ["nvh265enc ! h265parse", "vah265enc ! h265parse", "vaapih265enc ! h265parse"],
+    "av1": ["nvav1enc ! av1parse", "vaav1enc ! av1parse"],
+    "vp9": ["vavp9enc", "vaapivp9enc"],
+    "vp8": ["vavp8enc", "vaapivp8enc"],
+}
+_AUDIO = {
+    "opus": ["opusenc"],
+    "vorbis": ["vorbisenc"],
+    "flac": ["flacenc"],
+    "aac": ["fdkaacenc", "avenc_aac", "voaacenc"],
+    "mp3": ["lamemp3enc"],
+}
+_PACKAGES = {
+    "x264enc": "gstreamer1.0-plugins-ugly",
+    "x265enc": "gstreamer1.0-plugins-bad",
+    "openh264enc": "gstreamer1.0-plugins-bad",
+    "av1enc": "gstreamer1.0-plugins-bad",
+    "avenc_ffv1": "gstreamer1.0-libav",
+    "avenc_prores_ks": "gstreamer1.0-libav",
+    "avenc_aac": "gstreamer1.0-libav",
+    "matroskamux": "gstreamer1.0-plugins-good",
+    "mp4mux": "gstreamer1.0-plugins-good",
+}
+
+VIDEO_CODECS, AUDIO_CODECS = sorted(_SOFTWARE), sorted(_AUDIO)
+
+
+def container(name):
+    """The Container of a file name's ending. Throws FormatError."""
+    if name not in CONTAINERS:
+        raise FormatError(f"there is no container {name!r}; choose of {', '.join(CONTAINERS)}")
+    found = CONTAINERS[name]
+    _first([found.muxer], f"the container {name}")
+    return found
+
+
+def _first(lines, what):
+    for line in lines:
+        if all(Gst.ElementFactory.find(part.split()[0]) for part in line.split(" ! ")):
+            return line
+    element = lines[0].split()[0]
+    raise FormatError(f"there is no element for {what}; {element} is in {_PACKAGES.get(element, 'no package that is known')}")
+
+
+def video_encoder(codec, hardware=False, options=""):
+    """The end of a launch line that encodes video. `options`: properties in addition. Throws FormatError."""
+    if codec not in _SOFTWARE:
+        raise FormatError(f"there is no video codec {codec!r}; choose of {', '.join(VIDEO_CODECS)}")
+    lines = (_HARDWARE.get(codec, []) if hardware else []) + _SOFTWARE[codec]
+    head, *parser = _first(lines, f"the video codec {codec}").split(" ! ")
+    return " ! ".join([f"{head} {options}".strip(), *parser])
+
+
+def audio_encoder(codec):
+    """The end of a launch line that encodes sound. Throws FormatError."""
+    if codec not in _AUDIO:
+        raise FormatError(f"there is no audio codec {codec!r}; choose of {', '.join(AUDIO_CODECS)}")
+    return _first(_AUDIO[codec], f"the audio codec {codec}")

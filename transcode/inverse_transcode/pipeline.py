@@ -1,0 +1,278 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""The GStreamer pipeline that transcodes one file."""
+import os
+import shlex
+
+import gi
+
+gi.require_version("Gst", "1.0")
+gi.require_version("GstVideo", "1.0")
+from gi.repository import GLib, Gst, GstVideo  # noqa: E402
+
+from . import formats  # noqa: E402
+from .probe import probe  # noqa: E402
+
+# Streams of which muxers want another form of the same packets, and what it is.
+_FORMS = {
+    "audio/mpeg": ("aacparse", "audio/mpeg,mpegversion=4,stream-format=raw"),
+    # Its tags are those of SubRip, which containers call plain text.
+    "text/x-raw": ("capssetter caps=text/x-raw,format=utf8", "text/x-raw,format=utf8"),
+}
+
+
+class TranscodeError(Exception):
+    """A file that cannot be transcoded, and why."""
+
+
+def uri_of(path):
+    """The URI of a file."""
+    return Gst.filename_to_uri(os.path.abspath(path))
+
+
+class Transcode:
+    """One video stream goes through the chain and is encoded; sound, subtitles and further video are copied where the container takes
+    them. `loop`: quit once it has ended. Then `error` has the cause of a failure, or is empty."""
+
+    def __init__(self, task, part, loop):
+        """`task`: as Task.as_json; `part`: the file to write. Throws FormatError, ProbeError, TranscodeError."""
+        self.task, self.loop = task, loop
+        self.error, self.warnings, self.copied, self.frames, self.time = "", [], [], 0, 0
+        self.container = formats.container(task["container"])
+        uri = uri_of(task["input"])
+        self.probe = probe(uri)
+        if task["audio"] not in ("copy", "none"):
+            formats.audio_encoder(task["audio"])
+        self.pipeline = Gst.Pipeline.new()
+        self.mux = Gst.ElementFactory.make(self.container.muxer)
+        sink = Gst.ElementFactory.make("filesink")
+        sink.set_property("location", part)
+        source = Gst.Element.make_from_uri(Gst.URIType.SRC, uri, None)
+        parse = Gst.ElementFactory.make("parsebin")
+        for element in (source, parse, self.mux, sink):
+            self.pipeline.add(element)
+        source.link(parse)
+        self.mux.link(sink)
+        # All pads are added before data flows through one of them.
+        parse.connect("pad-added", self._guarded(lambda _, pad: self._link(pad)))
+        self.video_pads = []  # of the muxer
+        self.stopping, self.cut, self.head = False, None, None
+        self.pipeline.get_bus().add_signal_watch()
+        self.pipeline.get_bus().connect("message", self._message)
+
+    def start(self):
+        self.pipeline.set_state(Gst.State.PLAYING)
+
+    def finish(self):
+        """Ends the file at the frame that is decoded next; other streams end at its time."""
+        self.stopping = True
+
+    def _cut(self, pad, info):
+        """Ends a stream once the file is to end: what comes after it is refused, back to the demuxer."""
+        pts = info.get_buffer().pts
+        if not self.stopping:
+            return Gst.PadProbeReturn.OK
+        if pad == self.head:
+            self.cut = pts
+        elif self.cut is None or pts == Gst.CLOCK_TIME_NONE or pts < self.cut:
+            return Gst.PadProbeReturn.OK
+        pad.send_event(Gst.Event.new_eos())
+        return Gst.PadProbeReturn.DROP
+
+    def close(self):
+        self.pipeline.get_bus().remove_signal_watch()
+        self.pipeline.set_state(Gst.State.NULL)
+
+    def _guarded(self, function):
+        def call(*arguments):
+            try:
+                function(*arguments)
+            except (TranscodeError, formats.FormatError) as error:
+                self._fail(str(error))
+            except Exception as error:  # a thread of GStreamer would ignore it
+                self._fail(f"{type(error).__name__}: {error}")
+                raise
+
+        return call
+
+    def _fail(self, why):
+        self.error = self.error or why
+        GLib.idle_add(self.loop.quit)
+
+    def _message(self, _, message):
+        if message.type == Gst.MessageType.ERROR:
+            error, _ = message.parse_error()
+            self._fail(f"{message.src.get_name()}: {error.message}")
+        elif message.type == Gst.MessageType.WARNING:
+            error, _ = message.parse_warning()
+            text = f"{message.src.get_name()}: {error.message}"
+            if text not in self.warnings:
+                self.warnings.append(text)
+        elif message.type == Gst.MessageType.EOS:
+            if self.frames == 0:
+                self.error = self.error or "not one frame came out of the chain"
+            self.loop.quit()
+
+    @staticmethod
+    def _bin(description):
+        """A bin with a pad for each end that is not linked."""
+        try:
+            found = Gst.parse_bin_from_description(description, False)
+        except GLib.Error as error:
+            raise TranscodeError(f"{error.message}: {description}") from error
+        for direction in (Gst.PadDirection.SINK, Gst.PadDirection.SRC):
+            while pad := found.find_unlinked_pad(direction):
+                found.add_pad(Gst.GhostPad.new(None, pad))
+        return found
+
+    @staticmethod
+    def _join(source, sink, what):
+        if source.link(sink) != Gst.PadLinkReturn.OK:
+            raise TranscodeError(what)
+
+    def _video_bin(self, caps):
+        """What is between decoded frames and the muxer."""
+        task, info = self.task, GstVideo.VideoInfo.new_from_caps(caps)
+        if not info:
+            raise TranscodeError(f"its frames are no pictures in memory: {caps.to_string()}")
+        deep = info.finfo.depth[0] > 8
+        codec = task["video"] or (self.container.deep_video if deep else self.container.video)
+        before = "videoconvert"
+        if info.interlace_mode != GstVideo.VideoInterlaceMode.PROGRESSIVE:
+            before += " ! deinterlace fields=top"
+        if self.probe.turned:
+            before += " ! videoflip video-direction=auto ! videoconvert"
+        encoder = formats.video_encoder(codec, task["hardware"], task["video_options"])
+        encode = f"queue max-size-buffers=4 max-size-bytes=0 max-size-time=0 ! videoconvert ! {encoder}"
+        if task["layers"]:
+            found = self._bin(f"{before} ! {task['chain']} ! intrinsicsplit name=layers " +
+                              " ".join(f"layers.{shlex.quote(layer)} ! {encode}" for layer in task["layers"]))
+        else:
+            found = self._bin(f"{before} ! {task['chain']} ! {encode}")
+        if found.numsinkpads != 1 or found.numsrcpads != len(self.video_pads):
+            raise TranscodeError(f"the elements must have one beginning and one end: {task['chain']}")
+        found.srcpads[0].add_probe(Gst.PadProbeType.BUFFER, self._count)
+        return found, codec
+
+    def _count(self, _, info):
+        buffer = info.get_buffer()
+        self.frames += 1
+        if buffer.pts != Gst.CLOCK_TIME_NONE:
+            self.time = max(self.time, buffer.pts / Gst.SECOND)
+        return Gst.PadProbeReturn.OK
+
+    def _mux_pad(self, caps):
+        """A pad of the muxer that takes packets of these caps, or None."""
+        for template in self.mux.get_factory().get_static_pad_templates():
+            if template.direction == Gst.PadDirection.SINK and template.static_caps.get().can_intersect(caps):
+                pad = self.mux.request_pad_simple(template.name_template)
+                pad.add_probe(Gst.PadProbeType.BUFFER, self._cut)
+                return pad
+        return None
+
+    def _add(self, description):
+        found = self._bin(description)
+        self.pipeline.add(found)
+        return found
+
+    def _link(self, pad):
+        name = self._name(pad)
+        if not self.video_pads and name.startswith("image/" if self.probe.still else "video/"):
+            self._link_video(pad)
+        elif name.startswith("audio/"):
+            self._link_sound(pad)
+        else:
+            self._link_other(pad)
+
+    def _decode(self, pad, ready, queue_bytes):
+        """Decodes what comes from a pad; `ready` is called with the decoded one. What is queued before has at most `queue_bytes`, 0: as
+        much as comes."""
+        queue, decode = self._queue(queue_bytes), Gst.ElementFactory.make("decodebin")
+        self.pipeline.add(decode)
+        decode.connect("pad-added", self._guarded(lambda _, source: ready(source)))
+        queue.link(decode)
+        decode.sync_state_with_parent()
+        queue.sync_state_with_parent()
+        pad.link(queue.get_static_pad("sink"))
+
+    def _queue(self, most_bytes=0):
+        queue = Gst.ElementFactory.make("queue")
+        for name, value in (("max-size-buffers", 0), ("max-size-time", 0), ("max-size-bytes", most_bytes)):
+            queue.set_property(name, value)
+        self.pipeline.add(queue)
+        return queue
+
+    def _link_video(self, pad):
+        # The pads now, since the muxer begins with those that it has; what goes there, once the format of the frames is known.
+        self.video_pads = [self.mux.request_pad_simple("video_%u") for _ in self.task["layers"] or [""]]
+        self._decode(pad, self._decoded, 32 << 20)
+
+    def _decoded(self, source):
+        video, codec = self._video_bin(source.get_current_caps())
+        self.pipeline.add(video)
+        for end, target in zip(video.srcpads, self.video_pads):
+            self._join(end, target, f"{self.task['container']} does not take the video codec {codec}")
+        video.sync_state_with_parent()
+        self.head = video.sinkpads[0]
+        self.head.add_probe(Gst.PadProbeType.BUFFER, self._cut)
+        self._join(source, self.head, "its frames cannot be brought to the elements")
+
+    def _link_sound(self, pad):
+        if self.task["audio"] == "none":
+            self._drop(pad)
+        elif self.task["audio"] == "copy" and self._copy(pad):
+            return
+        else:
+            codec = self.task["audio"] if self.task["audio"] != "copy" else self.container.audio
+            if self.task["audio"] == "copy":
+                self.warnings.append(f"{self.task['container']} takes no {self._name(pad)}: it is encoded as {codec}")
+            self._encode_sound(pad, codec)
+
+    def _encode_sound(self, pad, codec):
+        encode, queue = self._add(f"audioconvert ! audioresample ! {formats.audio_encoder(codec)}"), self._queue()
+        target = self._mux_pad(encode.srcpads[0].query_caps())
+        if not target:
+            raise TranscodeError(f"{self.task['container']} does not take the audio codec {codec}")
+        encode.link(queue)
+        self._join(queue.get_static_pad("src"), target, f"{codec} cannot be brought into {self.task['container']}")
+        queue.sync_state_with_parent()
+        encode.sync_state_with_parent()
+        self._decode(pad, lambda source: self._join(source, encode.sinkpads[0], "its sound cannot be encoded"), 0)
+
+    def _link_other(self, pad):
+        if not self._copy(pad):
+            self.warnings.append(f"{self.task['container']} takes no {self._name(pad)}: it is left out")
+            self._drop(pad)
+
+    @staticmethod
+    def _caps(pad):
+        return pad.get_current_caps() or pad.get_stream() and pad.get_stream().get_caps() or pad.query_caps()
+
+    def _name(self, pad):
+        return self._caps(pad).get_structure(0).get_name()
+
+    def _copy(self, pad):
+        """Copies packets, in another form where the container wants that; False if it does not take them."""
+        caps, name = self._caps(pad), self._name(pad)
+        target, form = self._mux_pad(caps), ""
+        if not target and name in _FORMS and Gst.ElementFactory.find(_FORMS[name][0].split()[0]):
+            form, wanted = _FORMS[name]
+            target = self._mux_pad(Gst.Caps.from_string(wanted)) if Gst.Caps.from_string(name).can_intersect(caps) else None
+        if not target:
+            return False
+        queue = self._queue()
+        self._join(queue.get_static_pad("src"), target, f"{name} cannot be brought into {self.task['container']}")
+        queue.sync_state_with_parent()
+        end = queue.get_static_pad("sink")
+        if form:
+            changed = self._add(form)
+            changed.srcpads[0].link(end)
+            changed.sync_state_with_parent()
+            end = changed.sinkpads[0]
+        self._join(pad, end, f"{name} cannot be copied")
+        self.copied.append(name)
+        return True
+
+    def _drop(self, pad):
+        sink = self._add("fakesink sync=false async=false")
+        sink.sync_state_with_parent()
+        pad.link(sink.sinkpads[0])

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Transcodes one file: `python3 -m inverse_transcode.worker`, the task as a line of JSON on its input, what happens as lines of JSON on
+its output. It stops as if the file ended there if its input is closed or SIGTERM comes. A result gets its name once it is complete."""
+import fcntl
+import glob
+import json
+import os
+import signal
+import sys
+import tempfile
+import time
+
+import gi
+
+gi.require_version("Gst", "1.0")
+from gi.repository import GLib, Gst  # noqa: E402
+
+from .formats import FormatError  # noqa: E402
+from .pipeline import Transcode, TranscodeError  # noqa: E402
+from .probe import ProbeError  # noqa: E402
+
+CLOSING_SECONDS = 30
+
+
+def say(**what):
+    print(json.dumps(what), flush=True)
+
+
+def partial_name(output):
+    """Of the finished part of a file that was stopped."""
+    stem, ending = os.path.splitext(output)
+    return f"{stem}.partial{ending}"
+
+
+def new_part(output):
+    """A file for what is not complete, locked while it is written, and its descriptor. Those that a killed worker left are removed."""
+    folder, name = os.path.split(os.path.abspath(output))
+    os.makedirs(folder, exist_ok=True)
+    prefix = f".{name[:80]}."
+    for left in glob.glob(os.path.join(glob.escape(folder), glob.escape(prefix) + "*.part")):
+        with open(left, "rb") as old:
+            try:
+                fcntl.flock(old, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError:
+                continue
+            os.unlink(left)
+    handle, part = tempfile.mkstemp(prefix=prefix, suffix=".part", dir=folder)
+    fcntl.flock(handle, fcntl.LOCK_EX)
+    umask = os.umask(0)
+    os.umask(umask)
+    os.fchmod(handle, 0o666 & ~umask)
+    return part, handle
+
+
+def settle(path, target):
+    """Gives a complete file its name, once it is on the disk."""
+    with open(path, "rb") as written:
+        os.fsync(written.fileno())
+    os.replace(path, target)
+
+
+def work(task):
+    """Returns the last words of the worker."""
+    output = task["output"]
+    try:
+        part, handle = new_part(output)
+    except OSError as error:
+        return {"status": "failed", "error": f"cannot write to {os.path.dirname(output) or '.'}: {error.strerror}"}
+    loop, stopped, started, run = GLib.MainLoop(), [], time.monotonic(), None
+    try:
+        run = Transcode(task, part, loop)
+
+        def late():
+            run.error = run.error or f"it could not be closed within {CLOSING_SECONDS} s"
+            loop.quit()
+            return GLib.SOURCE_REMOVE
+
+        def stop(*_):
+            if not stopped:
+                stopped.append(True)
+                run.finish()
+                GLib.timeout_add_seconds(CLOSING_SECONDS, late)
+            return GLib.SOURCE_REMOVE
+
+        def tell():
+            say(frames=run.frames, expected=run.probe.frames, time=run.time, seconds=run.probe.seconds)
+            return GLib.SOURCE_CONTINUE
+
+        for number in (signal.SIGTERM, signal.SIGINT):
+            GLib.unix_signal_add(GLib.PRIORITY_HIGH, number, stop)
+        GLib.io_add_watch(sys.stdin.fileno(), GLib.PRIORITY_DEFAULT, GLib.IOCondition.HUP | GLib.IOCondition.IN, stop)
+        GLib.timeout_add(500, tell)
+        run.start()
+        loop.run()
+        run.close()
+        words = {"frames": run.frames, "elapsed": round(time.monotonic() - started, 3), "copied": run.copied, "warnings": run.warnings}
+        if run.error:
+            return {"status": "failed", "error": run.error, **words}
+        target = partial_name(output) if stopped else output
+        settle(part, target)
+        return {"status": "stopped" if stopped else "done", "written": target, **words}
+    except (FormatError, ProbeError, TranscodeError) as error:
+        return {"status": "failed", "error": str(error)}
+    except OSError as error:
+        return {"status": "failed", "error": f"{output}: {error.strerror}"}
+    finally:
+        if os.path.exists(part):
+            os.unlink(part)
+        os.close(handle)
+
+
+def main():
+    Gst.init(None)
+    words = work(json.loads(sys.stdin.readline()))
+    say(**words)
+    return 0 if words["status"] == "done" else 1
+
+
+if __name__ == "__main__":
+    code = main()
+    sys.stdout.flush()
+    os._exit(code)  # nothing is left to close: threads of drivers may outlive the interpreter
