@@ -189,6 +189,32 @@ class Transcode(unittest.TestCase):
         self.assertEqual(len({s.hash.digest() for s in streams[:3]}), 3)
         self.assertEqual(streams[3].name, "audio/x-vorbis")
 
+    def test_numbered_pictures(self):
+        self.clip(sound="vorbisenc")
+        self.assertIn("png takes no audio/x-vorbis: it is left out", self.run_it("clip.mkv", "-o", "frames", "--to", "png"))
+        self.assertEqual(sorted(os.listdir(self.path("frames"))), [f"{n:06}.png" for n in range(12)])
+        self.run_it("frames/%06d.png", "-o", "back.mkv", "--rate", "24000/1001", "--", "identity")
+        (video,), _ = streams_of(self.path("back.mkv"))
+        self.assertEqual(video.packets, 12)
+        rate = video.caps.get_structure(0).get_fraction("framerate")
+        self.assertEqual((rate.value_numerator, rate.value_denominator), (24000, 1001))
+        # Into the folder that is there, only if asked.
+        words = ["clip.mkv", "-o", "frames", "--to", "jpg", "--layers", "reflectance,shading"]
+        self.run_it(*words, "--", "intrinsicdecomp")
+        self.assertIn("000000.png", os.listdir(self.path("frames")))
+        self.run_it(*words, "--again", "--", "intrinsicdecomp")
+        self.assertEqual(sorted(os.listdir(self.path("frames"))), ["reflectance", "shading"])
+        self.assertEqual(len(os.listdir(self.path("frames/shading"))), 12)
+        os.unlink(self.path("frames/shading/000004.jpg"))
+        self.assertIn("1 of its pictures are missing", self.run_it("frames/shading/%06d.jpg", status=1))
+        self.assertIn("there are no such pictures", self.run_it("frames/%03d.exr", status=1))
+
+    def test_a_cut_file_is_a_warning(self):
+        self.clip(frames=120, codec="jpegenc")
+        with open(self.path("clip.mkv"), "r+b") as file:
+            file.truncate(os.path.getsize(self.path("clip.mkv")) // 2)
+        self.assertIn("it may be damaged", self.run_it("clip.mkv", "-o", "out.mkv", "--", "identity"))
+
     def test_any_names(self):
         name = "a clip, 100 % \u00fc & #1?\nof two lines.mkv"
         self.clip(name)
@@ -263,8 +289,10 @@ class Transcode(unittest.TestCase):
         self.assertEqual(process.returncode, 130, errors)
         self.assertIn("what was done is in out.partial.mkv", errors)
         self.assertFalse(os.path.exists(self.path("out.mkv")))
-        frames = streams_of(self.path("out.partial.mkv"))[0][0].packets
-        self.assertTrue(0 < frames < 600, frames)
+        video, sound = streams_of(self.path("out.partial.mkv"))[0]
+        self.assertTrue(0 < video.packets < 600, video.packets)
+        original = next(s for s in streams_of(self.path("clip.mkv"))[0] if s.name.startswith("audio/"))
+        self.assertAlmostEqual(sound.packets / original.packets, video.packets / 600, delta=0.05)
 
     def test_a_worker_that_is_killed_leaves_nothing(self):
         self.clip(frames=600)

@@ -35,10 +35,11 @@ def parse(words):
         prog="inverse-transcode", usage="inverse-transcode [OPTIONS] INPUT... [-- ELEMENTS]",
         description="Sends videos through elements of gst-inverse and writes them to files.",
         epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("inputs", nargs="+", metavar="INPUT", help="a video, or a folder: all videos below it")
+    parser.add_argument("inputs", nargs="+", metavar="INPUT", help="a video; a folder: all videos below it; frames/%%04d.png: numbered pictures (png, jpg, exr)")
     parser.add_argument("-o", "--output", metavar="FILE", help="the file to write, for one input; its ending names the container")
     parser.add_argument("--out", metavar="FOLDER", help="where results go, as they lie below the folders named (out/transcode)")
-    parser.add_argument("--to", metavar="CONTAINER", choices=list(formats.CONTAINERS), help="mkv (default), webm, mp4 or mov")
+    parser.add_argument("--to", metavar="CONTAINER", choices=list(formats.CONTAINERS), help="mkv (default), webm, mp4, mov; png, jpg: a folder of numbered pictures")
+    parser.add_argument("--rate", metavar="N[/N]", default="25", help="frames a second of numbered pictures that are read (25)")
     parser.add_argument("--video", metavar="CODEC", default="", choices=formats.VIDEO_CODECS,
                         help=f"{', '.join(formats.VIDEO_CODECS)}; default: vp8, for more than 8 bits vp9; in mp4 h264 and h265")
     parser.add_argument("--video-options", metavar="PROPERTIES", default="", help="of the encoder's element, such as \"cq-level=8\"")
@@ -59,6 +60,10 @@ def parse(words):
         parser.error("-o and --out exclude each other")
     if arguments.jobs < 1:
         parser.error("--jobs takes a number above 0")
+    above, _, below = arguments.rate.partition("/")
+    if not (above.isdigit() and (below or "1").isdigit() and int(above) and int(below or 1)):
+        parser.error(f"--rate takes frames a second, such as 24 or 30000/1001, not {arguments.rate}")
+    arguments.rate = f"{above}/{below or 1}"
     arguments.chain = " ".join(chain) or DEFAULT_CHAIN
     return arguments
 
@@ -94,7 +99,7 @@ def main():
     arguments = parse(sys.argv[1:])
     ending = arguments.to or (os.path.splitext(arguments.output)[1][1:].lower() if arguments.output else "mkv")
     layers = [name.strip() for name in arguments.layers.split(",") if name.strip()]
-    settings = Settings(arguments.chain, ending, arguments.video, arguments.audio, arguments.hardware, arguments.video_options, layers)
+    settings = Settings(arguments.chain, ending, arguments.rate, arguments.video, arguments.audio, arguments.hardware, arguments.video_options, layers)
     try:
         check(settings)
         tasks = plan(arguments.inputs, arguments.output, arguments.out or "out/transcode", ending, arguments.again)

@@ -14,7 +14,7 @@ class FormatError(Exception):
 
 @dataclass(frozen=True)
 class Container:
-    muxer: str
+    muxer: str  # "": a folder of pictures
     video: str  # default codecs
     deep_video: str  # of more than 8 bits
     audio: str  # of streams that it cannot copy
@@ -25,6 +25,8 @@ CONTAINERS = {
     "webm": Container("webmmux", "vp8", "vp9", "opus"),
     "mp4": Container("mp4mux", "h264", "h265", "aac"),
     "mov": Container("qtmux", "h264", "prores", "aac"),
+    "png": Container("", "png", "png", ""),
+    "jpg": Container("", "mjpeg", "mjpeg", ""),
 }
 
 # Software first; with --hardware, the others first. What follows the element's name are settings.
@@ -39,6 +41,7 @@ _SOFTWARE = {
     "ffv1": ["avenc_ffv1"],
     "mjpeg": ["jpegenc quality=92"],
     "prores": ["avenc_prores_ks"],
+    "png": ["pngenc"],
 }
 _HARDWARE = {
     "h264": ["nvh264enc ! h264parse", "vah264enc ! h264parse", "vaapih264enc ! h264parse"],
@@ -74,7 +77,7 @@ def container(name):
     if name not in CONTAINERS:
         raise FormatError(f"there is no container {name!r}; choose of {', '.join(CONTAINERS)}")
     found = CONTAINERS[name]
-    _first([found.muxer], f"the container {name}")
+    _first([found.muxer or "multifilesink"], f"the container {name}")
     return found
 
 

@@ -10,7 +10,8 @@ gi.require_version("GstVideo", "1.0")
 from gi.repository import GLib, Gst, GstVideo  # noqa: E402
 
 from . import formats  # noqa: E402
-from .probe import probe  # noqa: E402
+from .plan import numbered  # noqa: E402
+from .probe import Probe, probe  # noqa: E402
 
 # Streams of which muxers want another form of the same packets, and what it is.
 _FORMS = {
@@ -18,6 +19,7 @@ _FORMS = {
     # Its tags are those of SubRip, which containers call plain text.
     "text/x-raw": ("capssetter caps=text/x-raw,format=utf8", "text/x-raw,format=utf8"),
 }
+_PICTURES = {"png": "image/png", "jpg": "image/jpeg", "jpeg": "image/jpeg", "exr": "image/x-exr"}  # sequences that are read
 
 
 class TranscodeError(Exception):
@@ -38,26 +40,44 @@ class Transcode:
         self.task, self.loop = task, loop
         self.error, self.warnings, self.copied, self.frames, self.time = "", [], [], 0, 0
         self.container = formats.container(task["container"])
-        uri = uri_of(task["input"])
-        self.probe = probe(uri)
+        self.probe, source = self._source(task)
         if task["audio"] not in ("copy", "none"):
             formats.audio_encoder(task["audio"])
         self.pipeline = Gst.Pipeline.new()
-        self.mux = Gst.ElementFactory.make(self.container.muxer)
-        sink = Gst.ElementFactory.make("filesink")
-        sink.set_property("location", part)
-        source = Gst.Element.make_from_uri(Gst.URIType.SRC, uri, None)
+        self.part, self.mux = part, None
+        if self.container.muxer:
+            self.mux, sink = Gst.ElementFactory.make(self.container.muxer), Gst.ElementFactory.make("filesink")
+            sink.set_property("location", part)
+            self.pipeline.add(self.mux)
+            self.pipeline.add(sink)
+            self.mux.link(sink)
         parse = Gst.ElementFactory.make("parsebin")
-        for element in (source, parse, self.mux, sink):
-            self.pipeline.add(element)
+        self.pipeline.add(source)
+        self.pipeline.add(parse)
         source.link(parse)
-        self.mux.link(sink)
         # All pads are added before data flows through one of them.
         parse.connect("pad-added", self._guarded(lambda _, pad: self._link(pad)))
         self.video_pads = []  # of the muxer
         self.stopping, self.cut, self.head = False, None, None
         self.pipeline.get_bus().add_signal_watch()
         self.pipeline.get_bus().connect("message", self._message)
+
+    @staticmethod
+    def _source(task):
+        path = task["input"]
+        if os.path.exists(path):
+            uri = uri_of(path)
+            return probe(uri), Gst.Element.make_from_uri(Gst.URIType.SRC, uri, None)
+        numbers = numbered(path)
+        ending = os.path.splitext(path)[1][1:].lower()
+        if ending not in _PICTURES:
+            raise TranscodeError(f"pictures that end in {ending!r} are not read; those in {', '.join(_PICTURES)} are")
+        source = Gst.ElementFactory.make("multifilesrc")
+        for name, value in (("location", path), ("start-index", numbers[0]), ("stop-index", numbers[-1])):
+            source.set_property(name, value)
+        source.set_property("caps", Gst.Caps.from_string(f"{_PICTURES[ending]},framerate={task['rate']}"))
+        above, below = (int(n) for n in task["rate"].split("/"))
+        return Probe(len(numbers) * below / above, len(numbers), False, True), source
 
     def start(self):
         self.pipeline.set_state(Gst.State.PLAYING)
@@ -162,6 +182,8 @@ class Transcode:
 
     def _mux_pad(self, caps):
         """A pad of the muxer that takes packets of these caps, or None."""
+        if not self.mux:
+            return None
         for template in self.mux.get_factory().get_static_pad_templates():
             if template.direction == Gst.PadDirection.SINK and template.static_caps.get().can_intersect(caps):
                 pad = self.mux.request_pad_simple(template.name_template)
@@ -203,8 +225,19 @@ class Transcode:
 
     def _link_video(self, pad):
         # The pads now, since the muxer begins with those that it has; what goes there, once the format of the frames is known.
-        self.video_pads = [self.mux.request_pad_simple("video_%u") for _ in self.task["layers"] or [""]]
+        for layer in self.task["layers"] or [""]:
+            self.video_pads.append(self.mux.request_pad_simple("video_%u") if self.mux else self._pictures(layer))
         self._decode(pad, self._decoded, 32 << 20)
+
+    def _pictures(self, layer):
+        folder = os.path.join(self.part, layer)
+        os.makedirs(folder, exist_ok=True)
+        sink = Gst.ElementFactory.make("multifilesink")
+        sink.set_property("location", folder.replace("%", "%%") + f"/%06d.{self.task['container']}")
+        sink.set_property("sync", False)
+        self.pipeline.add(sink)
+        sink.sync_state_with_parent()
+        return sink.get_static_pad("sink")
 
     def _decoded(self, source):
         video, codec = self._video_bin(source.get_current_caps())
@@ -219,6 +252,8 @@ class Transcode:
     def _link_sound(self, pad):
         if self.task["audio"] == "none":
             self._drop(pad)
+        elif not self.mux:
+            self._link_other(pad)
         elif self.task["audio"] == "copy" and self._copy(pad):
             return
         else:
@@ -272,7 +307,6 @@ class Transcode:
         self.copied.append(name)
         return True
 
-    def _drop(self, pad):
-        sink = self._add("fakesink sync=false async=false")
-        sink.sync_state_with_parent()
-        pad.link(sink.sinkpads[0])
+    @staticmethod
+    def _drop(pad):
+        pad.add_probe(Gst.PadProbeType.DATA_DOWNSTREAM, lambda *_: Gst.PadProbeReturn.DROP)

@@ -60,6 +60,12 @@ def _clock(seconds):
     return f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes}:{seconds:02}"
 
 
+def _size(path):
+    if not os.path.isdir(path):
+        return os.path.getsize(path)
+    return sum(os.path.getsize(os.path.join(base, name)) for base, _, names in os.walk(path) for name in names)
+
+
 class Runner:
     """`run` returns a list of results, as they are in the report, in the order of the tasks."""
 
@@ -156,7 +162,7 @@ class Runner:
         if result.get("elapsed"):
             result["frames_per_second"] = round(result["frames"] / result["elapsed"], 2)
         if result["status"] == "done":
-            result["bytes"] = os.path.getsize(task.output)
+            result["bytes"] = _size(task.output)
         return result
 
     def _tell(self, progress, result):

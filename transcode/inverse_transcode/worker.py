@@ -5,6 +5,7 @@ import fcntl
 import glob
 import json
 import os
+import shutil
 import signal
 import sys
 import tempfile
@@ -17,6 +18,7 @@ from gi.repository import GLib, Gst  # noqa: E402
 
 from .formats import FormatError  # noqa: E402
 from .pipeline import Transcode, TranscodeError  # noqa: E402
+from .plan import SEQUENCES  # noqa: E402
 from .probe import ProbeError  # noqa: E402
 
 CLOSING_SECONDS = 30
@@ -32,30 +34,49 @@ def partial_name(output):
     return f"{stem}.partial{ending}"
 
 
-def new_part(output):
-    """A file for what is not complete, locked while it is written, and its descriptor. Those that a killed worker left are removed."""
+def remove(path):
+    shutil.rmtree(path) if os.path.isdir(path) else os.unlink(path)
+
+
+def new_part(output, pictures):
+    """A file or, for pictures, a folder for what is not complete, locked while it is written, and its descriptor. Those that a killed worker left are removed."""
     folder, name = os.path.split(os.path.abspath(output))
     os.makedirs(folder, exist_ok=True)
     prefix = f".{name[:80]}."
     for left in glob.glob(os.path.join(glob.escape(folder), glob.escape(prefix) + "*.part")):
-        with open(left, "rb") as old:
-            try:
-                fcntl.flock(old, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError:
-                continue
-            os.unlink(left)
-    handle, part = tempfile.mkstemp(prefix=prefix, suffix=".part", dir=folder)
-    fcntl.flock(handle, fcntl.LOCK_EX)
+        old = os.open(left, os.O_RDONLY)
+        try:
+            fcntl.flock(old, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            remove(left)
+        except BlockingIOError:
+            pass  # it is being written
+        finally:
+            os.close(old)
     umask = os.umask(0)
     os.umask(umask)
-    os.fchmod(handle, 0o666 & ~umask)
+    if pictures:
+        part = tempfile.mkdtemp(prefix=prefix, suffix=".part", dir=folder)
+        handle = os.open(part, os.O_RDONLY)
+    else:
+        handle, part = tempfile.mkstemp(prefix=prefix, suffix=".part", dir=folder)
+    os.fchmod(handle, (0o777 if pictures else 0o666) & ~umask)
+    fcntl.flock(handle, fcntl.LOCK_EX)
     return part, handle
 
 
 def settle(path, target):
-    """Gives a complete file its name, once it is on the disk."""
-    with open(path, "rb") as written:
-        os.fsync(written.fileno())
+    """Gives what is complete its name, once it is on the disk."""
+    if os.path.isdir(path):
+        os.sync()
+        if os.path.isdir(target):
+            old = tempfile.mkdtemp(prefix=".", suffix=".part", dir=os.path.dirname(os.path.abspath(target)))
+            os.rename(target, os.path.join(old, "old"))
+            os.rename(path, target)
+            shutil.rmtree(old)
+            return
+    else:
+        with open(path, "rb") as written:
+            os.fsync(written.fileno())
     os.replace(path, target)
 
 
@@ -63,7 +84,7 @@ def work(task):
     """Returns the last words of the worker."""
     output = task["output"]
     try:
-        part, handle = new_part(output)
+        part, handle = new_part(output, task["container"] in SEQUENCES)
     except OSError as error:
         return {"status": "failed", "error": f"cannot write to {os.path.dirname(output) or '.'}: {error.strerror}"}
     loop, stopped, started, run = GLib.MainLoop(), [], time.monotonic(), None
@@ -93,6 +114,9 @@ def work(task):
         run.start()
         loop.run()
         run.close()
+        short = run.probe.seconds - run.time
+        if not run.error and not stopped and short > max(1, run.probe.seconds / 20):
+            run.warnings.append(f"its pictures end {short:.1f} s before the file should: it may be damaged")
         words = {"frames": run.frames, "elapsed": round(time.monotonic() - started, 3), "copied": run.copied, "warnings": run.warnings}
         if run.error:
             return {"status": "failed", "error": run.error, **words}
@@ -105,7 +129,7 @@ def work(task):
         return {"status": "failed", "error": f"{output}: {error.strerror}"}
     finally:
         if os.path.exists(part):
-            os.unlink(part)
+            remove(part)
         os.close(handle)
 
 
