@@ -207,7 +207,7 @@ class Transcode(unittest.TestCase):
         self.assertEqual(len(os.listdir(self.path("frames/shading"))), 12)
         os.unlink(self.path("frames/shading/000004.jpg"))
         self.assertIn("1 of its pictures are missing", self.run_it("frames/shading/%06d.jpg", status=1))
-        self.assertIn("there are no such pictures", self.run_it("frames/%03d.exr", status=1))
+        self.assertIn("there are no such pictures", self.run_it("frames/%03d.png", status=1))
 
     def test_a_cut_file_is_a_warning(self):
         self.clip(frames=120, codec="jpegenc")

@@ -35,7 +35,7 @@ def parse(words):
         prog="inverse-transcode", usage="inverse-transcode [OPTIONS] INPUT... [-- ELEMENTS]",
         description="Sends videos through elements of gst-inverse and writes them to files.",
         epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("inputs", nargs="+", metavar="INPUT", help="a video; a folder: all videos below it; frames/%%04d.png: numbered pictures (png, jpg, exr)")
+    parser.add_argument("inputs", nargs="+", metavar="INPUT", help="a video; a folder: all videos below it; frames/%%04d.png: numbered pictures (png, jpg)")
     parser.add_argument("-o", "--output", metavar="FILE", help="the file to write, for one input; its ending names the container")
     parser.add_argument("--out", metavar="FOLDER", help="where results go, as they lie below the folders named (out/transcode)")
     parser.add_argument("--to", metavar="CONTAINER", choices=list(formats.CONTAINERS), help="mkv (default), webm, mp4, mov; png, jpg: a folder of numbered pictures")

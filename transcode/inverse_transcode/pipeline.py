@@ -19,7 +19,7 @@ _FORMS = {
     # Its tags are those of SubRip, which containers call plain text.
     "text/x-raw": ("capssetter caps=text/x-raw,format=utf8", "text/x-raw,format=utf8"),
 }
-_PICTURES = {"png": "image/png", "jpg": "image/jpeg", "jpeg": "image/jpeg", "exr": "image/x-exr"}  # sequences that are read
+_PICTURES = {"png": "image/png", "jpg": "image/jpeg", "jpeg": "image/jpeg"}  # sequences that are read
 
 
 class TranscodeError(Exception):
@@ -40,6 +40,7 @@ class Transcode:
         self.task, self.loop = task, loop
         self.error, self.warnings, self.copied, self.frames, self.time = "", [], [], 0, 0
         self.container = formats.container(task["container"])
+        self.numbered = not os.path.exists(task["input"])
         self.probe, source = self._source(task)
         if task["audio"] not in ("copy", "none"):
             formats.audio_encoder(task["audio"])

@@ -117,6 +117,8 @@ def work(task):
         short = run.probe.seconds - run.time
         if not run.error and not stopped and short > max(1, run.probe.seconds / 20):
             run.warnings.append(f"its pictures end {short:.1f} s before the file should: it may be damaged")
+        if not run.error and not stopped and run.numbered and run.frames != run.probe.frames:
+            run.warnings.append(f"of {run.probe.frames} pictures, {run.frames} came out of the elements")
         words = {"frames": run.frames, "elapsed": round(time.monotonic() - started, 3), "copied": run.copied, "warnings": run.warnings}
         if run.error:
             return {"status": "failed", "error": run.error, **words}
