@@ -197,6 +197,45 @@ TEST_F(VolumeTest, ShowsWhatItHasSeen) {
   EXPECT_GT(double(colored), 0.85 * all);
 }
 
+// Poles of two to four pixels before a wall, at even and odd columns: each pixel of one is seen,
+// though rays start from where those of every second pixel came near a surface. The view's own
+// depths are told from the specification's.
+TEST_F(VolumeTest, SeesWhatIsThin) {
+  constexpr Volume::Params kFine{.voxel = 0.01F, .blocks = 8192};
+  const Camera camera = camera_at(160, 120, {0, 0, 0}, {0, 0, 2});
+  Seen seen = look(camera);
+  const auto pole_at = [](int x) {
+    for (int n = 0; n < 9; ++n)
+      if (const int first = 8 + 17 * n; x >= first && x < first + 2 + n % 3) return true;
+    return false;
+  };
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x)
+      seen.depth[size_t(y * camera.width + x)] = pole_at(x) ? 1.2 : 1.8;
+  const reference::Plane surface = reference::normals(camera, seen.depth);
+  Volume volume(device, kFine);
+  reference::Volume expected = specified(kFine);
+  expected.allocate(camera, surface);
+  for (int times = 0; times < 3; ++times) {
+    integrate(volume, camera, surface, seen.layers);
+    expected.integrate(camera, surface, seen.layers);
+  }
+  Volume::View view(device, extent_of(camera));
+  const auto pose = pose_of(camera);
+  run([&](gpu::Commands& commands) { volume.record_march(commands, lens_of(camera), pose, view); });
+  const Pixels depth = download(view.depth);
+  size_t poles = 0, missed = 0;
+  for (int y = 8; y < camera.height - 8; ++y)
+    for (int x = 0; x < camera.width; ++x) {
+      if (!pole_at(x) || expected.march(camera, x, y, 0.5, 4) > 1.3) continue;
+      ++poles;
+      const float found = depth[size_t(y * camera.width + x)];
+      missed += !(found > 1.1F && found < 1.3F);
+    }
+  EXPECT_GT(poles, 1500U);
+  EXPECT_LE(missed, poles * 23 / 100);
+}
+
 TEST_F(VolumeTest, CountsWhatHasNoRoom) {
   const Camera camera = walk(1)[0];
   const Seen seen = look(camera);
