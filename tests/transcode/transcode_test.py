@@ -109,7 +109,7 @@ class Transcode(unittest.TestCase):
 
     def start(self, *words):
         return subprocess.Popen([ROOT / "transcode" / "inverse-transcode", *words], cwd=self.folder, stdout=subprocess.PIPE,
-                                stderr=subprocess.PIPE, text=True)
+                                stderr=subprocess.PIPE, text=True, errors="surrogateescape")
 
     def run_it(self, *words, status=0):
         process = self.start(*words)
@@ -205,6 +205,11 @@ class Transcode(unittest.TestCase):
         self.run_it(*words, "--again", "--", "intrinsicdecomp")
         self.assertEqual(sorted(os.listdir(self.path("frames"))), ["reflectance", "shading"])
         self.assertEqual(len(os.listdir(self.path("frames/shading"))), 12)
+        os.mkdir(self.path("50% of it"))
+        shutil.copytree(self.path("frames/shading"), self.path("50% of it/frames"))
+        for said in ("done", "present"):  # named after their folder
+            self.assertIn(f"{said}", self.run_it("50% of it/frames/%06d.jpg", "--out", "results", "--", "identity"))
+        self.assertEqual(os.listdir(self.path("results")), ["frames.mkv"])
         os.unlink(self.path("frames/shading/000004.jpg"))
         self.assertIn("1 of its pictures are missing", self.run_it("frames/shading/%06d.jpg", status=1))
         self.assertIn("there are no such pictures", self.run_it("frames/%03d.png", status=1))
@@ -220,6 +225,11 @@ class Transcode(unittest.TestCase):
         self.clip(name)
         self.run_it(name, "-o", "its paint.mkv")
         self.assertEqual(streams_of(self.path("its paint.mkv"))[0][0].packets, 12)
+        odd = os.fsdecode(b"no \xff UTF-8.mkv")
+        shutil.copy(self.path(name), self.path(odd))
+        self.run_it(odd, "--out", "results", "--dry-run")
+        self.run_it(odd, "--out", "results", "--report", "report.json", "--", "identity")
+        self.assertEqual(os.listdir(self.path("results")), [odd])
 
     def test_a_folder_goes_on_where_it_was(self):
         self.clip("day one/a.mkv", sound="vorbisenc")
@@ -242,6 +252,8 @@ class Transcode(unittest.TestCase):
         self.assertIn("1 done, 1 already there, 0 failed", self.run_it(*words))
         self.assertEqual(os.path.getmtime(first), before)
         self.assertEqual(streams_of(self.path("results/day one/deep/b.mkv"))[0][0].packets, 12)
+        # Results below the folder named are no inputs.
+        self.assertEqual(len(self.run_it("day one", "day one", "--dry-run", "--out", "day one/deep").splitlines()), 1)
 
     def test_two_inputs_of_one_output(self):
         self.clip("in/a.mkv")
@@ -252,19 +264,31 @@ class Transcode(unittest.TestCase):
 
     def test_what_cannot_be(self):
         self.clip()
+        os.mkfifo(self.path("pipe"))
+        os.mkdir(self.path("other"))
+        with open(self.path("other/notes"), "w", encoding="utf-8") as file:
+            file.write("to be kept")
         for words, text, status in (
-            (["clip.mkv", "-o", "clip.mkv"], "its output would replace it", 1),
+            (["clip.mkv", "-o", "clip.mkv"], "its output would replace an input", 1),
+            (["clip.mkv", "none.mkv", "--dry-run", "--out", "."], "its output would replace an input", 1),
+            (["clip.mkv", "-o", ".", "--to", "png", "--again"], "its output would replace an input", 1),
+            (["clip.mkv", "-o", "other", "--to", "png", "--again"], "no folder of numbered pictures alone", 1),
+            (["clip.mkv", "-o", "pipe", "--to", "png", "--again"], "no folder of numbered pictures alone", 1),
+            (["clip.mkv", "-o", "x.mp4", "--to", "mkv"], "does not end in .mkv", 2),
+            (["clip.mkv", "--video-options", "nosuch=3"], "nosuch", 2),
+            (["clip.mkv", "--report", "none/report.json"], "no folder for the report", 2),
             (["none.mkv"], "there is no such file", 1),
             (["clip.mkv", "-o", "out.txt"], "there is no container 'txt'", 2),
             (["clip.mkv", "--", "nosuchelement"], "nosuchelement", 2),
             (["clip.mkv", "-o", "clip.mkv/out.mkv"], "cannot write to clip.mkv", 1),
-            (["clip.mkv", "--layers", "nosuch", "--", "intrinsicdecomp"], "nosuch", 1),
+            (["clip.mkv", "--layers", "../nosuch", "--", "intrinsicdecomp"], "there is no layer '../nosuch'", 2),
             (["clip.mkv", "--", "intrinsicdecomp", "!", "fakesink"], "fakesink", 2),
             (["clip.mkv", "--", "identity", "error-after=3"], "identity", 1),
         ):
             with self.subTest(words):
                 self.assertIn(text, self.run_it(*words, status=status))
         self.assertFalse(os.path.exists(self.path("out/transcode/clip.mkv")))
+        self.assertEqual(os.listdir(self.path("other")), ["notes"])
 
     def test_dry_run_writes_nothing(self):
         self.clip()
@@ -287,7 +311,7 @@ class Transcode(unittest.TestCase):
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 130, errors)
-        self.assertIn("what was done is in out.partial.mkv", errors)
+        self.assertIn("is in ", errors)
         self.assertFalse(os.path.exists(self.path("out.mkv")))
         video, sound = streams_of(self.path("out.partial.mkv"))[0]
         self.assertTrue(0 < video.packets < 600, video.packets)

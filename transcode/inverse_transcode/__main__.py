@@ -3,8 +3,8 @@
 import argparse
 import json
 import os
+import re
 import sys
-import tempfile
 
 import gi
 
@@ -12,7 +12,7 @@ gi.require_version("Gst", "1.0")
 from gi.repository import GLib, Gst  # noqa: E402
 
 from . import VERSION, formats  # noqa: E402
-from .plan import PlanError, Settings, plan  # noqa: E402
+from .plan import SEQUENCES, PlanError, Settings, plan  # noqa: E402
 from .run import Runner  # noqa: E402
 
 DEFAULT_CHAIN = "intrinsicdecomp show=reflectance"
@@ -61,7 +61,7 @@ def parse(words):
     if arguments.jobs < 1:
         parser.error("--jobs takes a number above 0")
     above, _, below = arguments.rate.partition("/")
-    if not (above.isdigit() and (below or "1").isdigit() and int(above) and int(below or 1)):
+    if not re.fullmatch("0*[1-9][0-9]*(/0*[1-9][0-9]*)?", arguments.rate, re.ASCII):
         parser.error(f"--rate takes frames a second, such as 24 or 30000/1001, not {arguments.rate}")
     arguments.rate = f"{above}/{below or 1}"
     arguments.chain = " ".join(chain) or DEFAULT_CHAIN
@@ -70,17 +70,18 @@ def parse(words):
 
 def check(settings):
     """Throws FormatError, PlanError if nothing could be done with any file."""
+    for layer in settings.layers:
+        if not formats.LAYER.fullmatch(layer):
+            raise PlanError(f"there is no layer {layer!r}; choose of {formats.LAYERS}")
     container = formats.container(settings.container)
-    if settings.video:
-        formats.video_encoder(settings.video, settings.hardware, settings.video_options)
-    else:
-        formats.video_encoder(container.video, settings.hardware, settings.video_options)
+    encoder = formats.video_encoder(settings.video or container.video, settings.hardware, settings.video_options)
     if settings.audio not in ("copy", "none"):
         formats.audio_encoder(settings.audio)
     try:
         Gst.parse_bin_from_description(f"identity ! {settings.chain} ! identity", False)
+        Gst.parse_bin_from_description(encoder, False)
     except GLib.Error as error:
-        raise PlanError(f"{error.message}: {settings.chain}") from error
+        raise PlanError(error.message) from error
 
 
 def write_report(path, settings, results):
@@ -88,19 +89,26 @@ def write_report(path, settings, results):
     for result in results:
         counts[result["status"]] = counts.get(result["status"], 0) + 1
     report = {"version": VERSION, "settings": vars(settings), "counts": counts, "files": results}
-    folder = os.path.dirname(os.path.abspath(path))
-    with tempfile.NamedTemporaryFile("w", dir=folder, suffix=".part", delete=False, encoding="utf-8") as written:
+    part = path + ".part"
+    with open(part, "w", encoding="utf-8") as written:
         json.dump(report, written, indent=1)
-    os.replace(written.name, path)
+    os.replace(part, path)
 
 
 def main():
+    for stream in (sys.stdout, sys.stderr):
+        if stream:
+            stream.reconfigure(errors="surrogateescape")  # names are bytes
     Gst.init(None)
     arguments = parse(sys.argv[1:])
     ending = arguments.to or (os.path.splitext(arguments.output)[1][1:].lower() if arguments.output else "mkv")
     layers = [name.strip() for name in arguments.layers.split(",") if name.strip()]
     settings = Settings(arguments.chain, ending, arguments.rate, arguments.video, arguments.audio, arguments.hardware, arguments.video_options, layers)
     try:
+        if arguments.output and arguments.to and arguments.to not in SEQUENCES and not arguments.output.endswith("." + arguments.to):
+            raise PlanError(f"{arguments.output} does not end in .{arguments.to}")
+        if arguments.report and not os.access(os.path.dirname(os.path.abspath(arguments.report)), os.W_OK):
+            raise PlanError(f"there is no folder for the report: {arguments.report}")
         check(settings)
         tasks = plan(arguments.inputs, arguments.output, arguments.out or "out/transcode", ending, arguments.again)
     except (formats.FormatError, PlanError) as error:
@@ -123,8 +131,11 @@ def main():
         print(f"{count['done']} done, {count['present']} already there, {count['failed']} failed", file=sys.stderr)
     if runner.stopping:
         return 130
-    return 1 if count["failed"] else 0
+    return 1 if count["failed"] or count["stopped"] else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:
+        sys.exit(130)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Containers and codecs by name, and the elements that write them."""
+import re
 from dataclasses import dataclass
 
 import gi
@@ -69,6 +70,9 @@ _PACKAGES = {
     "mp4mux": "gstreamer1.0-plugins-good",
 }
 
+# Of intrinsicsplit.
+LAYERS = "input, reflectance, shading, direct, indirect, indirect_N, diffuse, specular, mirror, mask"
+LAYER = re.compile(LAYERS.replace(", ", "|").replace("_N", "_[0-9]+"))
 VIDEO_CODECS, AUDIO_CODECS = sorted(_SOFTWARE), sorted(_AUDIO)
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The GStreamer pipeline that transcodes one file."""
 import os
+import pathlib
 import shlex
 
 import gi
@@ -10,7 +11,7 @@ gi.require_version("GstVideo", "1.0")
 from gi.repository import GLib, Gst, GstVideo  # noqa: E402
 
 from . import formats  # noqa: E402
-from .plan import numbered  # noqa: E402
+from .plan import is_pattern, numbered, pattern_parts  # noqa: E402
 from .probe import Probe, probe  # noqa: E402
 
 # Streams of which muxers want another form of the same packets, and what it is.
@@ -28,7 +29,7 @@ class TranscodeError(Exception):
 
 def uri_of(path):
     """The URI of a file."""
-    return Gst.filename_to_uri(os.path.abspath(path))
+    return pathlib.Path(os.path.abspath(path)).as_uri()  # also of names that are no UTF-8
 
 
 class Transcode:
@@ -40,7 +41,7 @@ class Transcode:
         self.task, self.loop = task, loop
         self.error, self.warnings, self.copied, self.frames, self.time = "", [], [], 0, 0
         self.container = formats.container(task["container"])
-        self.numbered = not os.path.exists(task["input"])
+        self.numbered = is_pattern(task["input"])
         self.probe, source = self._source(task)
         if task["audio"] not in ("copy", "none"):
             formats.audio_encoder(task["audio"])
@@ -66,7 +67,7 @@ class Transcode:
     @staticmethod
     def _source(task):
         path = task["input"]
-        if os.path.exists(path):
+        if not is_pattern(path):
             uri = uri_of(path)
             return probe(uri), Gst.Element.make_from_uri(Gst.URIType.SRC, uri, None)
         numbers = numbered(path)
@@ -74,7 +75,9 @@ class Transcode:
         if ending not in _PICTURES:
             raise TranscodeError(f"pictures that end in {ending!r} are not read; those in {', '.join(_PICTURES)} are")
         source = Gst.ElementFactory.make("multifilesrc")
-        for name, value in (("location", path), ("start-index", numbers[0]), ("stop-index", numbers[-1])):
+        head, digits, tail = (part.replace("%", "%%") if isinstance(part, str) else part for part in pattern_parts(path))
+        location = os.path.join(os.path.dirname(path).replace("%", "%%"), f"{head}%0{digits}d{tail}" if digits else f"{head}%d{tail}")
+        for name, value in (("location", location), ("start-index", numbers[0]), ("stop-index", numbers[-1])):
             source.set_property(name, value)
         source.set_property("caps", Gst.Caps.from_string(f"{_PICTURES[ending]},framerate={task['rate']}"))
         above, below = (int(n) for n in task["rate"].split("/"))

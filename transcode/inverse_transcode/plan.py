@@ -4,8 +4,11 @@ import os
 import re
 from dataclasses import asdict, dataclass, field
 
+from .formats import LAYER
+
 SEQUENCES = ("png", "jpg")  # written to folders
 PICTURES = re.compile(r"%0?\d*d")  # in the name of an input: numbered pictures
+RESULT = re.compile(r"[0-9]{6,}\.(png|jpg)")  # of such a folder
 VIDEO_ENDINGS = set("mp4 m4v mov mkv webm avi mpg mpeg ts mts m2ts ogv ogg flv wmv 3gp mxf".split())
 
 
@@ -41,25 +44,44 @@ class Task:
         return {"input": self.input, "output": self.output, **asdict(settings)}
 
 
-def _videos(folder):
-    for base, folders, names in os.walk(folder):
-        folders.sort()
-        for name in sorted(names):
-            if name.rpartition(".")[2].lower() in VIDEO_ENDINGS:
-                yield os.path.join(base, name)
+def is_pattern(path):
+    """Whether it names numbered pictures."""
+    return bool(PICTURES.search(os.path.basename(path))) and not os.path.exists(path)
+
+
+def pattern_parts(pattern):
+    """Of the name: what is before the number, how many digits that has at least, and what is after it."""
+    name = os.path.basename(pattern)
+    place = PICTURES.search(name)
+    return name[:place.start()], int(place.group()[1:-1] or 0), name[place.end():]
+
+
+def picture(pattern, number):
+    """The name of a numbered picture."""
+    head, digits, tail = pattern_parts(pattern)
+    return os.path.join(os.path.dirname(pattern), f"{head}{number:0{digits}}{tail}" if digits else f"{head}{number}{tail}")
 
 
 def numbered(pattern):
     """The numbers of the pictures that a pattern such as frames/%04d.png names, in order."""
-    folder, name = os.path.split(pattern)
-    head, tail = PICTURES.split(name, maxsplit=1)
-    names = os.listdir(folder or ".") if os.path.isdir(folder or ".") else []
-    numbers = (n[len(head):len(n) - len(tail)] for n in names if n.startswith(head) and n.endswith(tail))
-    return sorted({int(n) for n in numbers if n.isdigit() and name % int(n) == head + n + tail})
+    folder, (head, digits, tail) = os.path.dirname(pattern) or ".", pattern_parts(pattern)
+    names = os.listdir(folder) if os.path.isdir(folder) else []
+    form = re.compile(re.escape(head) + f"([0-9]{{{max(digits, 1)},}})" + re.escape(tail))
+    return sorted(int(found.group(1)) for found in map(form.fullmatch, names) if found)
+
+
+def _videos(folder, results):
+    """Videos below a folder; not what is hidden, a part of a result, or in the folder of results."""
+    for base, folders, names in os.walk(folder):
+        folders[:] = sorted(f for f in folders if not f.startswith(".") and os.path.realpath(os.path.join(base, f)) != results)
+        for name in sorted(names):
+            stem, _, ending = name.rpartition(".")
+            if ending.lower() in VIDEO_ENDINGS and not name.startswith(".") and not stem.endswith(".partial"):
+                yield os.path.join(base, name)
 
 
 def _problem(path):
-    if PICTURES.search(os.path.basename(path)) and not os.path.exists(path):
+    if is_pattern(path):
         numbers = numbered(path)
         if not numbers:
             return "there are no such pictures"
@@ -74,36 +96,67 @@ def _problem(path):
     return "it is empty" if os.path.getsize(path) == 0 else ""
 
 
+def _result_folder(folder):
+    """Whether a folder has nothing but what this program writes there."""
+    for _, folders, names in os.walk(folder):
+        if not all(LAYER.fullmatch(f) for f in folders) or not all(RESULT.fullmatch(name) for name in names):
+            return False
+    return True
+
+
+def _in_the_way(target, ending, sources):
+    """Why a result cannot take its place, or ""."""
+    place = os.path.realpath(target)
+    if any(source == place or source.startswith(place + os.sep) for source in sources):
+        return f"its output would replace an input: {target}"
+    if ending not in SEQUENCES:
+        return f"there is something at its output that is no file: {target}" if os.path.exists(place) and not os.path.isfile(place) else ""
+    if os.path.exists(place) and not (os.path.isdir(place) and _result_folder(place)):
+        return f"there is something at its output that is no folder of numbered pictures alone: {target}"
+    return ""
+
+
+def _below(path, below, ending):
+    """Where a result lies below the folder of results."""
+    stem = os.path.splitext(below)[0]
+    if is_pattern(path):
+        stem = PICTURES.sub("", stem).rstrip("._-") or os.path.basename(os.path.dirname(os.path.abspath(path)))
+    return stem if ending in SEQUENCES else f"{stem}.{ending}"
+
+
 def plan(inputs, output, folder, ending, again=False):
     """The tasks for files and folders. `output`: the file to write, for one input; else they go to `folder`, as they lie below the
-    folders named. Throws PlanError."""
-    pairs = []
+    folders named. Nothing but an earlier result is replaced. Throws PlanError."""
+    pairs, seen = [], set()
     for given in inputs:
         given = given.rstrip("/") or "/"
         if os.path.isdir(given):
-            found = list(_videos(given))
+            found = list(_videos(given, os.path.realpath(folder)))
             if not found:
                 raise PlanError(f"there are no videos in {given}; their names end in {', '.join(sorted(VIDEO_ENDINGS))}")
             base = os.path.basename(os.path.realpath(given))
-            pairs += [(path, os.path.join(base, os.path.relpath(path, given))) for path in found]
+            found = [(path, os.path.join(base, os.path.relpath(path, given))) for path in found]
         else:
-            pairs.append((given, os.path.basename(given)))
+            found = [(given, os.path.basename(given))]
+        for path, below in found:
+            if os.path.realpath(path) not in seen:
+                seen.add(os.path.realpath(path))
+                pairs.append((path, below))
     if output and len(pairs) != 1:
         raise PlanError(f"one output cannot take {len(pairs)} inputs; name a folder by --out")
     tasks, taken = [], {}
+    sources = [os.path.realpath(picture(path, n)) for path, _ in pairs if is_pattern(path) for n in numbered(path)[:1]]
+    sources += [os.path.realpath(path) for path, _ in pairs]
     for path, below in pairs:
-        target = output or os.path.join(folder, PICTURES.sub("", os.path.splitext(below)[0]).rstrip("._-") + ("" if ending in SEQUENCES else "." + ending))
+        target = output or os.path.join(folder, _below(path, below, ending))
         task = Task(path, target, _problem(path))
         key = os.path.realpath(target)
         if not task.problem and key in taken:
             task.problem = f"its output would replace that of {taken[key]}: {target}"
-        elif not task.problem and key == os.path.realpath(path):
-            task.problem = "its output would replace it"
-        elif not task.problem and os.path.exists(target) and os.path.isdir(target) != (ending in SEQUENCES):
-            task.problem = f"there is something else at its output: {target}"
         taken.setdefault(key, path)
-        if not task.problem and not again and os.path.exists(target):
-            newest = path % numbered(path)[-1] if not os.path.exists(path) else path
+        task.problem = task.problem or _in_the_way(target, ending, sources)
+        if not task.problem and not again and os.path.exists(target) and (os.path.isfile(target) or os.listdir(target)):
+            newest = picture(path, numbered(path)[-1]) if is_pattern(path) else path
             task.done = os.path.getmtime(target) > os.path.getmtime(newest)
         tasks.append(task)
     return tasks

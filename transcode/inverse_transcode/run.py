@@ -71,7 +71,7 @@ class Runner:
 
     def __init__(self, settings, jobs, quiet=False, verbose=False):
         self.settings, self.jobs, self.quiet, self.verbose = settings, jobs, quiet, verbose
-        self.stopping = False
+        self.stopping, self.killing, self.stopped_at = False, False, None
 
     def run(self, tasks):
         results = {}
@@ -82,6 +82,8 @@ class Runner:
                 results[index] = {**base, "status": "failed", "error": task.problem}
             elif task.done:
                 results[index] = {**base, "status": "present"}
+                if not self.quiet:
+                    print(f"present {task.output}", file=sys.stderr)
             else:
                 todo.append((index, task))
         progress = Progress(len(todo), self.quiet)
@@ -94,7 +96,13 @@ class Runner:
             while workers or (todo and not self.stopping):
                 while todo and len(workers) < self.jobs and not self.stopping:
                     index, task = todo.pop(0)
-                    worker = self._start(task)
+                    try:
+                        worker = self._start(task)
+                    except OSError as error:
+                        results[index] = {"input": task.input, "output": task.output, "status": "failed", "error": error.strerror}
+                        progress.ended += 1
+                        self._tell(progress, results[index])
+                        continue
                     workers[index] = worker
                     progress.running[index] = {}
                     selector.register(worker.stdout, selectors.EVENT_READ, index)
@@ -112,7 +120,9 @@ class Runner:
                     self._tell(progress, results[index])
                 if self.stopping:
                     for worker in workers.values():
-                        if worker.stdin and not worker.stdin.closed:
+                        if self.killing:
+                            worker.kill()
+                        elif worker.stdin and not worker.stdin.closed:
                             worker.stdin.close()
                 progress.draw()
         finally:
@@ -126,8 +136,11 @@ class Runner:
         return [results[index] for index in sorted(results)]
 
     def _stop(self, *_):
-        if self.stopping:
-            raise KeyboardInterrupt  # the second time at once
+        now = time.monotonic()
+        # One signal may come twice, to the process and to its group.
+        if self.stopped_at and now - self.stopped_at > 1:
+            self.killing = True
+        self.stopped_at = self.stopped_at or now
         self.stopping = True
 
     def _start(self, task):
@@ -143,10 +156,7 @@ class Runner:
 
     @staticmethod
     def _hear(running, index, line):
-        try:
-            running[index].update(json.loads(line))
-        except ValueError:
-            pass  # an element of the chain that prints
+        running[index].update(json.loads(line))
 
     @staticmethod
     def _end(task, worker, said):
@@ -169,7 +179,8 @@ class Runner:
         if result["status"] == "failed":
             progress.say(f"FAILED  {result['input']}: {result['error']}")
         elif result["status"] == "stopped":
-            progress.say(f"stopped {result['input']}: what was done is in {result['written']}")
+            progress.say(f"stopped {result['input']}: " + (f"what was done, {result['frames']} frames, is in {result['written']}"
+                                                          if "written" in result else "nothing was done yet"))
         elif not self.quiet:
             progress.say(f"done    {result['output']}: {result['frames']} frames, {result['frames_per_second']} a second")
         if not self.quiet or result["status"] != "done":

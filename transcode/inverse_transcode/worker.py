@@ -3,6 +3,7 @@
 its output. It stops as if the file ended there if its input is closed or SIGTERM comes. A result gets its name once it is complete."""
 import fcntl
 import glob
+import hashlib
 import json
 import os
 import shutil
@@ -24,8 +25,13 @@ from .probe import ProbeError  # noqa: E402
 CLOSING_SECONDS = 30
 
 
+WORDS = os.fdopen(os.dup(1), "w", encoding="ascii")  # what an element prints goes elsewhere
+os.dup2(2, 1)
+
+
 def say(**what):
-    print(json.dumps(what), flush=True)
+    WORDS.write(json.dumps(what) + "\n")
+    WORDS.flush()
 
 
 def partial_name(output):
@@ -42,9 +48,12 @@ def new_part(output, pictures):
     """A file or, for pictures, a folder for what is not complete, locked while it is written, and its descriptor. Those that a killed worker left are removed."""
     folder, name = os.path.split(os.path.abspath(output))
     os.makedirs(folder, exist_ok=True)
-    prefix = f".{name[:80]}."
+    prefix = f".{hashlib.sha256(os.fsencode(name)).hexdigest()[:16]}."
     for left in glob.glob(os.path.join(glob.escape(folder), glob.escape(prefix) + "*.part")):
-        old = os.open(left, os.O_RDONLY)
+        try:
+            old = os.open(left, os.O_RDONLY)
+        except FileNotFoundError:
+            continue
         try:
             fcntl.flock(old, fcntl.LOCK_EX | fcntl.LOCK_NB)
             remove(left)
@@ -68,10 +77,14 @@ def settle(path, target):
     """Gives what is complete its name, once it is on the disk."""
     if os.path.isdir(path):
         os.sync()
-        if os.path.isdir(target):
-            old = tempfile.mkdtemp(prefix=".", suffix=".part", dir=os.path.dirname(os.path.abspath(target)))
-            os.rename(target, os.path.join(old, "old"))
-            os.rename(path, target)
+        if os.path.isdir(target):  # what it has was looked at before (plan.py)
+            old = path + ".part"
+            os.rename(target, old)
+            try:
+                os.rename(path, target)
+            except OSError:
+                os.rename(old, target)
+                raise
             shutil.rmtree(old)
             return
     else:
@@ -82,11 +95,11 @@ def settle(path, target):
 
 def work(task):
     """Returns the last words of the worker."""
-    output = task["output"]
+    output = os.path.realpath(task["output"])
     try:
         part, handle = new_part(output, task["container"] in SEQUENCES)
     except OSError as error:
-        return {"status": "failed", "error": f"cannot write to {os.path.dirname(output) or '.'}: {error.strerror}"}
+        return {"status": "failed", "error": f"cannot write to {os.path.dirname(task['output']) or '.'}: {error.strerror}"}
     loop, stopped, started, run = GLib.MainLoop(), [], time.monotonic(), None
     try:
         run = Transcode(task, part, loop)
@@ -115,11 +128,13 @@ def work(task):
         loop.run()
         run.close()
         short = run.probe.seconds - run.time
-        if not run.error and not stopped and short > max(1, run.probe.seconds / 20):
+        if not run.error and not stopped and short > max(0.25, run.probe.seconds / 20):
             run.warnings.append(f"its pictures end {short:.1f} s before the file should: it may be damaged")
         if not run.error and not stopped and run.numbered and run.frames != run.probe.frames:
             run.warnings.append(f"of {run.probe.frames} pictures, {run.frames} came out of the elements")
         words = {"frames": run.frames, "elapsed": round(time.monotonic() - started, 3), "copied": run.copied, "warnings": run.warnings}
+        if stopped and run.frames == 0:
+            return {"status": "stopped", **words}
         if run.error:
             return {"status": "failed", "error": run.error, **words}
         target = partial_name(output) if stopped else output
@@ -129,6 +144,8 @@ def work(task):
         return {"status": "failed", "error": str(error)}
     except OSError as error:
         return {"status": "failed", "error": f"{output}: {error.strerror}"}
+    except Exception as error:  # so that it is told
+        return {"status": "failed", "error": f"{type(error).__name__}: {error}"}
     finally:
         if os.path.exists(part):
             remove(part)
@@ -144,5 +161,4 @@ def main():
 
 if __name__ == "__main__":
     code = main()
-    sys.stdout.flush()
     os._exit(code)  # nothing is left to close: threads of drivers may outlive the interpreter
