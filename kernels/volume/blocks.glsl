@@ -27,5 +27,11 @@ uint place_in_block(ivec3 voxel) {
   uvec3 v = uvec3(voxel & 7);
   return v.x | v.y << 3 | v.z << 6;
 }
+// How far along a direction a place is from where it leaves a block; all in voxels.
+float way_out(vec3 at, vec3 along, ivec3 block) {
+  vec3 ways = (vec3(kBlockSide * (block + ivec3(greaterThan(along, vec3(0.0))))) - at) / along;
+  ways = mix(ways, vec3(1e9), equal(along, vec3(0.0)));
+  return max(min(ways.x, min(ways.y, ways.z)), 0.0);
+}
 // Of the first word of a voxel's color; the second one is kBlockVoxels after it.
 uint color_index(uint block, uint place) { return 2u * kBlockVoxels * block + place; }

@@ -25,10 +25,7 @@ Voxel voxel_at(inout Ray ray, float z, out float step) {
     ray.block_at = block_at;
     ray.block = find_block(block_at);
   }
-  // To where the ray leaves the block.
-  vec3 leaves = (vec3(kBlockSide * (block_at + ivec3(greaterThan(ray.along, vec3(0.0))))) - at) / ray.along;
-  leaves = mix(leaves, vec3(1e9), equal(ray.along, vec3(0.0)));
-  float past = max(min(leaves.x, min(leaves.y, leaves.z)), 0.0) + 0.05 * ray.voxel;
+  float past = way_out(at, ray.along, block_at) + 0.05 * ray.voxel;
   bool none = ray.block == kNoBlock;
   Voxel v = voxel_of(none ? 0u : FETCH1(voxels, int(ray.block * kBlockVoxels + place_in_block(voxel))));
   bool free = v.weight > 0.0 && v.distance > 0.0;

@@ -24,10 +24,7 @@ float lit_share(vec3 from, vec3 way, float reach, float spread) {
       block = find_block(block_at);
     }
     if (block == kNoBlock) {
-      // To where the ray leaves the block.
-      vec3 leaves = (vec3(kBlockSide * (block_at + ivec3(greaterThan(way, vec3(0.0))))) - at) / way;
-      leaves = mix(leaves, vec3(1e9), equal(way, vec3(0.0)));
-      t += max(min(leaves.x, min(leaves.y, leaves.z)), 0.0) + 0.05;
+      t += way_out(at, way, block_at) + 0.05;
       continue;
     }
     Voxel v = voxel_of(FETCH1(voxels, int(block * kBlockVoxels + place_in_block(voxel))));
