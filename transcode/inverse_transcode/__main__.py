@@ -71,8 +71,8 @@ def parse(words):
 def check(settings):
     """Throws FormatError, PlanError if nothing could be done with any file."""
     for layer in settings.layers:
-        if not formats.LAYER.fullmatch(layer):
-            raise PlanError(f"there is no layer {layer!r}; choose of {formats.LAYERS}")
+        if not formats.is_layer(layer):
+            raise PlanError(f"there is no layer {layer!r}; choose of {', '.join(formats.layers())}")
     container = formats.container(settings.container)
     encoder = formats.video_encoder(settings.video or container.video, settings.hardware, settings.video_options)
     if settings.audio not in ("copy", "none"):

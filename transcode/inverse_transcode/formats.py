@@ -70,10 +70,19 @@ _PACKAGES = {
     "mp4mux": "gstreamer1.0-plugins-good",
 }
 
-# Of intrinsicsplit.
-LAYERS = "input, reflectance, shading, direct, indirect, indirect_N, diffuse, specular, mirror, mask"
-LAYER = re.compile(LAYERS.replace(", ", "|").replace("_N", "_[0-9]+"))
-VIDEO_CODECS, AUDIO_CODECS = sorted(_SOFTWARE), sorted(_AUDIO)
+VIDEO_CODECS, AUDIO_CODECS = sorted(_SOFTWARE.keys() - {"png"}), sorted(_AUDIO)
+
+
+def layers():
+    """The names of the layers that intrinsicsplit has; %u: a number."""
+    split = Gst.ElementFactory.find("intrinsicsplit")
+    templates = split.get_static_pad_templates() if split else []
+    return [t.name_template for t in templates if t.direction == Gst.PadDirection.SRC]
+
+
+def is_layer(name):
+    """Whether intrinsicsplit has such a layer."""
+    return re.sub("_[0-9]+$", "_%u", name) in layers()
 
 
 def container(name):

@@ -41,7 +41,7 @@ class Transcode:
         self.task, self.loop = task, loop
         self.error, self.warnings, self.copied, self.frames, self.time = "", [], [], 0, 0
         self.container = formats.container(task["container"])
-        self.numbered = is_pattern(task["input"])
+        self.pictures = len(numbered(task["input"])) if is_pattern(task["input"]) else 0
         self.probe, source = self._source(task)
         if task["audio"] not in ("copy", "none"):
             formats.audio_encoder(task["audio"])
@@ -81,7 +81,7 @@ class Transcode:
             source.set_property(name, value)
         source.set_property("caps", Gst.Caps.from_string(f"{_PICTURES[ending]},framerate={task['rate']}"))
         above, below = (int(n) for n in task["rate"].split("/"))
-        return Probe(len(numbers) * below / above, len(numbers), False, True), source
+        return Probe(len(numbers) * below / above, False, True), source
 
     def start(self):
         self.pipeline.set_state(Gst.State.PLAYING)

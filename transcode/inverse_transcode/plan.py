@@ -4,7 +4,7 @@ import os
 import re
 from dataclasses import asdict, dataclass, field
 
-from .formats import LAYER
+from .formats import is_layer
 
 SEQUENCES = ("png", "jpg")  # written to folders
 PICTURES = re.compile(r"%0?\d*d")  # in the name of an input: numbered pictures
@@ -99,15 +99,25 @@ def _problem(path):
 def _result_folder(folder):
     """Whether a folder has nothing but what this program writes there."""
     for _, folders, names in os.walk(folder):
-        if not all(LAYER.fullmatch(f) for f in folders) or not all(RESULT.fullmatch(name) for name in names):
+        if not all(is_layer(f) for f in folders) or not all(RESULT.fullmatch(name) for name in names):
             return False
     return True
 
 
+def _with_folders(paths):
+    """Files and all folders that they lie in."""
+    found = set()
+    for path in paths:
+        while path not in found:
+            found.add(path)
+            path = os.path.dirname(path)
+    return found
+
+
 def _in_the_way(target, ending, sources):
-    """Why a result cannot take its place, or ""."""
+    """Why a result cannot take its place, or "". `sources`: the inputs, with their folders."""
     place = os.path.realpath(target)
-    if any(source == place or source.startswith(place + os.sep) for source in sources):
+    if place in sources:
         return f"its output would replace an input: {target}"
     if ending not in SEQUENCES:
         return f"there is something at its output that is no file: {target}" if os.path.exists(place) and not os.path.isfile(place) else ""
@@ -146,7 +156,7 @@ def plan(inputs, output, folder, ending, again=False):
         raise PlanError(f"one output cannot take {len(pairs)} inputs; name a folder by --out")
     tasks, taken = [], {}
     sources = [os.path.realpath(picture(path, n)) for path, _ in pairs if is_pattern(path) for n in numbered(path)[:1]]
-    sources += [os.path.realpath(path) for path, _ in pairs]
+    sources = _with_folders(sources + [os.path.realpath(path) for path, _ in pairs])
     for path, below in pairs:
         target = output or os.path.join(folder, _below(path, below, ending))
         task = Task(path, target, _problem(path))

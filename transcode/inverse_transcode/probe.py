@@ -18,7 +18,6 @@ class Probe:
     """Of the video stream that is transcoded."""
 
     seconds: float  # of the file; 0: not known
-    frames: float  # expected; 0: not known
     turned: bool  # whether a player is to turn it
     still: bool  # its pictures are compressed one by one
 
@@ -31,8 +30,7 @@ def probe(uri):
         raise ProbeError(error.message) from error
     result = info.get_result()
     if result == GstPbutils.DiscovererResult.MISSING_PLUGINS:
-        missing = [Gst.Plugin.get_name(p) if isinstance(p, Gst.Plugin) else str(p).split("|")[-2]
-                   for p in info.get_missing_elements_installer_details()]
+        missing = [details.split("|")[-2] for details in info.get_missing_elements_installer_details()]
         raise ProbeError(f"a plugin is missing: {', '.join(missing)}")
     if result != GstPbutils.DiscovererResult.OK:
         raise ProbeError(f"it cannot be read ({result.value_nick})")
@@ -41,11 +39,10 @@ def probe(uri):
         raise ProbeError("it has no video")
     video = next((v for v in videos if not v.is_image()), videos[0])
     seconds = info.get_duration() / Gst.SECOND if 0 < info.get_duration() < Gst.CLOCK_TIME_NONE else 0
-    rate = video.get_framerate_num() / max(video.get_framerate_denom(), 1)
     tags, turned = video.get_tags() or info.get_tags(), False
     if tags:
         found, orientation = tags.get_string("image-orientation")
         turned = found and orientation != "rotate-0"
     caps = video.get_caps()
     still = bool(caps) and caps.get_structure(0).get_name().startswith("image/")
-    return Probe(seconds, seconds * rate, turned, still)
+    return Probe(seconds, turned, still)

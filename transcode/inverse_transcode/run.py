@@ -109,7 +109,7 @@ class Runner:
                 for key, _ in selector.select(timeout=0.5):
                     line = key.fileobj.readline()
                     if line:
-                        self._hear(progress.running, key.data, line)
+                        progress.running[key.data].update(json.loads(line))
                         continue
                     selector.unregister(key.fileobj)
                     index, worker = key.data, workers.pop(key.data)
@@ -153,10 +153,6 @@ class Runner:
         except BrokenPipeError:
             pass  # its end is seen below
         return worker
-
-    @staticmethod
-    def _hear(running, index, line):
-        running[index].update(json.loads(line))
 
     @staticmethod
     def _end(task, worker, said):

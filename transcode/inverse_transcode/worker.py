@@ -23,8 +23,6 @@ from .plan import SEQUENCES  # noqa: E402
 from .probe import ProbeError  # noqa: E402
 
 CLOSING_SECONDS = 30
-
-
 WORDS = os.fdopen(os.dup(1), "w", encoding="ascii")  # what an element prints goes elsewhere
 os.dup2(2, 1)
 
@@ -45,7 +43,8 @@ def remove(path):
 
 
 def new_part(output, pictures):
-    """A file or, for pictures, a folder for what is not complete, locked while it is written, and its descriptor. Those that a killed worker left are removed."""
+    """A file or, for pictures, a folder for what is not complete, locked while it is written, and its descriptor.
+    Those that a killed worker left are removed."""
     folder, name = os.path.split(os.path.abspath(output))
     os.makedirs(folder, exist_ok=True)
     prefix = f".{hashlib.sha256(os.fsencode(name)).hexdigest()[:16]}."
@@ -100,7 +99,7 @@ def work(task):
         part, handle = new_part(output, task["container"] in SEQUENCES)
     except OSError as error:
         return {"status": "failed", "error": f"cannot write to {os.path.dirname(task['output']) or '.'}: {error.strerror}"}
-    loop, stopped, started, run = GLib.MainLoop(), [], time.monotonic(), None
+    loop, started = GLib.MainLoop(), time.monotonic()
     try:
         run = Transcode(task, part, loop)
 
@@ -110,14 +109,13 @@ def work(task):
             return GLib.SOURCE_REMOVE
 
         def stop(*_):
-            if not stopped:
-                stopped.append(True)
+            if not run.stopping:
                 run.finish()
                 GLib.timeout_add_seconds(CLOSING_SECONDS, late)
             return GLib.SOURCE_REMOVE
 
         def tell():
-            say(frames=run.frames, expected=run.probe.frames, time=run.time, seconds=run.probe.seconds)
+            say(frames=run.frames, time=run.time, seconds=run.probe.seconds)
             return GLib.SOURCE_CONTINUE
 
         for number in (signal.SIGTERM, signal.SIGINT):
@@ -127,19 +125,19 @@ def work(task):
         run.start()
         loop.run()
         run.close()
-        short = run.probe.seconds - run.time
-        if not run.error and not stopped and short > max(0.25, run.probe.seconds / 20):
+        short, whole = run.probe.seconds - run.time, not run.error and not run.stopping
+        if whole and short > max(0.25, run.probe.seconds / 20):
             run.warnings.append(f"its pictures end {short:.1f} s before the file should: it may be damaged")
-        if not run.error and not stopped and run.numbered and run.frames != run.probe.frames:
-            run.warnings.append(f"of {run.probe.frames} pictures, {run.frames} came out of the elements")
+        if whole and run.pictures not in (0, run.frames):
+            run.warnings.append(f"of {run.pictures} pictures, {run.frames} came out of the elements")
         words = {"frames": run.frames, "elapsed": round(time.monotonic() - started, 3), "copied": run.copied, "warnings": run.warnings}
-        if stopped and run.frames == 0:
+        if run.stopping and run.frames == 0:
             return {"status": "stopped", **words}
         if run.error:
             return {"status": "failed", "error": run.error, **words}
-        target = partial_name(output) if stopped else output
+        target = partial_name(output) if run.stopping else output
         settle(part, target)
-        return {"status": "stopped" if stopped else "done", "written": target, **words}
+        return {"status": "stopped" if run.stopping else "done", "written": target, **words}
     except (FormatError, ProbeError, TranscodeError) as error:
         return {"status": "failed", "error": str(error)}
     except OSError as error:
