@@ -21,7 +21,7 @@ RepeatPlanner::Decision RepeatPlanner::next(const Frame& frame) {
   }
   ++shown_;
   if (!frame.adaptive) return {false, kNotAdaptive};
-  if (!frame.compared) return {false, "no previous frame"};
+  if (!frame.compared) return {false, "not compared with the frame before"};
   if (!frame.repeated) return {false, "the picture changed"};
   if (frame.params_changed) return {false, "parameters changed"};
   if (!frame.layers_available) return {false, "the layers of the frame before are not available"};

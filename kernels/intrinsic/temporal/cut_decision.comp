@@ -12,6 +12,7 @@ layout(push_constant) uniform Push {
   float cells;
   float cut_fraction;
   float continues;  // 1, or 0 for the first frame that has one before
+  float whole;      // 1, or 0 if only listed tiles were compared
 } push;
 
 const uint kSumLanes = 64u;
@@ -26,10 +27,14 @@ void main() {
   if (lane > 0u) return;
   for (uint i = 1u; i < kSumLanes; ++i) sum += totals[i];
   float frames = push.continues > 0.0 ? LOAD(cut_decision, 0)[CUT_FRAMES] : 0.0;
+  float expected = push.continues > 0.0 ? LOAD(cut_decision, 1).x : 0.0;
   vec4 decision;
-  decision[CUT_MISMATCH] = sum.x / push.cells;
-  decision[CUT_ANCHORED] = decision[CUT_MISMATCH] < push.cut_fraction ? 1.0 : 0.0;
+  float mismatch = sum.x / push.cells;
+  bool sudden = push.whole > 0.0 && frames >= SUDDEN_FRAMES && mismatch >= max(SUDDEN_SHARE * push.cut_fraction, SUDDEN_RATIO * expected);
+  decision[CUT_MISMATCH] = mismatch;
+  decision[CUT_ANCHORED] = mismatch < push.cut_fraction && !sudden ? 1.0 : 0.0;
   decision[CUT_MOVED] = sum.y / max(sum.z, 1e-20);
   decision[CUT_FRAMES] = decision[CUT_ANCHORED] * min(frames + 1.0, 1e6);
   STORE(cut_decision, 0, decision);
+  STORE(cut_decision, 1, vec4(decision[CUT_ANCHORED] * max(mismatch, EXPECTED_FADE * expected), 0.0, 0.0, 0.0));
 }

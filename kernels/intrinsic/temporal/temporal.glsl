@@ -3,11 +3,19 @@
 // preserves chroma and local contrast; moving content does not.
 vec4 cell_state(vec4 cell, vec4 guide_coarse) { return vec4(cell.x - guide_coarse.x, cell.yz, cell.x); }
 
-// Decision on a cut, one vec4.
+// Decision on a cut, two vec4; the second has the mismatch to be expected in its x.
 #define CUT_MISMATCH 0  // mean of the frame
 #define CUT_ANCHORED 1  // 1, or 0 at a cut
 #define CUT_MOVED 2     // share of the picture's structure that moved
 #define CUT_FRAMES 3    // anchored since the last cut or reset
+#define CUT_STRIDE 2
+
+// A frame is a cut at this share of cut_fraction already, if its mismatch is so many times that of the frames before it, of which so
+// many are needed. What is expected of them fades by the last factor a frame.
+#define SUDDEN_SHARE (1.0 / 6.0)
+#define SUDDEN_RATIO 8.0
+#define SUDDEN_FRAMES 4.0
+#define EXPECTED_FADE 0.9
 
 // History of a pack of pixels, two vec4: m, and the brightness of its reflectance, ln of the mean channel minus s. (m is as noisy
 // as the darkest channel; the mean channel is what is visible.)

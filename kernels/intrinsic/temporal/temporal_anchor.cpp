@@ -27,7 +27,8 @@ TemporalAnchor::TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Exten
       sums_(gpu::Buffer::create(
           device, gpu::Element::vec4,
           gpu::partial_count(*static_tiles_.kernel(), line_of(tiles_of(cells_))))),
-      cut_decision_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {}
+      cut_decision_(gpu::Buffer::create(device, gpu::Element::vec4,
+                                        shaders::intrinsic_temporal_cut_decision::CUT_STRIDE)) {}
 
 void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const Params& params,
                             bool continues, const TileList* listed) {
@@ -51,7 +52,8 @@ void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const P
                     {.count = static_cast<uint32_t>(sums_->count()),
                      .cells = static_cast<float>(cells_.pixels()),
                      .cut_fraction = params.cut_fraction,
-                     .continues = continues ? 1.0F : 0.0F},
+                     .continues = continues ? 1.0F : 0.0F,
+                     .whole = listed ? 0.0F : 1.0F},
                     {});
 }
 

@@ -39,7 +39,8 @@ class TemporalAnchor {
     /// Difference between a pixel's change of log intensity and its cell's that halves that,
     /// 1e-3…10.
     float hold_texture = 0.2F;
-    /// Mean mismatch of a frame, 0…1, from which on it is a cut.
+    /// Mean mismatch of a frame, 0…1, from which on it is a cut. A sixth of it is enough if the
+    /// frames before had an eighth of that.
     float cut_fraction = 0.3F;
     bool operator==(const Params&) const = default;
   };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicdecomp whole, against tests/reference/intrinsic_decomposition.*: stills, videos, bad
 // input.
+#include <utility>
+
 #include "intrinsic_fixture.hpp"
 
 namespace inverse::testing {
@@ -114,6 +116,39 @@ TEST_F(IntrinsicTest, FollowsAVideoAsTheReferenceDoes) {
     EXPECT_EQ(findings.cut, time == 3);
     EXPECT_NEAR(findings.change, expected.stats.change.back(), 0.02 * expected.stats.change.back());
     EXPECT_LT(rms_difference(log_shading_of(got), expected.log_shading), 5e-4) << "frame " << time;
+  }
+}
+
+TEST_F(IntrinsicTest, ASuddenChangeOfAFlatFrameIsACut) {
+  // Most of the frame is flat and gray in both scenes, so that the mean mismatch is small.
+  const Extent extent{160, 120};
+  const Pixels scenes[] = {scene(extent, 6), scene(extent, 7)};
+  for (const bool sudden : {true, false}) {
+    IntrinsicDecomposition method(device, extent);
+    IntrinsicDecomposition::Params params{.cycles = 3, .warm_cycles = 3};
+    params.adaptive = false;
+    reference::IntrinsicState state;
+    size_t before = 0;
+    for (int time = 0; time < 8; ++time) {
+      Pixels pixels(4 * extent.pixels(), 0.3F);
+      const size_t shown = time < 6 && (sudden || time % 2 == 0) ? 0 : 1;
+      for (size_t y = 0; y < extent.height; ++y)
+        for (size_t x = 0; x < 48; ++x)
+          for (size_t c = 0; c < 3; ++c)
+            pixels[4 * (y * extent.width + x) + c] = scenes[shown][4 * (y * extent.width + x) + c];
+      const auto expected = expected_of(extent, pixels, {.cycles = 3}, &state);
+      if (time > 0 && shown != std::exchange(before, shown)) {
+        EXPECT_GT(expected.stats.mismatch, 0.05);
+        EXPECT_LT(expected.stats.mismatch, 0.3);
+      }
+      const Pixels got = decompose(method, input(extent, pixels), params, false);
+      const auto findings = method.findings();
+      if (time == 0) continue;
+      EXPECT_NEAR(findings.mismatch, expected.stats.mismatch, 1e-3);
+      EXPECT_EQ(findings.cut, !expected.stats.anchored) << time;
+      EXPECT_EQ(findings.cut, sudden && time == 6) << time << ": one that comes often is none";
+      EXPECT_LT(rms_difference(log_shading_of(got), expected.log_shading), 5e-4) << time;
+    }
   }
 }
 

@@ -272,7 +272,9 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
       params.anchor_weight > 0) {
     gate = temporal_gate(guide, detail, *state, params);
     result.stats.mismatch = gate.mismatch;
-    result.stats.anchored = gate.mismatch < params.cut_fraction;
+    const bool sudden = state->frames >= 4 &&
+                        gate.mismatch >= std::max(params.cut_fraction / 6, 8 * state->expected);
+    result.stats.anchored = gate.mismatch < params.cut_fraction && !sudden;
   }
 
   multigrid::Level fine(width, height);
@@ -380,7 +382,8 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
               l.m,
               s,
               std::vector<double>(n),
-              frames};
+              frames,
+              result.stats.anchored ? std::max(gate.mismatch, 0.9 * state->expected) : 0};
     for (std::size_t i = 0; i < n; ++i) state->rho[i] = brightness(rgb, i) - s[i];
   }
   return result;

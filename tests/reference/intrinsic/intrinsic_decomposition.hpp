@@ -35,7 +35,8 @@ struct IntrinsicParams {
   double hold = 0.8;           ///< Share of the last reflectance that stays where all is still.
   double hold_light = 0.02;    ///< Change of a cell's log intensity that halves that.
   double hold_texture = 0.2;   ///< A pixel's change beyond its cell's that halves that.
-  double cut_fraction = 0.3;   ///< Mean mismatch in [0, 1] above which the frame is a cut.
+  double cut_fraction = 0.3;   ///< Mean mismatch in [0, 1] from which on the frame is a cut; a
+                               ///< sixth of it if that is eight times the mismatch before.
   LightColor light;            ///< In force for the frame.
   const StrokeMask* strokes = nullptr;      ///< Of the user; null: none.
   const network::Graph* network = nullptr;  ///< Adds to the fitted prior; null: none.
@@ -71,7 +72,8 @@ struct IntrinsicState {
   /// Of the previous frame; empty after a reset. Of cells; the multigrid's source term and mean
   /// shading at its end; of pixels m, s and the brightness of reflectance.
   std::vector<double> detail, c0, c1, mean, source, coarse, m, s, rho;
-  int frames = 0;  ///< Anchored since the last reset or cut.
+  int frames = 0;       ///< Anchored since the last reset or cut.
+  double expected = 0;  ///< Largest mismatch of these, which fades by .9 a frame.
 };
 
 struct IntrinsicStats {
