@@ -1,129 +1,17 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """inverse-transcode as it is started: what it writes, what it says, and its exit status."""
-import hashlib
 import json
 import os
-import pathlib
 import shutil
 import signal
 import struct
 import subprocess
-import sys
-import tempfile
-import time
 import unittest
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-SKIPPED = 77  # the exit status by which meson knows a skipped test
-try:
-    import gi
-
-    gi.require_version("Gst", "1.0")
-    from gi.repository import Gst
-except (ImportError, ValueError) as problem:
-    print(f"GStreamer for Python is missing ({problem}): install python3-gi, gir1.2-gst-plugins-base-1.0")
-    sys.exit(SKIPPED)
-Gst.init(None)
-
-VIDEO = "videotestsrc num-buffers={frames} ! video/x-raw,format={form},width=160,height=120,framerate=30/1 ! "
-SOUND = "audiotestsrc num-buffers={buffers} ! audio/x-raw,rate=48000,channels=2 ! audioconvert ! "
+from case import VIDEO, Case, streams_of
 
 
-class Stream:
-    """A stream of a file: its caps, the hash of its packets, and how many they are."""
-
-    def __init__(self, caps):
-        self.caps, self.packets, self.hash = caps, 0, hashlib.sha256()
-
-    @property
-    def name(self):
-        return self.caps.get_structure(0).get_name()
-
-
-def streams_of(path):
-    """The streams of a file, which must be whole, and its tags."""
-    pipeline = Gst.parse_launch("filesrc name=in ! parsebin name=parse")
-    pipeline.get_by_name("in").set_property("location", path)
-    streams = []
-
-    def added(_, pad):
-        stream = Stream(pad.get_current_caps())
-        streams.append(stream)
-        sink = Gst.ElementFactory.make("fakesink")
-        sink.set_property("sync", False)
-        sink.set_property("async", False)  # one thread feeds them all
-        sink.set_property("signal-handoffs", True)
-
-        def handoff(_, buffer, sink_pad):
-            stream.caps = sink_pad.get_current_caps()
-            stream.packets += 1
-            stream.hash.update(buffer.extract_dup(0, buffer.get_size()))
-
-        sink.connect("handoff", handoff)
-        pipeline.add(sink)
-        sink.sync_state_with_parent()
-        pad.link(sink.get_static_pad("sink"))
-
-    pipeline.get_by_name("parse").connect("pad-added", added)
-    pipeline.set_state(Gst.State.PLAYING)
-    tags, bus = {}, pipeline.get_bus()
-    while True:
-        message = bus.timed_pop_filtered(30 * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR | Gst.MessageType.TAG)
-        if message is None or message.type == Gst.MessageType.ERROR:
-            raise AssertionError(f"{path}: {message.parse_error()[0].message if message else 'no end'}")
-        if message.type == Gst.MessageType.EOS:
-            break
-        found = message.parse_tag()
-        for name in ("title", "image-orientation"):
-            known, value = found.get_string(name)
-            if known:
-                tags.setdefault(name, value)
-    pipeline.set_state(Gst.State.NULL)
-    return streams, tags
-
-
-class Transcode(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
-    def make(self, name, line):
-        os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
-        pipeline = Gst.parse_launch(line + " ! filesink name=out")
-        pipeline.get_by_name("out").set_property("location", self.path(name))
-        pipeline.set_state(Gst.State.PLAYING)
-        message = pipeline.get_bus().timed_pop_filtered(60 * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR)
-        pipeline.set_state(Gst.State.NULL)
-        if message is None or message.type == Gst.MessageType.ERROR:
-            raise AssertionError(f"{line}: {message.parse_error()[0].message if message else 'no end'}")
-        return self.path(name)
-
-    def clip(self, name="clip.mkv", frames=12, sound="", form="I420", codec="vp8enc deadline=1"):
-        line = VIDEO.format(frames=frames, form=form) + f"{codec} ! queue ! mux. "
-        if sound:
-            line += SOUND.format(buffers=max(frames, 12) * 1600 // 1024 + 1) + f"{sound} ! queue ! mux. "
-        return self.make(name, line + "matroskamux name=mux")
-
-    def start(self, *words):
-        return subprocess.Popen([ROOT / "transcode" / "inverse-transcode", *words], cwd=self.folder, stdout=subprocess.PIPE,
-                                stderr=subprocess.PIPE, text=True, errors="surrogateescape")
-
-    def run_it(self, *words, status=0):
-        process = self.start(*words)
-        output, errors = process.communicate(timeout=200)
-        self.assertEqual(process.returncode, status, errors)
-        self.assertNotIn("Traceback", errors)
-        self.assertEqual([name for _, _, names in os.walk(self.folder) for name in names if name.endswith(".part")], [])
-        return output + errors
-
-    def need(self, *elements):
-        for element in elements:
-            if not Gst.ElementFactory.find(element):
-                self.skipTest(f"there is no {element}")
-
+class Transcode(Case):
     def test_sound_is_copied(self):
         for sound in ("vorbisenc", "opusenc", "flacenc"):
             with self.subTest(sound):
@@ -294,15 +182,6 @@ class Transcode(unittest.TestCase):
         self.clip()
         self.assertIn("clip.mkv -> out/transcode/clip.mkv", self.run_it("clip.mkv", "--dry-run"))
         self.assertFalse(os.path.exists(self.path("out")))
-
-    def wait_for_part(self):
-        end = time.monotonic() + 60
-        while time.monotonic() < end:
-            parts = [n for n in os.listdir(self.folder) if n.endswith(".part")]
-            if parts and os.path.getsize(self.path(parts[0])) > 4000:
-                return
-            time.sleep(0.05)
-        self.fail("nothing was written")
 
     def test_a_stop_leaves_a_whole_file(self):
         self.clip(frames=600, sound="vorbisenc")

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Renders subjects to disk: make_corpus.py --subjects 300 [--threads 2]. Goes on where it was stopped.
+"""Renders subjects to disk: make_corpus.py --subjects 300 [--threads 2]. Goes on where it was stopped. On many hosts each takes a part:
+sbatch --array=0-49 --wrap 'training/olat/make_corpus.py --part $SLURM_ARRAY_TASK_ID/50'.
 
 OUT/corpus/train: subjects under stages of 96 to 331 lights, whose gradients are of all lights, with --keep of their OLATs:
 those of the wide-baseline input, and random ones. OUT/corpus/validation and OUT/corpus/test: held-out shapes under the geodesic
@@ -46,7 +47,11 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--heads", default=corpus.HEADS, help="folder of ICT FaceKit; '' for busts only")
+    parser.add_argument("--part", default="0/1", help="N/M: every Mth subject from the Nth, from 0")
     args = parser.parse_args()
+    part, parts = (int(n) for n in args.part.split("/"))
+    if not 0 <= part < parts:
+        parser.error(f"--part takes N/M with N below M, not {args.part}")
     library = corpus.Corpus(args.heads)
     print("heads of ICT FaceKit and procedural busts" if library.has_heads else "procedural busts only", flush=True)
     folder = args.out / "corpus"
@@ -75,6 +80,7 @@ def main():
 
     jobs = [("validation", i) for i in range(args.validations)] + [("train", i) for i in range(min(40, args.subjects))]
     jobs += [("test", i) for i in range(args.tests)] + [("train", i) for i in range(40, args.subjects)]
+    jobs = jobs[part::parts]
     started = time.monotonic()
     with concurrent.futures.ThreadPoolExecutor(args.threads) as pool:
         for n, _ in enumerate(pool.map(one, jobs), 1):

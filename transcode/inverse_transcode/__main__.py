@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The command line."""
 import argparse
+import collections
 import json
 import os
 import re
+import shlex
 import sys
 
 import gi
@@ -11,10 +13,12 @@ import gi
 gi.require_version("Gst", "1.0")
 from gi.repository import GLib, Gst  # noqa: E402
 
-from . import VERSION, formats  # noqa: E402
+from . import VERSION, formats, slurm  # noqa: E402
+from .batch import Batch, BatchError, make  # noqa: E402
 from .plan import SEQUENCES, PlanError, Settings, plan  # noqa: E402
 from .run import Runner  # noqa: E402
 
+OVERLAP = 16  # frames
 DEFAULT_CHAIN = "intrinsicdecomp show=reflectance"
 EPILOG = """
 ELEMENTS are those of a launch line between the decoder and the encoder. Sound and subtitles are copied where the container takes
@@ -35,7 +39,7 @@ def parse(words):
         prog="inverse-transcode", usage="inverse-transcode [OPTIONS] INPUT... [-- ELEMENTS]",
         description="Sends videos through elements of gst-inverse and writes them to files.",
         epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("inputs", nargs="+", metavar="INPUT", help="a video; a folder: all videos below it; frames/%%04d.png: numbered pictures (png, jpg)")
+    parser.add_argument("inputs", nargs="*", metavar="INPUT", help="a video; a folder: all videos below it; frames/%%04d.png: numbered pictures (png, jpg)")
     parser.add_argument("-o", "--output", metavar="FILE", help="the file to write, for one input; its ending names the container")
     parser.add_argument("--out", metavar="FOLDER", help="where results go, as they lie below the folders named (out/transcode)")
     parser.add_argument("--to", metavar="CONTAINER", choices=list(formats.CONTAINERS), help="mkv (default), webm, mp4, mov; png, jpg: a folder of numbered pictures")
@@ -54,8 +58,23 @@ def parse(words):
     parser.add_argument("--report", metavar="FILE", help="write what was done as JSON")
     parser.add_argument("--quiet", action="store_true", help="print failures only")
     parser.add_argument("--verbose", action="store_true", help="print what GStreamer says (GST_DEBUG)")
+    many = parser.add_argument_group("many files, on one host or on many (docs/guides/cluster.md)")
+    many.add_argument("--batch", metavar="FOLDER", help="with inputs: write a folder of numbered tasks there, for make, GNU parallel or Slurm")
+    many.add_argument("--chunk", metavar="SECONDS", type=float, default=0, help="divide longer files in chunks of at least so many seconds, at cuts")
+    many.add_argument("--divide-shots", action="store_true", help="also where there is no cut; brightness of layers may jump there")
+    many.add_argument("--overlap", metavar="FRAMES", type=int, default=OVERLAP, help=f"frames that the elements get before a chunk begins ({OVERLAP})")
+    many.add_argument("--slurm", action="store_true", help="submit what is not done by sbatch, as job arrays")
+    many.add_argument("--sbatch", metavar="OPTIONS", default="", help="of sbatch, such as \"--partition=video --mem=4G --time=2:00:00\"")
+    many.add_argument("--status", action="store_true", help="print what is done, failed and running; --report writes it")
+    many.add_argument("--task", metavar="N", type=int, nargs="+", help="work these tasks")
     parser.add_argument("--version", action="version", version=f"inverse-transcode {VERSION}")
+    words = list(words)
+    for name in ("--sbatch", "--video-options"):  # whose values may begin with a dash
+        if name in words[:-1]:
+            place = words.index(name)
+            words[place:place + 2] = [f"{name}={words[place + 1]}"]
     arguments = parser.parse_args(words)
+    check_verbs(parser, arguments)
     if arguments.output and arguments.out:
         parser.error("-o and --out exclude each other")
     if arguments.jobs < 1:
@@ -68,11 +87,32 @@ def parse(words):
     return arguments
 
 
+def check_verbs(parser, arguments):
+    """Whether the options for batches and the inputs fit together; ends with a message if not."""
+    verbs = [name for name in ("slurm", "status", "task") if getattr(arguments, name) not in (None, False)]
+    if not arguments.batch:
+        if verbs or arguments.chunk:
+            parser.error(f"--{(verbs or ['chunk'])[0]} needs --batch FOLDER")
+        if not arguments.inputs:
+            parser.error("name an input")
+        return
+    if arguments.inputs and {"status", "task"} & set(verbs):
+        parser.error(f"--{verbs[-1]} takes no inputs: those of the batch are known")
+    if len(verbs) > 1:
+        parser.error(f"--{verbs[0]} and --{verbs[1]} exclude each other")
+    if not verbs and not arguments.inputs:
+        parser.error("name an input, --slurm, --status or --task")
+    if arguments.chunk < 0 or arguments.overlap < 0:
+        parser.error("--chunk and --overlap take no negative numbers")
+
+
 def check(settings):
     """Throws FormatError, PlanError if nothing could be done with any file."""
     for layer in settings.layers:
         if not formats.is_layer(layer):
             raise PlanError(f"there is no layer {layer!r}; choose of {', '.join(formats.layers())}")
+    if len(set(settings.layers)) < len(settings.layers):
+        raise PlanError("a layer is named twice")
     container = formats.container(settings.container)
     encoder = formats.video_encoder(settings.video or container.video, settings.hardware, settings.video_options)
     if settings.audio not in ("copy", "none"):
@@ -84,15 +124,61 @@ def check(settings):
         raise PlanError(error.message) from error
 
 
+def count(results):
+    """How many there are of each status."""
+    return collections.Counter(result["status"] for result in results)
+
+
 def write_report(path, settings, results):
-    counts = {}
-    for result in results:
-        counts[result["status"]] = counts.get(result["status"], 0) + 1
-    report = {"version": VERSION, "settings": vars(settings), "counts": counts, "files": results}
+    report = {"version": VERSION, "settings": vars(settings), "counts": count(results), "files": results}
     part = path + ".part"
     with open(part, "w", encoding="utf-8") as written:
         json.dump(report, written, indent=1)
     os.replace(part, path)
+
+
+def print_status(results, quiet):
+    """What became of a batch."""
+    for result in results:
+        if "error" in result:
+            print(f"{result['status']:8} {result.get('task', '-'):>6} {result['input']}: {result['error']}")
+        elif result["status"] == "running":
+            print(f"running  {result['task']:>6} {result['input']}: on {result['begun']['host']}")
+        if not quiet:
+            for warning in result.get("warnings", []):
+                print(f"warning  {result.get('task', '-'):>6} {result['input']}: {warning}")
+    counts = count(results)
+    print(", ".join(f"{counts[status]} {status}" for status in sorted(counts)))
+
+
+def make_batch(arguments, settings, tasks):
+    """Plans a batch and tells of it."""
+    batch = make(arguments.batch, settings, tasks, {"seconds": arguments.chunk, "overlap": arguments.overlap, "shots": arguments.divide_shots},
+                 lambda text: arguments.quiet or print(f"inverse-transcode: {text}", file=sys.stderr))
+    for result in batch.manifest["others"]:
+        if "error" in result:
+            print(f"FAILED  {result['input']}: {result['error']}", file=sys.stderr)
+    if not arguments.quiet:
+        work, joins = batch.pending()
+        folder = shlex.quote(batch.folder)
+        print(f"{len(work)} tasks to do" + (f", and {len(joins)} that join chunks" if joins else "") + f": {batch.folder}")
+        print(f"  make -C {folder} -j 4\n  inverse-transcode --batch {folder} --slurm\n  inverse-transcode --batch {folder} --status")
+    return batch
+
+
+def batch_main(arguments, batch):
+    """Does what is asked of a batch; returns the exit status."""
+    if arguments.task:
+        return batch.work(arguments.task, arguments.quiet, arguments.verbose)
+    if arguments.slurm:
+        jobs = slurm.submit(batch, shlex.split(arguments.sbatch))
+        print(f"Slurm: {' and '.join(f'job {job}' for job in jobs)}" if jobs else "there is nothing to do")
+        return 0
+    results = batch.report()
+    print_status(results, arguments.quiet)
+    if arguments.report:
+        write_report(arguments.report, batch.settings, results)
+    return 0 if all(result["status"] in ("done", "present") for result in results) else 1
 
 
 def main():
@@ -101,37 +187,48 @@ def main():
             stream.reconfigure(errors="surrogateescape")  # names are bytes
     Gst.init(None)
     arguments = parse(sys.argv[1:])
+    try:
+        if arguments.batch and not arguments.inputs:
+            return batch_main(arguments, Batch(arguments.batch))
+        return transcode_main(arguments)
+    except (formats.FormatError, PlanError, BatchError) as error:
+        print(f"inverse-transcode: {error}", file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(f"inverse-transcode: {error.filename or 'it cannot be written'}: {error.strerror}", file=sys.stderr)
+        return 1
+
+
+def transcode_main(arguments):
+    """Works, or plans a batch of, the inputs; returns the exit status."""
     ending = arguments.to or (os.path.splitext(arguments.output)[1][1:].lower() if arguments.output else "mkv")
     layers = [name.strip() for name in arguments.layers.split(",") if name.strip()]
     settings = Settings(arguments.chain, ending, arguments.rate, arguments.video, arguments.audio, arguments.hardware, arguments.video_options, layers)
-    try:
-        if arguments.output and arguments.to and arguments.to not in SEQUENCES and not arguments.output.endswith("." + arguments.to):
-            raise PlanError(f"{arguments.output} does not end in .{arguments.to}")
-        if arguments.report and not os.access(os.path.dirname(os.path.abspath(arguments.report)), os.W_OK):
-            raise PlanError(f"there is no folder for the report: {arguments.report}")
-        check(settings)
-        tasks = plan(arguments.inputs, arguments.output, arguments.out or "out/transcode", ending, arguments.again)
-    except (formats.FormatError, PlanError) as error:
-        print(f"inverse-transcode: {error}", file=sys.stderr)
-        return 2
+    if arguments.output and arguments.to and arguments.to not in SEQUENCES and not arguments.output.endswith("." + arguments.to):
+        raise PlanError(f"{arguments.output} does not end in .{arguments.to}")
+    if arguments.report and not os.access(os.path.dirname(os.path.abspath(arguments.report)), os.W_OK):
+        raise PlanError(f"there is no folder for the report: {arguments.report}")
+    check(settings)
+    if arguments.chunk:
+        formats.need(["gdppay", "gdpdepay", "scenechange"], "chunks")
+    tasks = plan(arguments.inputs, arguments.output, arguments.out or "out/transcode", ending, arguments.again)
     if arguments.dry_run:
         for task in tasks:
             print(f"{task.input} -> {task.output}" + (f": {task.problem}" if task.problem else ": is there" if task.done else ""))
         return 1 if any(task.problem for task in tasks) else 0
+    if arguments.batch:
+        batch = make_batch(arguments, settings, tasks)
+        return batch_main(arguments, batch) if arguments.slurm else 0
     runner = Runner(settings, arguments.jobs, arguments.quiet, arguments.verbose)
     results = runner.run(tasks)
     if arguments.report:
-        try:
-            write_report(arguments.report, settings, results)
-        except OSError as error:
-            print(f"inverse-transcode: the report cannot be written: {arguments.report}: {error.strerror}", file=sys.stderr)
-            return 1
-    count = {status: sum(r["status"] == status for r in results) for status in ("done", "present", "failed", "stopped", "not started")}
-    if len(tasks) > 1 and not arguments.quiet or count["failed"]:
-        print(f"{count['done']} done, {count['present']} already there, {count['failed']} failed", file=sys.stderr)
+        write_report(arguments.report, settings, results)
+    counts = count(results)
+    if len(tasks) > 1 and not arguments.quiet or counts["failed"]:
+        print(f"{counts['done']} done, {counts['present']} already there, {counts['failed']} failed", file=sys.stderr)
     if runner.stopping:
         return 130
-    return 1 if count["failed"] or count["stopped"] else 0
+    return 1 if counts["failed"] or counts["stopped"] else 0
 
 
 if __name__ == "__main__":

@@ -33,8 +33,9 @@ CONTAINERS = {
 # Software first; with --hardware, the others first. What follows the element's name are settings.
 _SOFTWARE = {
     "vp8": ["vp8enc deadline=1 cpu-used=8 threads=4 end-usage=cq cq-level=16 target-bitrate=20000000 keyframe-max-dist=60"],
-    "vp9": ["vp9enc deadline=1 cpu-used=8 threads=4 row-mt=true end-usage=cq cq-level=20 target-bitrate=20000000 "
-            "keyframe-max-dist=60"],
+    # With a lag it loses frames at the end of a stream (1.22).
+    "vp9": ["vp9enc deadline=1 cpu-used=8 threads=4 row-mt=true lag-in-frames=0 end-usage=cq cq-level=20 "
+            "target-bitrate=20000000 keyframe-max-dist=60"],
     "h264": ["x264enc speed-preset=faster pass=qual quantizer=20 key-int-max=60 ! h264parse",
              "openh264enc rate-control=quality bitrate=8000000 gop-size=60 ! h264parse"],
     "h265": ["x265enc speed-preset=faster key-int-max=60 bitrate=8000 ! h265parse"],
@@ -66,11 +67,19 @@ _PACKAGES = {
     "avenc_ffv1": "gstreamer1.0-libav",
     "avenc_prores_ks": "gstreamer1.0-libav",
     "avenc_aac": "gstreamer1.0-libav",
+    "gdppay": "gstreamer1.0-plugins-bad",
+    "scenechange": "gstreamer1.0-plugins-bad",
     "matroskamux": "gstreamer1.0-plugins-good",
     "mp4mux": "gstreamer1.0-plugins-good",
 }
 
 VIDEO_CODECS, AUDIO_CODECS = sorted(_SOFTWARE.keys() - {"png"}), sorted(_AUDIO)
+
+
+def need(elements, what):
+    """Throws FormatError if one of the elements is missing."""
+    for element in elements:
+        _first([element], what)
 
 
 def layers():

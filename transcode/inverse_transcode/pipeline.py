@@ -11,6 +11,7 @@ gi.require_version("GstVideo", "1.0")
 from gi.repository import GLib, Gst, GstVideo  # noqa: E402
 
 from . import formats  # noqa: E402
+from .chunk import Chunk, join, keep_plain, stream  # noqa: E402
 from .plan import is_pattern, numbered, pattern_parts  # noqa: E402
 from .probe import Probe, probe  # noqa: E402
 
@@ -33,21 +34,26 @@ def uri_of(path):
 
 
 class Transcode:
-    """One video stream goes through the chain and is encoded; sound, subtitles and further video are copied where the container takes
-    them. `loop`: quit once it has ended. Then `error` has the cause of a failure, or is empty."""
+    """One video stream goes through the chain and is encoded, or is joined of chunks that were; sound, subtitles and further video are
+    copied where the container takes them. Of a chunk, the encoded video alone is written, a file for each stream. `loop`: quit once it
+    has ended. Then `error` has the cause of a failure, or is empty."""
 
     def __init__(self, task, part, loop):
-        """`task`: as Task.as_json; `part`: the file to write. Throws FormatError, ProbeError, TranscodeError."""
+        """`task`: as Task.as_json; `part`: the file or folder to write. Throws FormatError, ProbeError, TranscodeError."""
         self.task, self.loop = task, loop
-        self.error, self.warnings, self.copied, self.frames, self.time = "", [], [], 0, 0
+        self.error, self.warnings, self.copied, self.time = "", [], [], 0
+        self.made, self.frames = 0, 0  # frames that came out of the elements, and of the encoder
         self.container = formats.container(task["container"])
         self.pictures = len(numbered(task["input"])) if is_pattern(task["input"]) else 0
+        self.chunk = Chunk(**task["chunk"]) if task["chunk"] else None
         self.probe, source = self._source(task)
+        if self.chunk and self.chunk.end:
+            self.probe.seconds = self.chunk.end / Gst.SECOND
         if task["audio"] not in ("copy", "none"):
             formats.audio_encoder(task["audio"])
         self.pipeline = Gst.Pipeline.new()
         self.part, self.mux = part, None
-        if self.container.muxer:
+        if self.container.muxer and not self.chunk:
             self.mux, sink = Gst.ElementFactory.make(self.container.muxer), Gst.ElementFactory.make("filesink")
             sink.set_property("location", part)
             self.pipeline.add(self.mux)
@@ -61,6 +67,7 @@ class Transcode:
         parse.connect("pad-added", self._guarded(lambda _, pad: self._link(pad)))
         self.video_pads = []  # of the muxer
         self.stopping, self.cut, self.head = False, None, None
+        self.readers = []  # processes that read parts
         self.pipeline.get_bus().add_signal_watch()
         self.pipeline.get_bus().connect("message", self._message)
 
@@ -105,11 +112,15 @@ class Transcode:
     def close(self):
         self.pipeline.get_bus().remove_signal_watch()
         self.pipeline.set_state(Gst.State.NULL)
+        for reader in self.readers:
+            reader.stdout.close()
+            if reader.wait() and not self.stopping:
+                self.error = self.error or "not all of its parts could be read"
 
     def _guarded(self, function):
         def call(*arguments):
             try:
-                function(*arguments)
+                return function(*arguments)
             except (TranscodeError, formats.FormatError) as error:
                 self._fail(str(error))
             except Exception as error:  # a thread of GStreamer would ignore it
@@ -166,16 +177,26 @@ class Transcode:
         if self.probe.turned:
             before += " ! videoflip video-direction=auto ! videoconvert"
         encoder = formats.video_encoder(codec, task["hardware"], task["video_options"])
-        encode = f"queue max-size-buffers=4 max-size-bytes=0 max-size-time=0 ! videoconvert ! {encoder}"
+        encode = f"max-size-buffers=4 max-size-bytes=0 max-size-time=0 ! videoconvert ! {encoder}"
         if task["layers"]:
             found = self._bin(f"{before} ! {task['chain']} ! intrinsicsplit name=layers " +
-                              " ".join(f"layers.{shlex.quote(layer)} ! {encode}" for layer in task["layers"]))
+                              " ".join(f"layers.{shlex.quote(layer)} ! queue name=encode{k} {encode}" for k, layer in enumerate(task["layers"])))
         else:
-            found = self._bin(f"{before} ! {task['chain']} ! {encode}")
+            found = self._bin(f"{before} ! {task['chain']} ! queue name=encode0 {encode}")
         if found.numsinkpads != 1 or found.numsrcpads != len(self.video_pads):
             raise TranscodeError(f"the elements must have one beginning and one end: {task['chain']}")
         found.srcpads[0].add_probe(Gst.PadProbeType.BUFFER, self._count)
+        for k in range(len(self.video_pads)):
+            pad = found.get_by_name(f"encode{k}").get_static_pad("sink")
+            if self.chunk:
+                self.chunk.drop_lead(pad)
+            if k == 0:
+                pad.add_probe(Gst.PadProbeType.BUFFER, self._count_made)
         return found, codec
+
+    def _count_made(self, *_):
+        self.made += 1
+        return Gst.PadProbeReturn.OK
 
     def _count(self, _, info):
         buffer = info.get_buffer()
@@ -204,6 +225,8 @@ class Transcode:
         name = self._name(pad)
         if not self.video_pads and name.startswith("image/" if self.probe.still else "video/"):
             self._link_video(pad)
+        elif self.chunk:
+            self._drop(pad)
         elif name.startswith("audio/"):
             self._link_sound(pad)
         else:
@@ -229,19 +252,60 @@ class Transcode:
 
     def _link_video(self, pad):
         # The pads now, since the muxer begins with those that it has; what goes there, once the format of the frames is known.
-        for layer in self.task["layers"] or [""]:
-            self.video_pads.append(self.mux.request_pad_simple("video_%u") if self.mux else self._pictures(layer))
-        self._decode(pad, self._decoded, 32 << 20)
+        for index, layer in enumerate(self.task["layers"] or [""]):
+            self.video_pads.append(self.mux.request_pad_simple("video_%u") if self.mux else
+                                   self._stream(index) if self.chunk else self._pictures(layer))
+        if self.task["parts"]:
+            pad.add_probe(Gst.PadProbeType.DATA_DOWNSTREAM, self._guarded(self._instead))
+            return
+        decode = self._guarded(lambda: self._decode(pad, self._decoded, 32 << 20))
+        if self.chunk:
+            self.chunk.seek(pad, decode, self._fail)
+        else:
+            decode()
 
-    def _pictures(self, layer):
-        folder = os.path.join(self.part, layer)
-        os.makedirs(folder, exist_ok=True)
-        sink = Gst.ElementFactory.make("multifilesink")
-        sink.set_property("location", folder.replace("%", "%%") + f"/%06d.{self.task['container']}")
+    def _instead(self, _, info):
+        """Drops the file's own video. Parts flow once it does, when the muxer has all pads."""
+        if info.type & Gst.PadProbeType.BUFFER and not self.readers:
+            self._link_parts()
+        return Gst.PadProbeReturn.DROP
+
+    def _link_parts(self):
+        for index, target in enumerate(self.video_pads):
+            queue = self._queue(32 << 20)
+            self._join(queue.get_static_pad("src"), target, f"{self.task['container']} does not take the video of its parts")
+            if index == 0:
+                self.head = target
+                target.add_probe(Gst.PadProbeType.BUFFER, self._count)
+            target.add_probe(Gst.PadProbeType.BUFFER, self._cut)
+            queue.sync_state_with_parent()
+            self.readers.append(join(self.pipeline, self.task["parts"], index, queue.get_static_pad("sink")))
+
+    def _file_sink(self, factory, location):
+        sink = Gst.ElementFactory.make(factory)
+        sink.set_property("location", location)
         sink.set_property("sync", False)
         self.pipeline.add(sink)
         sink.sync_state_with_parent()
         return sink.get_static_pad("sink")
+
+    def _stream(self, index):
+        muxer = Gst.ElementFactory.find(self.container.muxer or "multifilesink")
+        forms = Gst.Caps.new_empty()
+        for template in muxer.get_static_pad_templates():
+            if template.direction == Gst.PadDirection.SINK and not template.name_template.startswith(("audio", "subtitle")):
+                forms = forms.merge(template.get_caps())
+        pay = self._add("capsfilter name=forms ! gdppay")
+        pay.get_by_name("forms").set_property("caps", forms)
+        keep_plain(pay.sinkpads[0])
+        pay.srcpads[0].link(self._file_sink("filesink", stream(self.part, index)))
+        pay.sync_state_with_parent()
+        return pay.sinkpads[0]
+
+    def _pictures(self, layer):
+        folder = os.path.join(self.part, layer)
+        os.makedirs(folder, exist_ok=True)
+        return self._file_sink("multifilesink", folder.replace("%", "%%") + f"/%06d.{self.task['container']}")
 
     def _decoded(self, source):
         video, codec = self._video_bin(source.get_current_caps())
@@ -251,6 +315,8 @@ class Transcode:
         video.sync_state_with_parent()
         self.head = video.sinkpads[0]
         self.head.add_probe(Gst.PadProbeType.BUFFER, self._cut)
+        if self.chunk:
+            self.chunk.cut(self.head)
         self._join(source, self.head, "its frames cannot be brought to the elements")
 
     def _link_sound(self, pad):

@@ -32,16 +32,20 @@ class Settings:
 
 @dataclass
 class Task:
-    """One file. `problem`: why it cannot be done, or ""."""
+    """One file, or a part of one. `problem`: why it cannot be done, or ""."""
 
     input: str
     output: str
     problem: str = ""
     done: bool = False  # there is a result that is newer than the input
+    chunk: dict | None = None  # as chunk.Chunk: the output is a folder of its encoded streams
+    parts: list = field(default_factory=list)  # folders of chunks that the output is joined of
+    keep_stopped: bool = True  # what was done of a file that is stopped
 
     def as_json(self, settings):
         """What a worker is told."""
-        return {"input": self.input, "output": self.output, **asdict(settings)}
+        return {"input": self.input, "output": self.output, "chunk": self.chunk, "parts": self.parts, "keep_stopped": self.keep_stopped,
+                **asdict(settings)}
 
 
 def is_pattern(path):

@@ -20,6 +20,7 @@ class Probe:
     seconds: float  # of the file; 0: not known
     turned: bool  # whether a player is to turn it
     still: bool  # its pictures are compressed one by one
+    rate: float = 25  # frames a second; 25 where the file has none
 
 
 def probe(uri):
@@ -45,4 +46,5 @@ def probe(uri):
         turned = found and orientation != "rotate-0"
     caps = video.get_caps()
     still = bool(caps) and caps.get_structure(0).get_name().startswith("image/")
-    return Probe(seconds, turned, still)
+    rate = video.get_framerate_num() / max(video.get_framerate_denom(), 1)
+    return Probe(seconds, turned, still, rate or Probe.rate)

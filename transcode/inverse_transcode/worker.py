@@ -42,8 +42,8 @@ def remove(path):
     shutil.rmtree(path) if os.path.isdir(path) else os.unlink(path)
 
 
-def new_part(output, pictures):
-    """A file or, for pictures, a folder for what is not complete, locked while it is written, and its descriptor.
+def new_part(output, folder_wanted):
+    """A file or a folder for what is not complete, locked while it is written, and its descriptor.
     Those that a killed worker left are removed."""
     folder, name = os.path.split(os.path.abspath(output))
     os.makedirs(folder, exist_ok=True)
@@ -62,12 +62,12 @@ def new_part(output, pictures):
             os.close(old)
     umask = os.umask(0)
     os.umask(umask)
-    if pictures:
+    if folder_wanted:
         part = tempfile.mkdtemp(prefix=prefix, suffix=".part", dir=folder)
         handle = os.open(part, os.O_RDONLY)
     else:
         handle, part = tempfile.mkstemp(prefix=prefix, suffix=".part", dir=folder)
-    os.fchmod(handle, (0o777 if pictures else 0o666) & ~umask)
+    os.fchmod(handle, (0o777 if folder_wanted else 0o666) & ~umask)
     fcntl.flock(handle, fcntl.LOCK_EX)
     return part, handle
 
@@ -96,7 +96,7 @@ def work(task):
     """Returns the last words of the worker."""
     output = os.path.realpath(task["output"])
     try:
-        part, handle = new_part(output, task["container"] in SEQUENCES)
+        part, handle = new_part(output, task["container"] in SEQUENCES or task["chunk"])
     except OSError as error:
         return {"status": "failed", "error": f"cannot write to {os.path.dirname(task['output']) or '.'}: {error.strerror}"}
     loop, started = GLib.MainLoop(), time.monotonic()
@@ -128,10 +128,12 @@ def work(task):
         short, whole = run.probe.seconds - run.time, not run.error and not run.stopping
         if whole and short > max(0.25, run.probe.seconds / 20):
             run.warnings.append(f"its pictures end {short:.1f} s before the file should: it may be damaged")
-        if whole and run.pictures not in (0, run.frames):
-            run.warnings.append(f"of {run.pictures} pictures, {run.frames} came out of the elements")
+        if whole and run.pictures not in (0, run.made):
+            run.warnings.append(f"of {run.pictures} pictures, {run.made} came out of the elements")
+        if whole and run.made not in (0, run.frames):
+            run.warnings.append(f"of {run.made} frames, {run.frames} came out of the encoder")
         words = {"frames": run.frames, "elapsed": round(time.monotonic() - started, 3), "copied": run.copied, "warnings": run.warnings}
-        if run.stopping and run.frames == 0:
+        if run.stopping and (run.frames == 0 or not task["keep_stopped"]):
             return {"status": "stopped", **words}
         if run.error:
             return {"status": "failed", "error": run.error, **words}
