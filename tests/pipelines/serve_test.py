@@ -1,0 +1,113 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""pipelines/rtsp with eight clients, of which one stops reading, and pipelines/hls: what players get."""
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+try:
+    import gi
+
+    gi.require_version("Gst", "1.0")
+    gi.require_version("GstRtspServer", "1.0")
+    from gi.repository import Gst
+except (ImportError, ValueError) as problem:
+    print(f"{problem}: install python3-gi, gir1.2-gst-rtsp-server-1.0")
+    sys.exit(77)
+Gst.init(None)
+SCRIPTS = pathlib.Path(__file__).resolve().parents[2] / "pipelines"
+CAMERA = "videotestsrc is-live=true pattern=ball ! video/x-raw,width=160,height=120,framerate=10/1"
+
+
+class Client:
+    """Counts the decoded frames of a server."""
+
+    def __init__(self, uri, protocol):
+        self.frames, self.size = 0, None
+        self.pipeline = Gst.parse_launch(f"rtspsrc location={uri} protocols={protocol} latency=0 ! rtpvp8depay ! vp8dec ! "
+                                         "fakesink name=sink signal-handoffs=true sync=false")
+        self.pipeline.get_by_name("sink").connect("handoff", self._handoff)
+        self.pipeline.set_state(Gst.State.PLAYING)
+
+    def _handoff(self, _, __, pad):
+        self.frames += 1
+        structure = pad.get_current_caps().get_structure(0)
+        self.size = structure.get_value("width"), structure.get_value("height")
+
+    def close(self):
+        self.pipeline.set_state(Gst.State.NULL)
+
+
+class Serve(unittest.TestCase):
+    def start(self, *words, source=CAMERA, **options):
+        process = subprocess.Popen(words, env={**os.environ, "SOURCE": source}, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
+
+        def end():
+            process.kill()
+            process.communicate()
+
+        self.addCleanup(end)
+        return process
+
+    def wait(self, until, seconds=60):
+        end = time.monotonic() + seconds
+        while not until():
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.05)
+
+    def test_eight_clients_and_one_that_stops_reading(self):
+        server = self.start(SCRIPTS / "rtsp", "--port", "0")
+        uri = server.stdout.readline().strip()
+        self.assertRegex(uri, "^rtsp://127.0.0.1:[0-9]+/live$")
+        stuck = self.start("gst-launch-1.0", "-q", "rtspsrc", f"location={uri}", "protocols=tcp", "!", "fakesink")
+        clients = [Client(uri, "udp" if k % 2 else "tcp") for k in range(8)]
+        for client in clients:
+            self.addCleanup(client.close)
+        self.wait(lambda: all(client.frames > 5 for client in clients))
+        stuck.send_signal(signal.SIGSTOP)
+        before = [client.frames for client in clients]
+        self.wait(lambda: all(client.frames > count + 30 for client, count in zip(clients, before)), 20)
+        self.assertEqual({client.size for client in clients}, {(160, 120)})
+        clients[0].close()
+        late = Client(uri, "tcp")
+        self.addCleanup(late.close)
+        self.wait(lambda: late.frames > 5)
+        self.assertIsNone(server.poll())
+
+    def test_what_is_wrong(self):
+        server = self.start(SCRIPTS / "rtsp", "--port", "0")
+        port = server.stdout.readline().strip().split(":")[2].split("/")[0]
+        for words, text in ((["--port", port], "cannot be opened: it may be in use"), (["--", "nosuchelement"], "nosuchelement"),
+                            (["/none.mp4"], "there is no file /none.mp4"), (["/dev/video99"], "there is no camera /dev/video99")):
+            with self.subTest(words):
+                other = self.start(SCRIPTS / "rtsp", *words, source="" if words[0].startswith("/") else CAMERA)
+                self.assertIn(text, other.communicate(timeout=60)[1])
+                self.assertEqual(other.returncode, 1)
+
+    def test_hls(self):
+        if not any(Gst.ElementFactory.find(name) for name in ("x264enc", "openh264enc")):
+            self.skipTest("there is no encoder for H.264")
+        with tempfile.TemporaryDirectory() as folder:
+            writer = self.start(SCRIPTS / "hls", "unused", f"{folder}/a b", "--", "intrinsicdecomp", "show=shading")
+            playlist = pathlib.Path(folder, "a b", "live.m3u8")
+            self.wait(lambda: playlist.exists() and playlist.read_text(encoding="utf-8").count(".ts") > 1)
+            writer.send_signal(signal.SIGINT)
+            writer.communicate(timeout=60)
+            self.assertIn("#EXT-X-ENDLIST", playlist.read_text(encoding="utf-8"))
+            segments = sorted(playlist.parent.glob("*.ts"))
+            player = Gst.parse_launch("filesrc name=in ! tsdemux ! h264parse ! decodebin ! fakesink name=sink sync=false")
+            player.get_by_name("in").set_property("location", str(segments[0]))
+            player.set_state(Gst.State.PLAYING)
+            message = player.get_bus().timed_pop_filtered(30 * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR)
+            self.assertEqual(message and message.type, Gst.MessageType.EOS)
+            self.assertEqual(player.get_by_name("sink").get_static_pad("sink").get_current_caps().get_structure(0).get_value("width"), 160)
+            player.set_state(Gst.State.NULL)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
