@@ -108,6 +108,19 @@ class Serve(unittest.TestCase):
             self.assertEqual(player.get_by_name("sink").get_static_pad("sink").get_current_caps().get_structure(0).get_value("width"), 160)
             player.set_state(Gst.State.NULL)
 
+    def test_hls_of_a_file(self):
+        if not Gst.ElementFactory.find("openh264enc"):
+            self.skipTest("there is no openh264enc")
+        with tempfile.TemporaryDirectory() as folder:
+            clip = f"{folder}/a clip.mp4"
+            writer = Gst.parse_launch("videotestsrc num-buffers=20 ! video/x-raw,width=160,height=120 ! openh264enc ! h264parse ! mp4mux ! filesink name=out")
+            writer.get_by_name("out").set_property("location", clip)
+            writer.set_state(Gst.State.PLAYING)
+            writer.get_bus().timed_pop_filtered(30 * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR)
+            writer.set_state(Gst.State.NULL)
+            _, errors = self.start(SCRIPTS / "hls", clip, f"{folder}/out", source="").communicate(timeout=100)
+            self.assertIn("#EXT-X-ENDLIST", pathlib.Path(folder, "out", "live.m3u8").read_text(encoding="utf-8"), errors)
+
 
 if __name__ == "__main__":
     unittest.main(verbosity=2)
