@@ -15,7 +15,7 @@ import time
 import gi
 
 import virtual_cluster
-from overlap_bench import TOOL, frames
+from overlap_bench import TOOL, frames, read_raw, write_raw
 
 gi.require_version("Gst", "1.0")
 from gi.repository import Gst  # noqa: E402
@@ -43,26 +43,9 @@ class Timed:
 
 def make_clips(video, folder, count, length):
     """Cuts a video into clips of some frames, again from its begin when it ends."""
-    pipeline = Gst.parse_launch("filesrc name=in ! decodebin ! videoconvert ! video/x-raw,format=I420 ! appsink name=out sync=false")
-    pipeline.get_by_name("in").set_property("location", video)
-    pipeline.set_state(Gst.State.PLAYING)
-    samples = []
-    while len(samples) < count * length and (sample := pipeline.get_by_name("out").emit("pull-sample")):
-        samples.append((sample.get_caps(), sample.get_buffer().extract_dup(0, sample.get_buffer().get_size())))
-    pipeline.set_state(Gst.State.NULL)
+    found = list(read_raw(video, "video/x-raw,format=I420"))
     for clip in range(count):
-        writer = Gst.parse_launch("appsrc name=in format=time ! avenc_ffv1 ! matroskamux ! filesink name=out")
-        writer.get_by_name("out").set_property("location", os.path.join(folder, f"{clip:04}.mkv"))
-        source = writer.get_by_name("in")
-        source.set_property("caps", samples[0][0])
-        writer.set_state(Gst.State.PLAYING)
-        for k in range(length):
-            buffer = Gst.Buffer.new_wrapped(samples[(clip * length + k) % len(samples)][1])
-            buffer.pts, buffer.duration = k * Gst.SECOND // 30, Gst.SECOND // 30
-            source.emit("push-buffer", buffer)
-        source.emit("end-of-stream")
-        writer.get_bus().timed_pop_filtered(Gst.CLOCK_TIME_NONE, Gst.MessageType.EOS | Gst.MessageType.ERROR)
-        writer.set_state(Gst.State.NULL)
+        write_raw(os.path.join(folder, f"{clip:04}.mkv"), [found[(clip * length + k) % len(found)] for k in range(length)])
 
 
 def pictures(path):

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What the overlap of chunks buys: videos are decomposed undivided and in chunks, and the layers are compared.
 
-    tests/transcode/overlap_bench.py [--chunk SECONDS] [--overlaps N,...] [--divide-shots] VIDEO... [-- ELEMENTS]
+    tests/transcode/overlap_bench.py [--chunk SECONDS] [--overlaps N,...] [--divide-shots] [--cut SECONDS] VIDEO... [-- ELEMENTS]
 
 In ./dev shell. A row for each overlap, over all videos: "twice", the share of frames that are worked twice; "step", the largest mean of the
 difference of ln reflectance of a chunk (for shading it is the opposite); then what is left without that step, as rms of ln reflectance and ln
 shading (values above 8 of 255) of the first frame of a chunk, of its first second, and after that, of the worst chunk; "equal", the share of
-frames with the same bytes. First chunks do not count."""
+frames with the same bytes. First chunks do not count. --cut: one video of six shots of that length is made of the videos, in turn."""
 import argparse
 import json
 import os
@@ -41,6 +41,45 @@ def frames(path, layer):
             yield buffer.pts, data.reshape(size.get_value("height"), size.get_value("width"), 4)[:, :, :3]
     finally:
         pipeline.set_state(Gst.State.NULL)
+
+
+def read_raw(path, form):
+    """Frames of a video as bytes, I420, and their caps."""
+    reader = Gst.parse_launch(f"filesrc name=in ! decodebin ! videoconvert ! videoscale ! videorate ! {form} ! appsink name=out sync=false")
+    reader.get_by_name("in").set_property("location", path)
+    reader.set_state(Gst.State.PLAYING)
+    try:
+        while sample := reader.get_by_name("out").emit("pull-sample"):
+            yield sample.get_buffer().extract_dup(0, sample.get_buffer().get_size()), sample.get_caps()
+    finally:
+        reader.set_state(Gst.State.NULL)
+
+
+def write_raw(path, found):
+    """Writes such frames without loss, at 30 a second."""
+    writer = Gst.parse_launch("appsrc name=in format=time ! avenc_ffv1 ! matroskamux ! filesink name=out")
+    writer.get_by_name("out").set_property("location", path)
+    writer.get_by_name("in").set_property("caps", found[0][1])
+    writer.set_state(Gst.State.PLAYING)
+    for k, (data, _) in enumerate(found):
+        buffer = Gst.Buffer.new_wrapped(data)
+        buffer.pts, buffer.duration = k * Gst.SECOND // 30, Gst.SECOND // 30
+        writer.get_by_name("in").emit("push-buffer", buffer)
+    writer.get_by_name("in").emit("end-of-stream")
+    writer.get_bus().timed_pop_filtered(Gst.CLOCK_TIME_NONE, Gst.MessageType.EOS | Gst.MessageType.ERROR)
+    writer.set_state(Gst.State.NULL)
+
+
+def cut(videos, seconds, path):
+    """Writes a video of six shots, of the videos in turn."""
+    form = "video/x-raw,format=I420,width=640,height=480,framerate=30/1,pixel-aspect-ratio=1/1"
+    length, shots = round(30 * seconds), []
+    found = [list(read_raw(video, form)) for video in videos]
+    for shot in range(6):
+        own = found[shot % len(found)]
+        begin = shot // len(found) * length % max(len(own) - length, 1)
+        shots += own[begin:begin + length]
+    write_raw(path, shots)
 
 
 def differences(one, other):
@@ -79,6 +118,7 @@ def main():
     parser.add_argument("--chunk", default="1.5")
     parser.add_argument("--overlaps", default="0,1,2,4,8,16,32,64")
     parser.add_argument("--divide-shots", action="store_true")
+    parser.add_argument("--cut", type=float)
     parser.add_argument("videos", nargs="+")
     arguments = parser.parse_args(words)
     Gst.init(None)
@@ -86,6 +126,9 @@ def main():
     shots = ["--divide-shots"] if arguments.divide_shots else []
     print("overlap  twice    step   first: R    S      second: R   S      after: R    S      equal")
     with tempfile.TemporaryDirectory() as folder:
+        if arguments.cut:
+            cut(arguments.videos, arguments.cut, os.path.join(folder, "cut.mkv"))
+            arguments.videos = [os.path.join(folder, "cut.mkv")]
         whole = [os.path.join(folder, f"{k}.mkv") for k in range(len(arguments.videos))]
         for video, path in zip(arguments.videos, whole):
             subprocess.run([*common, "-o", path, video, "--", *chain], check=True)
