@@ -10,7 +10,7 @@ import time
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "sinfo")
 CONFIG = """ClusterName=virtual
-SlurmctldHost={host}
+SlurmctldHost={host}(127.0.0.1)
 SlurmctldPort={port}
 AuthType=auth/munge
 AuthInfo=socket={folder}/munge.socket
@@ -32,7 +32,7 @@ KillWait=2
 MpiDefault=none
 JobRequeue=1
 MaxArraySize={array}
-NodeName=node[1-{nodes}] NodeHostname={host} Port=[{first}-{last}] CPUs={cpus} State=UNKNOWN
+NodeName=node[1-{nodes}] NodeHostname={host} NodeAddr=127.0.0.1 Port=[{first}-{last}] CPUs={cpus} State=UNKNOWN
 PartitionName=video Nodes=node[1-{nodes}] Default=YES MaxTime=INFINITE State=UP
 """
 
