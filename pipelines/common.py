@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What the scripts in Python share, as common.sh for the others."""
+import os
+import pathlib
+import sys
+
+
+def split(words, chain):
+    """Options, and the elements of a launch line after --, or `chain`."""
+    if "--" not in words:
+        return words, chain
+    return words[:words.index("--")], " ".join(words[words.index("--") + 1:]) or chain
+
+
+def source_of(program, given, after_camera="", after_file=""):
+    """The first elements of a launch line for a camera, a file or a URI, or SOURCE of the environment; ends the program if there is none."""
+    if os.environ.get("SOURCE"):
+        return os.environ["SOURCE"]
+    if given.startswith("/dev/video"):
+        if not os.path.exists(given):
+            sys.exit(f"{program}: there is no camera {given}")
+        return f"v4l2src device={given} ! decodebin{after_camera}"
+    if "://" not in given:
+        if not os.path.isfile(given):
+            sys.exit(f"{program}: there is no file {given}")
+        given = pathlib.Path(os.path.abspath(given)).as_uri()
+    return f"uridecodebin uri={given} caps=video/x-raw(ANY) expose-all-streams=false{after_file}"
