@@ -148,10 +148,13 @@ class WindowCase(support.Case):
             dialog = next((w for w in Gtk.Window.list_toplevels() if w.get_title() == title and w.get_mapped()), None)
             yield True
         if path:
-            dialog.set_filename(path)
-            while dialog.get_filename() != path:
-                yield True
-            dialog.response(Gtk.ResponseType.OK)
+            if dialog.get_action() == Gtk.FileChooserAction.SAVE:  # set_filename() names files that exist only
+                dialog.set_current_folder(os.path.dirname(path))
+                dialog.set_current_name(os.path.basename(path))
+            else:
+                dialog.set_filename(path)
+            yield from (True for _ in range(200) if dialog.get_filename() != path)
+            dialog.response(Gtk.ResponseType.OK if dialog.get_filename() == path else Gtk.ResponseType.CANCEL)
             return
         for words in (["windowfocus", "--sync", dialog.get_window().get_xid()], ["key", "Escape"]):
             process = subprocess.Popen(["xdotool", *map(str, words)])
