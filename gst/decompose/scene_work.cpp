@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "decomposer.hpp"
-#include "gst/rgbd/meta/inverse_depth_meta.h"
+#include "gst/inverse/inverse_depth_meta.h"
 #include "strokes/stroke_editor.hpp"
 #include "strokes/stroke_text.hpp"
 

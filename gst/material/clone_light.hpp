@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "gst/material/meta/inverse_material_meta.h"
+#include "gst/inverse/inverse_material_meta.h"
 #include "kernels/environment/environment.hpp"
 #include "kernels/environment/lit_sphere.hpp"
 

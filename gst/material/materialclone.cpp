@@ -17,8 +17,8 @@
 #include "clone_room.hpp"
 #include "gst/base/color.hpp"
 #include "gst/base/filter.hpp"
+#include "gst/inverse/inverse_material_meta.h"
 #include "gst/material/mesh/mesh_file.hpp"
-#include "gst/material/meta/inverse_material_meta.h"
 #include "kernels/environment/lit_sphere.hpp"
 #include "kernels/raster/insertion.hpp"
 

@@ -15,7 +15,7 @@
 #include "gst/base/filter.hpp"
 #include "gst/base/models.hpp"
 #include "gst/exr/environment_file.hpp"
-#include "gst/stage/meta/inverse_light_stage_meta.h"
+#include "gst/inverse/inverse_light_stage_meta.h"
 #include "gst/stage/sync/shared/upstream.hpp"
 #include "kernels/image/view/mosaic.hpp"
 #include "kernels/relight/relighting.hpp"

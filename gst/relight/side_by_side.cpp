@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "common/error.hpp"
-#include "gst/base/meta/inverse_layers_meta.h"
 #include "gst/base/pads/caps.hpp"
+#include "gst/inverse/inverse_layers_meta.h"
 
 namespace inverse {
 namespace {

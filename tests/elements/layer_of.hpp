@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "gst/base/meta/inverse_layers_meta.h"
+#include "gst/inverse/inverse_layers_meta.h"
 #include "tests/gstreamer.hpp"
 
 namespace inverse::testing {

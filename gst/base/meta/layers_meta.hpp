@@ -2,7 +2,7 @@
 #pragma once
 #include <gst/gst.h>
 
-#include "inverse_layers_meta.h"
+#include "gst/inverse/inverse_layers_meta.h"
 #include "kernels/image/layers.hpp"
 
 namespace inverse {

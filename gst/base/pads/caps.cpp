@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "gst/base/frames/video_format.hpp"
-#include "gst/base/meta/inverse_layers_meta.h"
 #include "gst/base/vulkan/vulkan_bridge.hpp"
+#include "gst/inverse/inverse_layers_meta.h"
 
 namespace inverse {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "caps.hpp"
-#include "gst/base/meta/inverse_layers_meta.h"
+#include "gst/inverse/inverse_layers_meta.h"
 #include "pads.hpp"
 
 namespace inverse {

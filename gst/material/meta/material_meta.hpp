@@ -2,7 +2,7 @@
 #pragma once
 #include <gst/gst.h>
 
-#include "inverse_material_meta.h"
+#include "gst/inverse/inverse_material_meta.h"
 
 namespace inverse {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <gst/gst.h>
 
-#include "inverse_light_stage_meta.h"
+#include "gst/inverse/inverse_light_stage_meta.h"
 #include "stage/program/light_program.hpp"
 
 namespace inverse {

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "gst/stage/meta/inverse_light_stage_meta.h"
+#include "gst/inverse/inverse_light_stage_meta.h"
 #include "stage/program/light_program.hpp"
 #include "tests/bench/support/command_line.hpp"
 #include "tests/temporary_folder.hpp"

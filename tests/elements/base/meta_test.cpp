@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Our metas on their way through elements of GStreamer's own.
 
-#include "gst/material/meta/inverse_material_meta.h"
-#include "gst/stage/meta/inverse_light_stage_meta.h"
+#include "gst/inverse/inverse_light_stage_meta.h"
+#include "gst/inverse/inverse_material_meta.h"
 #include "tests/elements/element_test.hpp"
 #include "tests/has_networks.hpp"
 

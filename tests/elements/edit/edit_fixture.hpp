@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "gst/base/meta/inverse_layers_meta.h"
+#include "gst/inverse/inverse_layers_meta.h"
 #include "tests/elements/draw.hpp"
 #include "tests/elements/element_test.hpp"
 

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "gst/material/meta/inverse_material_meta.h"
+#include "gst/inverse/inverse_material_meta.h"
 #include "kernels/environment/environment.hpp"
 #include "lime_fixture.hpp"
 #include "tests/elements/lamp.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "gst/material/meta/inverse_material_meta.h"
+#include "gst/inverse/inverse_material_meta.h"
 #include "kernels/network/graph_file.hpp"
 #include "lime_fixture.hpp"
 

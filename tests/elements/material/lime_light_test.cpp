@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "gst/material/meta/inverse_material_meta.h"
+#include "gst/inverse/inverse_material_meta.h"
 #include "kernels/environment/environment.hpp"
 #include "lime_fixture.hpp"
 #include "tests/kernels/environment/normal_map_file.hpp"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "gst/material/meta/inverse_material_meta.h"
+#include "gst/inverse/inverse_material_meta.h"
 #include "lime_fixture.hpp"
 #include "tests/elements/draw.hpp"
 #include "tests/has_networks.hpp"

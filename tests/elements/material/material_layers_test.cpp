@@ -2,7 +2,7 @@
 // Layers of limematerial: what carries them, what draws them, and who refuses them.
 #include <algorithm>
 
-#include "gst/material/meta/inverse_material_meta.h"
+#include "gst/inverse/inverse_material_meta.h"
 #include "lime_fixture.hpp"
 #include "tests/elements/layer_of.hpp"
 #include "tests/srgb.hpp"

@@ -8,7 +8,7 @@
 #include <limits>
 #include <set>
 
-#include "gst/base/meta/inverse_layers_meta.h"
+#include "gst/inverse/inverse_layers_meta.h"
 #include "kernels/image/layers.hpp"
 #include "relight_fixture.hpp"
 #include "tests/replaced_file.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "gst/rgbd/meta/inverse_depth_meta.h"
+#include "gst/inverse/inverse_depth_meta.h"
 #include "tests/elements/element_test.hpp"
 #include "tests/kernels/environment/normal_map_file.hpp"
 

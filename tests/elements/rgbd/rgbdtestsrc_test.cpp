@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gst/rgbd/meta/inverse_depth_meta.h"
+#include "gst/inverse/inverse_depth_meta.h"
 #include "tests/elements/element_test.hpp"
 #include "tests/pipeline.hpp"
 

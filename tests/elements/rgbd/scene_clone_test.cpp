@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "gst/material/meta/inverse_material_meta.h"
-#include "gst/rgbd/meta/inverse_depth_meta.h"
+#include "gst/inverse/inverse_depth_meta.h"
+#include "gst/inverse/inverse_material_meta.h"
 #include "tests/elements/element_test.hpp"
 #include "tests/elements/lamp.hpp"
 #include "tests/pipeline.hpp"

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "gst/rgbd/meta/inverse_depth_meta.h"
+#include "gst/inverse/inverse_depth_meta.h"
 #include "tests/elements/element_test.hpp"
 #include "tests/elements/layer_of.hpp"
 #include "tests/pipeline.hpp"

@@ -6,7 +6,7 @@
 #include <mutex>
 
 #include "aravis_fixture.hpp"
-#include "gst/stage/meta/inverse_light_stage_meta.h"
+#include "gst/inverse/inverse_light_stage_meta.h"
 #include "stage/controllers/dmx_levels.hpp"
 #include "stage/controllers/sacn_receiver.hpp"
 #include "tests/temporary_folder.hpp"

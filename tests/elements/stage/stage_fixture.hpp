@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "gst/stage/meta/inverse_light_stage_meta.h"
+#include "gst/inverse/inverse_light_stage_meta.h"
 #include "stage/program/light_program.hpp"
 #include "tests/elements/element_test.hpp"
 #include "tests/srgb.hpp"

@@ -3,7 +3,7 @@
 #include <map>
 #include <mutex>
 
-#include "gst/stage/meta/inverse_light_stage_meta.h"
+#include "gst/inverse/inverse_light_stage_meta.h"
 #include "tests/elements/element_test.hpp"
 
 namespace inverse::testing {

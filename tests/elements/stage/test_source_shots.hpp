@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "gst/stage/meta/inverse_light_stage_meta.h"
+#include "gst/inverse/inverse_light_stage_meta.h"
 #include "tests/elements/element_test.hpp"
 
 namespace inverse::testing {

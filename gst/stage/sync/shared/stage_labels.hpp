@@ -5,7 +5,7 @@
 #include <map>
 #include <mutex>
 
-#include "gst/stage/meta/inverse_light_stage_meta.h"
+#include "gst/inverse/inverse_light_stage_meta.h"
 #include "stage/program/light_program.hpp"
 
 namespace inverse {
