@@ -3,8 +3,11 @@
 """Sanity of samples, mixtures and the reader, in seconds and without Blender: check.py. Prints what it measured, and stops at
 what is off. check.py FOLDER checks the samples there as well."""
 import argparse
+import os
 import pathlib
 import struct
+import subprocess
+import sys
 import tempfile
 
 import numpy as np
@@ -145,6 +148,12 @@ def check_files():
         (folder / "6.rejected").write_text("{}")
         args = argparse.Namespace(out=folder)  # without a command to run: it would fail if it rendered
         expect(render.render(5, args) is None and render.render(6, args) is None, "what is there is not rendered again")
+        blender = folder / "blender"
+        blender.write_text("#!/bin/sh\nkill -9 $$\n")
+        blender.chmod(0o755)
+        killed = subprocess.run([sys.executable, render.__file__, "--out", folder, "--first", "5", "--count", "3"], capture_output=True, text=True,
+                                env={**os.environ, "PATH": f"{folder}:{os.environ['PATH']}"}, check=False)
+        expect(killed.returncode == 1 and "1 scenes were interrupted" in killed.stderr, "a scene that was killed is a failure")
         values = np.random.default_rng(0).normal(size=(2, 5, 7)).astype("<f4")
         channels = b"".join(n + b"\0" + struct.pack("<iiii", 2, 0, 1, 1) for n in (b"A.X.R", b"B.Z")) + b"\0"
         head = (

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Renders scenes, one Blender each, at the lowest priority: render.py --out FOLDER --first 0 --count 300.
-Seeds whose sample or rejection exists are skipped, so it may be stopped and started again."""
+Seeds whose sample or rejection exists are skipped, so it may be stopped and started again; the exit status is 0 if none is left."""
 import argparse
 import concurrent.futures
 import json
@@ -34,9 +34,13 @@ def reject(out, number, start, error):
     return f"{number} rejected after {time.time() - start:.0f} s: {error}"
 
 
+def is_done(seed, args):
+    return any((args.out / f"{seed}.{end}").exists() for end in ("npz", "rejected"))
+
+
 def render(seed, args):
     """Renders a scene and takes its samples. Returns what happened, or None if there was nothing to do."""
-    if any((args.out / f"{seed}.{end}").exists() for end in ("npz", "rejected")):
+    if is_done(seed, args):
         return None
     start = time.time()
     with tempfile.TemporaryDirectory() as folder:
@@ -76,6 +80,9 @@ def main():
         for text in pool.map(lambda seed: render(seed, args), range(args.first, args.first + args.count)):
             if text:
                 print(text, flush=True)
+    left = sum(not is_done(seed, args) for seed in range(args.first, args.first + args.count))
+    if left:
+        raise SystemExit(f"{left} scenes were interrupted; start it again")
 
 
 if __name__ == "__main__":
