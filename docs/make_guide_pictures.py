@@ -1,18 +1,24 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The pictures of docs/guides/gallery.md, made by the launch lines that the page shows.
+"""The pictures of docs/guides/first-steps.md and cookbook.md, made by the launch lines that the pages show.
 
-docs/make_gallery.py [--build BUILD] [NAME …]     (default: build, which ./dev build-only build makes, and all pictures)
+docs/make_guide_pictures.py [--build BUILD] [PAGE/NAME …]     (default: build, which ./dev build-only build makes, and all pictures)
 
-A picture has a row per footage: its frame at 2 s, then what each launch line shows of it. Needs python3-pil.
+Below each picture of a page is a block of launch lines. A line that ends with autovideosink is shown; one that writes a file
+belongs to the shown line after it, which reads it; one that sends over a network belongs to the shown line before it, which receives.
+A picture has a row per footage: its frame at 2 s, then what each shown line has then. Where a picture's text says "click at X, Y",
+that is done. Needs python3-pil.
 """
 import argparse
+import contextlib
 import itertools
 import os
 import pathlib
 import re
 import shlex
+import socket
 import sys
+import tempfile
 import time
 
 import gi
@@ -20,65 +26,119 @@ gi.require_version("Gst", "1.0")
 from gi.repository import Gst  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs" / "guides" / "gallery.md"
-PICTURES = ROOT / "docs" / "images" / "gallery"
+GUIDES = ROOT / "docs" / "guides"
+PAGES = ("first-steps", "cookbook")
+PICTURES = ROOT / "docs" / "images"
 WIDTH = 1000  # of a picture, pixels
 GAP = 4
 SECONDS = 2
+FRAME_RATE = 25  # of the bundled clip
 TIMEOUT = 120  # s, for a line to come to its frame
-SHOWN = "autovideosink"  # which a line of the page ends with
+SHOWN = "autovideosink"  # which a shown line ends with
+PORT = "port=5004"  # of lines that send and receive; here it is one that is free
+CAMERA = "v4l2src"  # which the bundled clip stands in for
+CLIP = ["filesrc", "location=media/clip.webm", "!", "decodebin"]
 TAKEN = ["videoconvert", "!", "video/x-raw,format=RGB", "!", "appsink", "name=taken", "sync=false", "max-buffers=1"]
-# A picture of the page, and the block of launch lines below it.
-ENTRY = re.compile(r"!\[[^\]]*\]\((\.\./images/gallery/([\w-]+)\.jpg)\)\n+```\n(.*?)```", re.DOTALL)
-SOURCE = re.compile(r"^\| `(/[^`]+)` \| `([\w.-]+)` \|", re.MULTILINE)  # a row of the page's table of footage
+# A picture of a page, and the block of launch lines below it.
+ENTRY = re.compile(r"!\[([^\]]*)\]\(\.\./images/([\w-]+/[\w-]+)\.jpg\)\n+```\n(.*?)```", re.DOTALL)
+CLICK = re.compile(r"click at (\d+), (\d+)")
+SOURCE = re.compile(r"^\| `(/[^`]+)` \| `([\w.-]+)` \|", re.MULTILINE)  # a row of a page's table of footage
+OURS = re.compile(r"intrinsic|globalintrinsic|limematerial|lightstagesync|\w+\.sink_")  # where footage ends
 
 
 class LineError(Exception):
     """A launch line that does not work."""
 
 
-def read_page():
-    """Launch lines, as lists of words without the program's name, by picture."""
+class Recipe:
+    """A shown line, the lines that go with it, and where to click in what it shows."""
+
+    def __init__(self, shown, writers, click):
+        self.shown, self.writers, self.senders, self.click = shown, writers, [], click
+
+    @property
+    def lines(self):
+        """Its lines, the one with footage first."""
+        return sorted([*self.writers, self.shown, *self.senders], key=lambda line: not any(map(OURS.match, line)))
+
+    @property
+    def source(self):
+        """The part of its lines in front of our elements."""
+        return list(itertools.takewhile(lambda word: not OURS.match(word), self.lines[0]))[:-1]
+
+    def missing_packages(self):
+        """Packages of files that its lines read and that are not there."""
+        words = [word for line in self.lines for word in line]
+        written = {following for word, following in itertools.pairwise(words) if word == "filesink"}
+        files = [word.partition("=")[2] for word in words if word.startswith("location=") and word not in written]
+        packages = read_sources()
+        return sorted({packages.get(file, f"the package of {file}") for file in files if not (ROOT / file).exists()})
+
+
+def read_page(page):
+    """Recipes by picture, which is PAGE/NAME."""
     entries = {}
-    for _, name, block in ENTRY.findall(PAGE.read_text()):
-        lines = [shlex.split(line) for line in block.replace("\\\n", " ").splitlines()]
-        for line in lines:
-            if line[:1] != ["gst-launch-1.0"] or line.count(SHOWN) != 1:
-                raise LineError(f"{name}: not a gst-launch-1.0 line with one {SHOWN}: {shlex.join(line)}")
-        entries[name] = [line[1:] for line in lines]
+    for text, name, block in ENTRY.findall((GUIDES / f"{page}.md").read_text()):
+        recipes, writers = [], []
+        for line in map(shlex.split, block.replace("\\\n", " ").splitlines()):
+            if line[:1] != ["gst-launch-1.0"] or line.count(SHOWN) > 1:
+                raise LineError(f"{name}: not a gst-launch-1.0 line with at most one {SHOWN}: {shlex.join(line)}")
+            words = [part for word in line[1:] for part in (CLIP if word == CAMERA else [word])]
+            if SHOWN in words:
+                recipes.append(Recipe(words, writers, CLICK.search(text)))
+                writers = []
+            elif "filesink" in words:
+                writers.append(words)
+            else:
+                recipes[-1].senders.append(words)
+        entries[name] = recipes
     return entries
+
+
+def read_pages():
+    """Recipes of all pages by picture."""
+    return {name: recipes for page in PAGES for name, recipes in read_page(page).items()}
 
 
 def read_sources():
     """Package of each file that is not of this repository."""
-    return dict(SOURCE.findall(PAGE.read_text()))
+    return dict(SOURCE.findall("".join((GUIDES / f"{page}.md").read_text() for page in PAGES)))
 
 
-def missing_packages(lines):
-    """Packages of files that are named by these lines and are not there."""
-    files = [word.partition("=")[2] for line in lines for word in line if word.startswith("location=")]
-    packages = read_sources()
-    return sorted({packages.get(file, f"the package of {file}") for file in files if not (ROOT / file).exists()})
-
-
-def source(line):
-    """The part of a line in front of the decomposer."""
-    return list(itertools.takewhile(lambda word: not re.match("(intrinsic|globalintrinsic)", word), line))[:-1]
-
-
-def take_frame(words, seconds):
-    """(width, height, RGB rows of 4-byte alignment) of the first frame at or after that time that the line shows."""
+@contextlib.contextmanager
+def playing(words):
+    """A playing pipeline."""
     try:
         pipeline = Gst.parse_launchv(words)
     except gi.repository.GLib.Error as error:
         raise LineError(f"{error.message}: {shlex.join(words)}") from error
     try:
         pipeline.set_state(Gst.State.PLAYING)
+        yield pipeline
+    finally:
+        pipeline.set_state(Gst.State.NULL)
+
+
+def click_at(sink, x, y):
+    """Sends what a window sends that is clicked on."""
+    for event in ("press", "release"):
+        structure = Gst.Structure.new_from_string(f"application/x-gst-navigation, event=mouse-button-{event}, button=1, "
+                                                  f"pointer_x=(double){x}, pointer_y=(double){y}")
+        sink.send_event(Gst.Event.new_navigation(structure))
+
+
+def take_frame(words, seconds, click=None):
+    """(width, height, RGB rows of 4-byte alignment) of the first frame at or after that time that the line shows."""
+    with playing(words) as pipeline:
         sink, bus = pipeline.get_by_name("taken"), pipeline.get_bus()
         deadline = time.monotonic() + TIMEOUT
         while time.monotonic() < deadline:
             if sample := sink.emit("try-pull-sample", Gst.SECOND // 10):
-                if sample.get_segment().to_running_time(Gst.Format.TIME, sample.get_buffer().pts) >= seconds * Gst.SECOND:
+                at = sample.get_segment().to_running_time(Gst.Format.TIME, sample.get_buffer().pts)
+                if click:
+                    click_at(sink, *click.groups())
+                    click, seconds = None, seconds + at / Gst.SECOND + .5  # time for it to take effect
+                elif at >= seconds * Gst.SECOND:
                     caps, buffer = sample.get_caps().get_structure(0), sample.get_buffer()
                     return caps.get_value("width"), caps.get_value("height"), buffer.extract_dup(0, buffer.get_size())
             elif error := bus.pop_filtered(Gst.MessageType.ERROR):
@@ -86,58 +146,91 @@ def take_frame(words, seconds):
             elif sink.props.eos:
                 break
         raise LineError(f"no frame at {seconds} s: {shlex.join(words)}")
-    finally:
-        pipeline.set_state(Gst.State.NULL)
 
 
-def shown(line, seconds=SECONDS):
-    """The frame that a line shows."""
-    at = line.index(SHOWN)
-    return take_frame(line[:at] + TAKEN + line[at + 1:], seconds)
+def run_to_end(words):
+    """Runs a line that ends by itself."""
+    with playing(words) as pipeline:
+        message = pipeline.get_bus().timed_pop_filtered(TIMEOUT * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR)
+        if not message or message.type == Gst.MessageType.ERROR:
+            raise LineError(f"{message.parse_error()[0].message if message else 'no end'}: {shlex.join(words)}")
 
 
-def footage(line, seconds=SECONDS):
-    """The frame that a line decomposes."""
-    return take_frame(source(line) + ["!"] + TAKEN, seconds)
+def free_port():
+    """A UDP port that no program has."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as unused:
+        unused.bind(("127.0.0.1", 0))
+        return f"port={unused.getsockname()[1]}"
 
 
-def make_picture(lines):
+def shown(recipe, seconds=SECONDS):
+    """The frame that a recipe shows. Files are written up to that time, to a folder that has only media/ of this one."""
+    port, before = free_port(), os.getcwd()
+    lines = [[port if word == PORT else word for word in line] for line in (recipe.shown, *recipe.senders)]
+    at = lines[0].index(SHOWN)
+    with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
+        os.symlink(ROOT / "media", os.path.join(folder, "media"))
+        os.chdir(folder)
+        stack.callback(os.chdir, before)
+        for line in recipe.writers:
+            end = len(recipe.source)
+            run_to_end(line[:end] + ["!", "identity", f"eos-after={round(seconds * FRAME_RATE) + 2}"] + line[end:])
+        for line in lines[1:]:
+            stack.enter_context(playing(line))
+        return take_frame(lines[0][:at] + TAKEN + lines[0][at + 1:], seconds, recipe.click)
+
+
+def footage(recipe, seconds=SECONDS):
+    """The frame that a recipe decomposes."""
+    return take_frame(recipe.source + ["!"] + TAKEN, seconds)
+
+
+def make_picture(recipes):
     """The picture of an entry."""
     from PIL import Image
-    rows = [[footage(group[0]), *map(shown, group)] for _, part in itertools.groupby(lines, source) if (group := list(part))]
-    columns = max(map(len, rows))
-    width = (WIDTH - GAP * (columns - 1)) // columns
-    heights = [round(width * row[0][1] / row[0][0]) for row in rows]
-    picture = Image.new("RGB", (WIDTH, sum(heights) + GAP * (len(rows) - 1)), "white")
-    y = 0
-    for row, height in zip(rows, heights):
-        for column, (frame_width, frame_height, data) in enumerate(row):
+    rows = [[footage(row[0]), *map(shown, row)]
+            for _, part in itertools.groupby(recipes, lambda recipe: recipe.source) if (row := list(part))]
+    # Panels of a row are equally high.
+    picture_rows = []
+    for row in rows:
+        shapes = [width / height for width, height, _ in row]
+        height = round((WIDTH - GAP * (len(row) - 1)) / sum(shapes))
+        panels = []
+        for frame_width, frame_height, data in row:
             stride = len(data) // frame_height
             panel = Image.frombuffer("RGB", (frame_width, frame_height), data, "raw", "RGB", stride, 1)
-            picture.paste(panel.resize((width, height), Image.LANCZOS), (column * (width + GAP), y))
-        y += height + GAP
+            panels.append(panel.resize((round(height * frame_width / frame_height), height), Image.LANCZOS))
+        picture_rows.append(panels)
+    picture = Image.new("RGB", (WIDTH, sum(row[0].height + GAP for row in picture_rows) - GAP), "white")
+    y = 0
+    for panels in picture_rows:
+        x = 0
+        for panel in panels:
+            picture.paste(panel, (x, y))
+            x += panel.width + GAP
+        y += panels[0].height + GAP
     return picture
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--build", default="build")
-    parser.add_argument("names", nargs="*", metavar="NAME")
+    parser.add_argument("names", nargs="*", metavar="PAGE/NAME")
     options = parser.parse_args()
     build = ROOT / options.build
     os.environ.update(GST_PLUGIN_PATH=str(build / "gst"), GST_PRESET_PATH=str(ROOT / "gst" / "edit" / "presets"),
                       INVERSE_MODELS=str(build / "models"))
     os.chdir(ROOT)
     Gst.init(None)
-    entries = read_page()
+    entries = read_pages()
     if unknown := set(options.names) - set(entries):
-        sys.exit(f"no such picture in {PAGE.name}: {', '.join(sorted(unknown))}; there are {', '.join(entries)}")
-    PICTURES.mkdir(exist_ok=True)
+        sys.exit(f"no such picture: {', '.join(sorted(unknown))}; there are {', '.join(entries)}")
     for name in options.names or entries:
-        if packages := missing_packages(entries[name]):
+        if packages := sorted({package for recipe in entries[name] for package in recipe.missing_packages()}):
             print(f"{name}: skipped; install {', '.join(packages)}")
             continue
         path = PICTURES / f"{name}.jpg"
+        path.parent.mkdir(exist_ok=True)
         make_picture(entries[name]).save(path, quality=80, optimize=True)
         print(f"{name}: {path.stat().st_size // 1000} kB")
 
