@@ -42,7 +42,6 @@ TAKEN = ["videoconvert", "!", "video/x-raw,format=RGB", "!", "appsink", "name=ta
 # A picture of a page, and the block of launch lines below it.
 ENTRY = re.compile(r"!\[([^\]]*)\]\(\.\./images/([\w-]+/[\w-]+)\.jpg\)\n+```\n(.*?)```", re.DOTALL)
 CLICK = re.compile(r"click at (\d+), (\d+)")
-SOURCE = re.compile(r"^\| `(/[^`]+)` \| `([\w.-]+)` \|", re.MULTILINE)  # a row of a page's table of footage
 OURS = re.compile(r"intrinsic|globalintrinsic|limematerial|lightstagesync|\w+\.sink_")  # where footage ends
 
 
@@ -65,14 +64,6 @@ class Recipe:
     def source(self):
         """The part of its lines in front of our elements."""
         return list(itertools.takewhile(lambda word: not OURS.match(word), self.lines[0]))[:-1]
-
-    def missing_packages(self):
-        """Packages of files that its lines read and that are not there."""
-        words = [word for line in self.lines for word in line]
-        written = {following for word, following in itertools.pairwise(words) if word == "filesink"}
-        files = [word.partition("=")[2] for word in words if word.startswith("location=") and word not in written]
-        packages = read_sources()
-        return sorted({packages.get(file, f"the package of {file}") for file in files if not (ROOT / file).exists()})
 
 
 def read_page(page):
@@ -98,11 +89,6 @@ def read_page(page):
 def read_pages():
     """Recipes of all pages by picture."""
     return {name: recipes for page in PAGES for name, recipes in read_page(page).items()}
-
-
-def read_sources():
-    """Package of each file that is not of this repository."""
-    return dict(SOURCE.findall("".join((GUIDES / f"{page}.md").read_text() for page in PAGES)))
 
 
 @contextlib.contextmanager
@@ -226,9 +212,6 @@ def main():
     if unknown := set(options.names) - set(entries):
         sys.exit(f"no such picture: {', '.join(sorted(unknown))}; there are {', '.join(entries)}")
     for name in options.names or entries:
-        if packages := sorted({package for recipe in entries[name] for package in recipe.missing_packages()}):
-            print(f"{name}: skipped; install {', '.join(packages)}")
-            continue
         path = PICTURES / f"{name}.jpg"
         path.parent.mkdir(exist_ok=True)
         make_picture(entries[name]).save(path, quality=80, optimize=True)
