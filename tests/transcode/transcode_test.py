@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """inverse-transcode as it is started: what it writes, what it says, and its exit status."""
+import filecmp
 import json
 import os
 import shutil
@@ -93,6 +94,8 @@ class Transcode(Case):
         self.run_it(*words, "--again", "--", "intrinsicdecomp")
         self.assertEqual(sorted(os.listdir(self.path("frames"))), ["reflectance", "shading"])
         self.assertEqual(len(os.listdir(self.path("frames/shading"))), 12)
+        self.run_it("clip.mkv", "-o", "alone", "--to", "jpg", "--layers", "reflectance", "--", "intrinsicdecomp")
+        self.assertTrue(filecmp.cmp(self.path("frames/reflectance/000000.jpg"), self.path("alone/reflectance/000000.jpg"), shallow=False))
         os.mkdir(self.path("50% of it"))
         shutil.copytree(self.path("frames/shading"), self.path("50% of it/frames"))
         for said in ("done", "present"):  # named after their folder

@@ -177,22 +177,25 @@ class Transcode:
         if self.probe.turned:
             before += " ! videoflip video-direction=auto ! videoconvert"
         encoder = formats.video_encoder(codec, task["hardware"], task["video_options"])
-        encode = f"max-size-buffers=4 max-size-bytes=0 max-size-time=0 ! videoconvert ! {encoder}"
+        encode = [f"queue name=encode{k} max-size-buffers=4 max-size-bytes=0 max-size-time=0 ! videoconvert ! {encoder} ! identity name=end{k}"
+                  for k in range(len(self.video_pads))]
         if task["layers"]:
             found = self._bin(f"{before} ! {task['chain']} ! intrinsicsplit name=layers " +
-                              " ".join(f"layers.{shlex.quote(layer)} ! queue name=encode{k} {encode}" for k, layer in enumerate(task["layers"])))
+                              " ".join(f"layers.{shlex.quote(layer)} ! {end}" for layer, end in zip(task["layers"], encode)))
         else:
-            found = self._bin(f"{before} ! {task['chain']} ! queue name=encode0 {encode}")
+            found = self._bin(f"{before} ! {task['chain']} ! {encode[0]}")
         if found.numsinkpads != 1 or found.numsrcpads != len(self.video_pads):
             raise TranscodeError(f"the elements must have one beginning and one end: {task['chain']}")
-        found.srcpads[0].add_probe(Gst.PadProbeType.BUFFER, self._count)
+        ends = {pad.get_target().get_parent_element().get_name(): pad for pad in found.srcpads}  # which are in any order
+        ends = [ends[f"end{k}"] for k in range(len(self.video_pads))]
+        ends[0].add_probe(Gst.PadProbeType.BUFFER, self._count)
         for k in range(len(self.video_pads)):
             pad = found.get_by_name(f"encode{k}").get_static_pad("sink")
             if self.chunk:
                 self.chunk.drop_lead(pad)
             if k == 0:
                 pad.add_probe(Gst.PadProbeType.BUFFER, self._count_made)
-        return found, codec
+        return found, ends, codec
 
     def _count_made(self, *_):
         self.made += 1
@@ -308,9 +311,9 @@ class Transcode:
         return self._file_sink("multifilesink", folder.replace("%", "%%") + f"/%06d.{self.task['container']}")
 
     def _decoded(self, source):
-        video, codec = self._video_bin(source.get_current_caps())
+        video, ends, codec = self._video_bin(source.get_current_caps())
         self.pipeline.add(video)
-        for end, target in zip(video.srcpads, self.video_pads):
+        for end, target in zip(ends, self.video_pads):
             self._join(end, target, f"{self.task['container']} does not take the video codec {codec}")
         video.sync_state_with_parent()
         self.head = video.sinkpads[0]
