@@ -3,13 +3,14 @@
 import filecmp
 import json
 import os
+import re
 import shutil
 import signal
 import struct
 import subprocess
 import unittest
 
-from case import VIDEO, Case, streams_of
+from case import ROOT, VIDEO, Case, streams_of
 
 
 class Transcode(Case):
@@ -104,6 +105,10 @@ class Transcode(Case):
         os.unlink(self.path("frames/shading/000004.jpg"))
         self.assertIn("1 of its pictures are missing", self.run_it("frames/shading/%06d.jpg", status=1))
         self.assertIn("there are no such pictures", self.run_it("frames/%03d.png", status=1))
+
+    def test_version_is_that_of_the_elements(self):
+        wanted = re.search("version: '([0-9.]+)'", (ROOT / "meson.build").read_text(encoding="utf-8")).group(1)
+        self.assertEqual(self.run_it("--version"), f"inverse-transcode {wanted}\n")
 
     def test_a_cut_file_is_a_warning(self):
         self.clip(frames=120, codec="jpegenc")

@@ -1,3 +1,2 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """inverse-transcode: files in, files out, through elements of gst-inverse."""
-VERSION = "0.1.0"

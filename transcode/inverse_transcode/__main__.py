@@ -13,7 +13,7 @@ import gi
 gi.require_version("Gst", "1.0")
 from gi.repository import GLib, Gst  # noqa: E402
 
-from . import VERSION, formats, slurm  # noqa: E402
+from . import formats, slurm  # noqa: E402
 from .batch import Batch, BatchError, make  # noqa: E402
 from .plan import SEQUENCES, PlanError, Settings, plan  # noqa: E402
 from .run import Runner  # noqa: E402
@@ -67,7 +67,7 @@ def parse(words):
     many.add_argument("--sbatch", metavar="OPTIONS", default="", help="of sbatch, such as \"--partition=video --mem=4G --time=2:00:00\"")
     many.add_argument("--status", action="store_true", help="print what is done, failed and running; --report writes it")
     many.add_argument("--task", metavar="N", type=int, nargs="+", help="work these tasks")
-    parser.add_argument("--version", action="version", version=f"inverse-transcode {VERSION}")
+    parser.add_argument("--version", action="version", version=f"inverse-transcode {formats.version()}")
     words = list(words)
     for name in ("--sbatch", "--video-options"):  # whose values may begin with a dash
         if name in words[:-1]:
@@ -130,7 +130,7 @@ def count(results):
 
 
 def write_report(path, settings, results):
-    report = {"version": VERSION, "settings": vars(settings), "counts": count(results), "files": results}
+    report = {"version": formats.version(), "settings": vars(settings), "counts": count(results), "files": results}
     part = path + ".part"
     with open(part, "w", encoding="utf-8") as written:
         json.dump(report, written, indent=1)

@@ -19,7 +19,7 @@ import shutil
 import socket
 import sys
 
-from . import VERSION, chunk
+from . import chunk, formats
 from .pipeline import uri_of
 from .plan import Settings, Task, is_pattern, numbered, picture
 from .probe import ProbeError
@@ -109,7 +109,7 @@ def make(folder, settings, tasks, division, warn):
             listed.append({**base, "parts": list(range(first, len(listed)))})
         else:
             listed.append(base)
-    manifest = {"version": VERSION, "settings": dataclasses.asdict(settings), "tasks": listed, "others": others}
+    manifest = {"version": formats.version(), "settings": dataclasses.asdict(settings), "tasks": listed, "others": others}
     manifest["digest"] = _digest(manifest)
     for name in ("done", "failed", "running", "parts", "logs"):
         os.makedirs(os.path.join(folder, name), exist_ok=True)

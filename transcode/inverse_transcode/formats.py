@@ -76,6 +76,12 @@ _PACKAGES = {
 VIDEO_CODECS, AUDIO_CODECS = sorted(_SOFTWARE.keys() - {"png"}), sorted(_AUDIO)
 
 
+def version():
+    """Of the elements, which this program is a part of."""
+    plugin = Gst.Registry.get().find_plugin("inverse")
+    return plugin.get_version() if plugin else "without elements"
+
+
 def need(elements, what):
     """Throws FormatError if one of the elements is missing."""
     for element in elements:
