@@ -15,7 +15,7 @@ from gi.repository import GLib, Gst  # noqa: E402
 
 from . import formats, slurm  # noqa: E402
 from .batch import Batch, BatchError, make  # noqa: E402
-from .plan import SEQUENCES, PlanError, Settings, plan  # noqa: E402
+from .plan import PlanError, Settings, is_exr, plan  # noqa: E402
 from .run import Runner  # noqa: E402
 
 OVERLAP = 16  # frames
@@ -39,11 +39,15 @@ def parse(words):
         prog="inverse-transcode", usage="inverse-transcode [OPTIONS] INPUT... [-- ELEMENTS]",
         description="Sends videos through elements of gst-inverse and writes them to files.",
         epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("inputs", nargs="*", metavar="INPUT", help="a video; a folder: all videos below it; frames/%%04d.png: numbered pictures (png, jpg)")
+    parser.add_argument("inputs", nargs="*", metavar="INPUT", help="a video; a folder: all videos below it; frames/%%04d.png: numbered pictures (png, jpg, exr)")
     parser.add_argument("-o", "--output", metavar="FILE", help="the file to write, for one input; its ending names the container")
     parser.add_argument("--out", metavar="FOLDER", help="where results go, as they lie below the folders named (out/transcode)")
-    parser.add_argument("--to", metavar="CONTAINER", choices=list(formats.CONTAINERS), help="mkv (default), webm, mp4, mov; png, jpg: a folder of numbered pictures")
+    parser.add_argument("--to", metavar="CONTAINER", choices=list(formats.CONTAINERS), help="mkv (default), webm, mp4, mov; png, jpg, exr: a folder of numbered pictures")
     parser.add_argument("--rate", metavar="N[/N]", default="25", help="frames a second of numbered pictures that are read (25)")
+    parser.add_argument("--exposure", metavar="STOPS", type=float, default=0,
+                        help="brighten EXR pictures by so many stops as they are read; EXR that is written is darkened by as many")
+    parser.add_argument("--bits", metavar="N", type=int, default=0, choices=[8, 16],
+                        help="8 or 16 bits a sample of png (16 for input of more than 8 bits)")
     parser.add_argument("--video", metavar="CODEC", default="", choices=formats.VIDEO_CODECS,
                         help=f"{', '.join(formats.VIDEO_CODECS)}; default: vp8, for more than 8 bits vp9; in mp4 h264 and h265")
     parser.add_argument("--video-options", metavar="PROPERTIES", default="", help="of the encoder's element, such as \"cq-level=8\"")
@@ -106,15 +110,36 @@ def check_verbs(parser, arguments):
         parser.error("--chunk and --overlap take no negative numbers")
 
 
-def check(settings):
+def check_sequence(settings, inputs):
+    """Whether the options fit numbered pictures, read or written. Throws FormatError, PlanError."""
+    exr, sequence = any(map(is_exr, inputs)), settings.container in formats.SEQUENCES
+    for given, fits, what in (
+        (settings.video, not sequence, "--video is for files of video"),
+        (settings.hardware, not sequence, "--hardware is for files of video"),
+        (settings.audio not in ("copy", "none"), not sequence, "--audio is for files with sound"),
+        (settings.bits, settings.container == "png", "--bits is for png"),
+    ):
+        if given and not fits:
+            raise PlanError(f"{what}, not for {settings.container}")
+    if settings.exposure and not exr:
+        raise PlanError("--exposure is for inputs of numbered EXR pictures, such as 'shot/%04d.exr'")
+    if not -20 <= settings.exposure <= 20:
+        raise PlanError("--exposure takes -20 to 20 stops")
+    if exr:
+        formats.own_pictures(exr=True)
+
+
+def check(settings, inputs):
     """Throws FormatError, PlanError if nothing could be done with any file."""
+    check_sequence(settings, inputs)
     for layer in settings.layers:
         if not formats.is_layer(layer):
             raise PlanError(f"there is no layer {layer!r}; choose of {', '.join(formats.layers())}")
     if len(set(settings.layers)) < len(settings.layers):
         raise PlanError("a layer is named twice")
     container = formats.container(settings.container)
-    encoder = formats.video_encoder(settings.video or container.video, settings.hardware, settings.video_options)
+    codec = "png16" if settings.bits == 16 else settings.video or container.video
+    encoder = formats.video_encoder(codec, settings.hardware, settings.video_options)
     if settings.audio not in ("copy", "none"):
         formats.audio_encoder(settings.audio)
     try:
@@ -203,12 +228,13 @@ def transcode_main(arguments):
     """Works, or plans a batch of, the inputs; returns the exit status."""
     ending = arguments.to or (os.path.splitext(arguments.output)[1][1:].lower() if arguments.output else "mkv")
     layers = [name.strip() for name in arguments.layers.split(",") if name.strip()]
-    settings = Settings(arguments.chain, ending, arguments.rate, arguments.video, arguments.audio, arguments.hardware, arguments.video_options, layers)
-    if arguments.output and arguments.to and arguments.to not in SEQUENCES and not arguments.output.endswith("." + arguments.to):
+    settings = Settings(arguments.chain, ending, arguments.rate, arguments.video, arguments.audio, arguments.hardware, arguments.video_options, layers,
+                        arguments.bits, arguments.exposure)
+    if arguments.output and arguments.to and arguments.to not in formats.SEQUENCES and not arguments.output.endswith("." + arguments.to):
         raise PlanError(f"{arguments.output} does not end in .{arguments.to}")
     if arguments.report and not os.access(os.path.dirname(os.path.abspath(arguments.report)), os.W_OK):
         raise PlanError(f"there is no folder for the report: {arguments.report}")
-    check(settings)
+    check(settings, arguments.inputs)
     if arguments.chunk:
         formats.need(["gdppay", "gdpdepay", "scenechange"], "chunks")
     tasks = plan(arguments.inputs, arguments.output, arguments.out or "out/transcode", ending, arguments.again)

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 import gi
 
 gi.require_version("Gst", "1.0")
-from gi.repository import Gst  # noqa: E402
+gi.require_version("GstVideo", "1.0")
+from gi.repository import Gst, GstVideo  # noqa: E402
 
 
 class FormatError(Exception):
-    """A name that is not known, or of which this machine has no element."""
+    """A name that is not known, of which this machine has no element, or a picture that cannot be read or written."""
 
 
 @dataclass(frozen=True)
@@ -26,8 +27,9 @@ CONTAINERS = {
     "webm": Container("webmmux", "vp8", "vp9", "opus"),
     "mp4": Container("mp4mux", "h264", "h265", "aac"),
     "mov": Container("qtmux", "h264", "prores", "aac"),
-    "png": Container("", "png", "png", ""),
+    "png": Container("", "png", "png16", ""),
     "jpg": Container("", "mjpeg", "mjpeg", ""),
+    "exr": Container("", "exr", "exr", ""),
 }
 
 # Software first; with --hardware, the others first. What follows the element's name are settings.
@@ -74,6 +76,8 @@ _PACKAGES = {
     "mp4mux": "gstreamer1.0-plugins-good",
 }
 
+SEQUENCES = tuple(name for name, container in CONTAINERS.items() if not container.muxer)  # written to folders
+OWN_CODECS = ("png16", "exr")  # of pictures.py
 VIDEO_CODECS, AUDIO_CODECS = sorted(_SOFTWARE.keys() - {"png"}), sorted(_AUDIO)
 
 
@@ -101,6 +105,24 @@ def is_layer(name):
     return re.sub("_[0-9]+$", "_%u", name) in layers()
 
 
+def own_pictures(exr):
+    """The module that has elements of this program for pictures. `exr`: whether for OpenEXR. Throws FormatError."""
+    try:
+        from . import pictures
+    except ImportError as error:
+        raise FormatError(f"EXR, and PNG of 16 bits, need Python's {error.name}: install python3-numpy") from error
+    if exr:
+        pictures.openexr()
+    return pictures
+
+
+def own_line(codec, place=0):
+    """A part of a launch line for pictures.connect: frames go in, what the codec makes of them comes out. Throws FormatError."""
+    frames = own_pictures(codec == "exr").CODECS[codec].frames
+    return (f"appsink name=frames{place} caps={frames} sync=false async=false emit-signals=true max-buffers=1 "
+            f"appsrc name=packets{place} format=time handle-segment-change=true block=true")
+
+
 def container(name):
     """The Container of a file name's ending. Throws FormatError."""
     if name not in CONTAINERS:
@@ -118,13 +140,28 @@ def _first(lines, what):
     raise FormatError(f"there is no element for {what}; {element} is in {_PACKAGES.get(element, 'no package that is known')}")
 
 
-def video_encoder(codec, hardware=False, options=""):
-    """The end of a launch line that encodes video. `options`: properties in addition. Throws FormatError."""
-    if codec not in _SOFTWARE:
+def video_encoder(codec, hardware=False, options="", place=0):
+    """The end of a launch line that encodes video. `options`: properties in addition; `place`: among several of a line. Throws FormatError."""
+    if codec not in _SOFTWARE and codec not in OWN_CODECS:
         raise FormatError(f"there is no video codec {codec!r}; choose of {', '.join(VIDEO_CODECS)}")
+    if codec in OWN_CODECS:
+        if options:
+            raise FormatError("--video-options is for encoders of GStreamer, which EXR and PNG of 16 bits are not written by")
+        return own_line(codec, place)
     lines = (_HARDWARE.get(codec, []) if hardware else []) + _SOFTWARE[codec]
     head, *parser = _first(lines, f"the video codec {codec}").split(" ! ")
     return " ! ".join([f"{head} {options}".strip(), *parser])
+
+
+def deep_formats(encoder, most_bits):
+    """Of what `encoder`, a part of a launch line, takes: the formats of more than 8 and up to `most_bits` bits, as a filter before it; "" if
+    there are none."""
+    templates = Gst.ElementFactory.find(encoder.split()[0]).get_static_pad_templates()
+    named = " ".join(t.get_caps().to_string() for t in templates if t.direction == Gst.PadDirection.SINK)
+    known = {name: GstVideo.VideoFormat.from_string(name) for name in re.findall(r"\b[A-Z][A-Z0-9_]+\b", named)}
+    deep = [name for name, form in known.items()
+            if form != GstVideo.VideoFormat.UNKNOWN and 8 < GstVideo.VideoFormat.get_info(form).depth[0] <= most_bits]
+    return f"video/x-raw,format=(string){{{','.join(deep)}}} ! " if deep else ""
 
 
 def audio_encoder(codec):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The GStreamer pipeline that transcodes one file."""
+import collections
 import os
 import pathlib
 import shlex
@@ -12,7 +13,7 @@ from gi.repository import GLib, Gst, GstVideo  # noqa: E402
 
 from . import formats  # noqa: E402
 from .chunk import Chunk, join, keep_plain, stream  # noqa: E402
-from .plan import is_pattern, numbered, pattern_parts  # noqa: E402
+from .plan import is_exr, is_pattern, numbered, pattern_parts, picture  # noqa: E402
 from .probe import Probe, probe  # noqa: E402
 
 # Streams of which muxers want another form of the same packets, and what it is.
@@ -22,6 +23,10 @@ _FORMS = {
     "text/x-raw": ("capssetter caps=text/x-raw,format=utf8", "text/x-raw,format=utf8"),
 }
 _PICTURES = {"png": "image/png", "jpg": "image/jpeg", "jpeg": "image/jpeg"}  # sequences that are read
+
+_HDR = (GstVideo.VideoTransferFunction.SMPTE2084, GstVideo.VideoTransferFunction.ARIB_STD_B67)
+SMALL = 64  # pixels a side, which every encoder takes
+_NO_LIGHT = ("reflectance", "mask", "clusters")  # layers that have no exposure
 
 
 class TranscodeError(Exception):
@@ -46,6 +51,9 @@ class Transcode:
         self.container = formats.container(task["container"])
         self.pictures = len(numbered(task["input"])) if is_pattern(task["input"]) else 0
         self.chunk = Chunk(**task["chunk"]) if task["chunk"] else None
+        self.small = ""  # what to do about an error if pictures are so small that it may be due to that
+        self.exr = None  # the source of EXR pictures
+        self.clipped = collections.Counter()  # pixels that the elements output too bright for the result
         self.probe, source = self._source(task)
         if self.chunk and self.chunk.end:
             self.probe.seconds = self.chunk.end / Gst.SECOND
@@ -59,36 +67,43 @@ class Transcode:
             self.pipeline.add(self.mux)
             self.pipeline.add(sink)
             self.mux.link(sink)
-        parse = Gst.ElementFactory.make("parsebin")
         self.pipeline.add(source)
-        self.pipeline.add(parse)
-        source.link(parse)
-        # All pads are added before data flows through one of them.
-        parse.connect("pad-added", self._guarded(lambda _, pad: self._link(pad)))
         self.video_pads = []  # of the muxer
         self.stopping, self.cut, self.head = False, None, None
         self.readers = []  # processes that read parts
+        if self.exr:
+            self._link_video(source.get_static_pad("src"))
+        else:
+            parse = Gst.ElementFactory.make("parsebin")
+            self.pipeline.add(parse)
+            source.link(parse)
+            # All pads are added before data flows through one of them.
+            parse.connect("pad-added", self._guarded(lambda _, pad: self._link(pad)))
         self.pipeline.get_bus().add_signal_watch()
         self.pipeline.get_bus().connect("message", self._message)
 
-    @staticmethod
-    def _source(task):
+    def _source(self, task):
         path = task["input"]
         if not is_pattern(path):
             uri = uri_of(path)
             return probe(uri), Gst.Element.make_from_uri(Gst.URIType.SRC, uri, None)
         numbers = numbered(path)
+        above, below = (int(n) for n in task["rate"].split("/"))
+        found = Probe(len(numbers) * below / above, False, True)
+        if is_exr(path):
+            files = [picture(path, number) for number in numbers]
+            self.exr = formats.own_pictures(exr=True).ExrSource(files, task["rate"], task["exposure"], self._fail)
+            return found, self.exr.element
         ending = os.path.splitext(path)[1][1:].lower()
         if ending not in _PICTURES:
-            raise TranscodeError(f"pictures that end in {ending!r} are not read; those in {', '.join(_PICTURES)} are")
+            raise TranscodeError(f"pictures that end in {ending!r} are not read; those in {', '.join(_PICTURES)}, exr are")
         source = Gst.ElementFactory.make("multifilesrc")
         head, digits, tail = (part.replace("%", "%%") if isinstance(part, str) else part for part in pattern_parts(path))
         location = os.path.join(os.path.dirname(path).replace("%", "%%"), f"{head}%0{digits}d{tail}" if digits else f"{head}%d{tail}")
         for name, value in (("location", location), ("start-index", numbers[0]), ("stop-index", numbers[-1])):
             source.set_property(name, value)
         source.set_property("caps", Gst.Caps.from_string(f"{_PICTURES[ending]},framerate={task['rate']}"))
-        above, below = (int(n) for n in task["rate"].split("/"))
-        return Probe(len(numbers) * below / above, False, True), source
+        return found, source
 
     def start(self):
         self.pipeline.set_state(Gst.State.PLAYING)
@@ -112,6 +127,10 @@ class Transcode:
     def close(self):
         self.pipeline.get_bus().remove_signal_watch()
         self.pipeline.set_state(Gst.State.NULL)
+        if self.exr:
+            self.warnings += self.exr.warnings()
+        self.warnings += [f"{count} pixels{layer} were as bright as frames can be, {limit}, or brighter and clipped"
+                          for (layer, limit), count in self.clipped.items()]
         for reader in self.readers:
             reader.stdout.close()
             if reader.wait() and not self.stopping:
@@ -136,7 +155,7 @@ class Transcode:
     def _message(self, _, message):
         if message.type == Gst.MessageType.ERROR:
             error, _ = message.parse_error()
-            self._fail(f"{message.src.get_name()}: {error.message}")
+            self._fail(f"{message.src.get_name()}: {error.message.rstrip('.')}{self.small}")
         elif message.type == Gst.MessageType.WARNING:
             error, _ = message.parse_warning()
             text = f"{message.src.get_name()}: {error.message}"
@@ -144,16 +163,19 @@ class Transcode:
                 self.warnings.append(text)
         elif message.type == Gst.MessageType.EOS:
             if self.frames == 0:
-                self.error = self.error or "not one frame came out of the chain"
+                self.error = self.error or f"not one frame came out of the chain{self.small}"
             self.loop.quit()
 
     @staticmethod
-    def _bin(description):
-        """A bin with a pad for each end that is not linked."""
+    def _parse(description):
         try:
-            found = Gst.parse_bin_from_description(description, False)
+            return Gst.parse_bin_from_description(description, False)
         except GLib.Error as error:
             raise TranscodeError(f"{error.message}: {description}") from error
+
+    def _bin(self, description):
+        """A bin with a pad for each end that is not linked."""
+        found = self._parse(description)
         for direction in (Gst.PadDirection.SINK, Gst.PadDirection.SRC):
             while pad := found.find_unlinked_pad(direction):
                 found.add_pad(Gst.GhostPad.new(None, pad))
@@ -169,21 +191,32 @@ class Transcode:
         task, info = self.task, GstVideo.VideoInfo.new_from_caps(caps)
         if not info:
             raise TranscodeError(f"its frames are no pictures in memory: {caps.to_string()}")
-        deep = info.finfo.depth[0] > 8
+        deep = task["bits"] == 16 if task["bits"] else info.finfo.depth[0] > 8
         codec = task["video"] or (self.container.deep_video if deep else self.container.video)
+        if self.container.muxer and min(info.width, info.height) < SMALL:
+            self.small = (f"; its pictures are {info.width}x{info.height}, which may be too small for {codec}: enlarge them by ending the elements "
+                          f"with videoscale ! video/x-raw,width={SMALL},height={SMALL}, or choose --video ffv1, or --to png")
         before = "videoconvert"
         if info.interlace_mode != GstVideo.VideoInterlaceMode.PROGRESSIVE:
             before += " ! deinterlace fields=top"
         if self.probe.turned:
             before += " ! videoflip video-direction=auto ! videoconvert"
-        encoder = formats.video_encoder(codec, task["hardware"], task["video_options"])
-        encode = [f"queue name=encode{k} max-size-buffers=4 max-size-bytes=0 max-size-time=0 ! videoconvert ! {encoder} ! identity name=end{k}"
-                  for k in range(len(self.video_pads))]
+        demand, chain = self._demand(info, codec), f"{before} ! {task['chain']} !"
+        encoders = [formats.video_encoder(codec, task["hardware"], task["video_options"], k) for k in range(len(self.video_pads))]
+        # Pictures of 16 bits: players take 10.
+        most_bits = 10 if info.finfo.depth[0] > 12 and codec != "ffv1" else 16
+        kept = formats.deep_formats(encoders[0], most_bits) if deep and codec not in formats.OWN_CODECS else ""
+        encode = [f"queue name=encode{k} max-size-buffers=4 max-size-bytes=0 max-size-time=0 ! videoconvert ! {kept}{encoder} ! identity name=end{k}"
+                  for k, encoder in enumerate(encoders)]
         if task["layers"]:
-            found = self._bin(f"{before} ! {task['chain']} ! intrinsicsplit name=layers " +
-                              " ".join(f"layers.{shlex.quote(layer)} ! {end}" for layer, end in zip(task["layers"], encode)))
+            # On the curve of EXR there is room for the layers as they are.
+            scales = "reflectance-scale=1 shading-scale=1 mirror-scale=1" if codec == "exr" else ""
+            shows = task["layers"]
+            found = self._bin(f"{chain} intrinsicsplit name=layers {scales} " +
+                              " ".join(f"layers.{shlex.quote(layer)} ! {demand} {end}" for layer, end in zip(shows, encode)))
         else:
-            found = self._bin(f"{before} ! {task['chain']} ! {encode[0]}")
+            demand, *shows = self._last_element(demand)
+            found = self._bin(f"{chain} {demand} {encode[0]}")
         if found.numsinkpads != 1 or found.numsrcpads != len(self.video_pads):
             raise TranscodeError(f"the elements must have one beginning and one end: {task['chain']}")
         ends = {pad.get_target().get_parent_element().get_name(): pad for pad in found.srcpads}  # which are in any order
@@ -195,7 +228,56 @@ class Transcode:
                 self.chunk.drop_lead(pad)
             if k == 0:
                 pad.add_probe(Gst.PadProbeType.BUFFER, self._count_made)
+            if self.exr or not self.container.muxer:
+                self._watch_light(pad, "colorimetry" in demand, shows[k])
+            if codec in formats.OWN_CODECS:
+                stops = -task["exposure"] if self.exr and shows[k] not in _NO_LIGHT else 0
+                self._own(found, k, codec, stops)
         return found, ends, codec
+
+    def _demand(self, info, codec):
+        """What an element of gst-inverse is to deliver, as a part of a launch line: it converts between curves, videoconvert does not."""
+        if codec == "exr":
+            caps = formats.own_pictures(exr=True).FRAMES
+        elif info.colorimetry.transfer in _HDR and (self.exr or not self.container.muxer):
+            caps = "video/x-raw,format=RGBA64_LE,colorimetry=sRGB"
+        elif codec == "png16":
+            caps = "video/x-raw,format={GRAY16_LE,RGBA64_LE}" if self.task["layers"] else "video/x-raw,format=RGBA64_LE"
+        else:
+            return ""
+        return f"{caps} !"
+
+    def _last_element(self, demand):
+        """The demand if the chain ends with an element of gst-inverse, else ""; and what that shows."""
+        chain = self._parse(f"{self.task['chain']} ! identity name=chain-end")
+        last = chain.get_by_name("chain-end").get_static_pad("sink").get_peer()
+        element = last.get_parent_element() if last else None
+        if not element or not (element.get_factory().get_plugin_name() or "").startswith("inverse"):
+            return "", ""
+        return demand, element.get_property("show").value_nick if element.find_property("show") else ""
+
+    def _own(self, found, place, codec, setting):
+        ends = (found.get_by_name(f"{name}{place}") for name in ("frames", "packets"))
+        formats.own_pictures(codec == "exr").connect(*ends, codec, setting, self._fail)
+
+    def _watch_light(self, pad, counted, shown):
+        """Refuses HDR where a picture's file cannot name its curve. `counted`: frames are of 16 bits, on a curve that was demanded; what it
+        clips is counted."""
+        def seen(pad, data):
+            info = GstVideo.VideoInfo.new_from_caps(pad.get_current_caps())
+            hdr = info.colorimetry.transfer in _HDR
+            if hdr and self.task["container"] in ("png", "jpg"):
+                self._fail(f"{self.task['container']} is not written of HDR: end the elements with one of gst-inverse, which converts it")
+                return Gst.PadProbeReturn.DROP
+            if counted:
+                pictures = formats.own_pictures(exr=False)
+                light = pictures.pixels_of(info, data.get_buffer())[..., :3]
+                if light.max() == 65535:
+                    where = f" of {shown}" if shown else ""
+                    self.clipped[where, f"{pictures.PEAK:.3g} times white" if hdr else "white"] += int((light == 65535).any(-1).sum())
+            return Gst.PadProbeReturn.OK
+
+        pad.add_probe(Gst.PadProbeType.BUFFER, seen)
 
     def _count_made(self, *_):
         self.made += 1
@@ -288,6 +370,7 @@ class Transcode:
         sink = Gst.ElementFactory.make(factory)
         sink.set_property("location", location)
         sink.set_property("sync", False)
+        sink.set_property("async", False)  # an appsink before it passes nothing on until all play
         self.pipeline.add(sink)
         sink.sync_state_with_parent()
         return sink.get_static_pad("sink")
@@ -311,7 +394,16 @@ class Transcode:
         return self._file_sink("multifilesink", folder.replace("%", "%%") + f"/%06d.{self.task['container']}")
 
     def _decoded(self, source):
-        video, ends, codec = self._video_bin(source.get_current_caps())
+        caps = source.get_current_caps()
+        if is_pattern(self.task["input"]) and caps.get_structure(0).get_string("format") == "ARGB64" and \
+                formats.own_pictures(exr=False).pngdec_is_late():
+            mend = self._add(formats.own_line("png16 in"))
+            first = picture(self.task["input"], numbered(self.task["input"])[0])
+            self._own(mend, 0, "png16 in", first)
+            self._join(source, mend.sinkpads[0], "its frames cannot be read")
+            mend.sync_state_with_parent()
+            source = mend.srcpads[0]
+        video, ends, codec = self._video_bin(caps)
         self.pipeline.add(video)
         for end, target in zip(ends, self.video_pads):
             self._join(end, target, f"{self.task['container']} does not take the video codec {codec}")

@@ -4,11 +4,10 @@ import os
 import re
 from dataclasses import asdict, dataclass, field
 
-from .formats import is_layer
+from .formats import SEQUENCES, is_layer
 
-SEQUENCES = ("png", "jpg")  # written to folders
 PICTURES = re.compile(r"%0?\d*d")  # in the name of an input: numbered pictures
-RESULT = re.compile(r"[0-9]{6,}\.(png|jpg)")  # of such a folder
+RESULT = re.compile(r"[0-9]{6,}\.(" + "|".join(SEQUENCES) + ")")  # of such a folder
 VIDEO_ENDINGS = set("mp4 m4v mov mkv webm avi mpg mpeg ts mts m2ts ogv ogg flv wmv 3gp mxf".split())
 
 
@@ -28,6 +27,8 @@ class Settings:
     hardware: bool = False
     video_options: str = ""
     layers: list = field(default_factory=list)  # of intrinsicsplit; []: what the chain shows
+    bits: int = 0  # of PNG, 8 or 16; 0: as the input's
+    exposure: float = 0  # stops that EXR is brightened by when it is read, and darkened by when it is written
 
 
 @dataclass
@@ -51,6 +52,11 @@ class Task:
 def is_pattern(path):
     """Whether it names numbered pictures."""
     return bool(PICTURES.search(os.path.basename(path))) and not os.path.exists(path)
+
+
+def is_exr(path):
+    """Whether it names numbered pictures of OpenEXR."""
+    return path.lower().endswith(".exr") and is_pattern(path)
 
 
 def pattern_parts(pattern):
@@ -91,6 +97,8 @@ def _problem(path):
             return "there are no such pictures"
         missing = numbers[-1] - numbers[0] + 1 - len(numbers)
         return f"{missing} of its pictures are missing" if missing else ""
+    if path.lower().endswith(".exr"):
+        return "EXR pictures are named by a pattern, as in shot/%04d.exr"
     if not os.path.exists(path):
         return "there is no such file"
     if not os.path.isfile(path):

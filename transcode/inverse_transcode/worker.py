@@ -17,9 +17,8 @@ import gi
 gi.require_version("Gst", "1.0")
 from gi.repository import GLib, Gst  # noqa: E402
 
-from .formats import FormatError  # noqa: E402
+from .formats import SEQUENCES, FormatError  # noqa: E402
 from .pipeline import Transcode, TranscodeError  # noqa: E402
-from .plan import SEQUENCES  # noqa: E402
 from .probe import ProbeError  # noqa: E402
 
 CLOSING_SECONDS = 30
