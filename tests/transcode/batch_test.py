@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Batches of inverse-transcode under make and GNU parallel, and what may go wrong with them."""
+import contextlib
 import json
 import os
 import shutil
+import signal
 import subprocess
 import unittest
 
@@ -122,14 +124,21 @@ class Batch(Case):
         self.assertEqual(streams_of(self.path("out.mkv"))[0][0].packets, 120)
         self.assertIn("5 done", self.run_it("--batch", "b", "--status"))
 
+    @staticmethod
+    def processes(option, of):
+        """Those that pgrep finds."""
+        return [int(line) for line in subprocess.run(["pgrep", option, str(of)], check=False, stdout=subprocess.PIPE, text=True).stdout.split()]
+
     def test_a_killed_task_is_told_of_and_done_again(self):
         self.clip(frames=900)
         self.run_it("--batch", "b", "-o", "out.mkv", "clip.mkv")
         process = subprocess.Popen([self.path("b/run"), "0"], stderr=subprocess.DEVNULL, start_new_session=True)
         self.wait_for_part()
         self.assertIn("1 running", self.run_it("--batch", "b", "--status", status=1, parts=True))
-        subprocess.run(["pkill", "-KILL", "-s", str(os.getsid(process.pid))], check=True)
-        subprocess.run(["pkill", "-KILL", "-f", "inverse_transcode.worker"], check=False)
+        session = self.processes("-s", process.pid)
+        for found in session + self.processes("-P", ",".join(map(str, session))):  # workers have sessions of their own
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(found, signal.SIGKILL)
         process.wait()
         self.assertIn("ended without a word", self.run_it("--batch", "b", "--status", status=1, parts=True))
         os.unlink(self.path("b/manifest.json"))
