@@ -50,8 +50,8 @@ def _show(made, options):
 
 def main():
     """Runs the program; returns its exit status."""
-    options = arguments.parser().parse_args()
     Gst.init(None)
+    options = arguments.parser().parse_args()
     try:
         made = arguments.project_of(options)
         if options.launch_line:

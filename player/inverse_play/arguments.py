@@ -29,7 +29,7 @@ def parser():
     made.add_argument("--close-at-end", action="store_true", help="close the window after the last frame")
     made.add_argument("--folder", metavar="FOLDER", help="where recordings and snapshots go, instead of your own")
     made.add_argument("--launch-line", action="store_true", help="print the line for gst-launch-1.0, and end")
-    made.add_argument("--version", action="version", version="inverse-play 0.1.0")
+    made.add_argument("--version", action="version", version=f"inverse-play {elements.version()}")
     return made
 
 

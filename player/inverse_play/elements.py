@@ -13,6 +13,12 @@ class ElementError(Exception):
     """An element or a property that does not exist, or a value that does not fit. Says what to do."""
 
 
+def version():
+    """Of the elements, which this program is a part of."""
+    plugin = Gst.Registry.get().find_plugin("inverse")
+    return plugin.get_version() if plugin else "without elements"
+
+
 def _takes_layers(factory, direction, first=False):
     """Whether a pad of that direction that is always there takes layers; `first`: rather than pictures."""
     found = []
