@@ -12,13 +12,11 @@ import sys
 import tempfile
 import time
 
-import gi
-
 import virtual_cluster
-from overlap_bench import TOOL, frames, read_raw, write_raw
+from case import ROOT
+from raw_video import frames, read_raw, write_raw
 
-gi.require_version("Gst", "1.0")
-from gi.repository import Gst  # noqa: E402
+TOOL = ROOT / "transcode" / "inverse-transcode"
 
 
 def processor_time():
@@ -64,7 +62,6 @@ def main():
     parser.add_argument("--jobs", default="2")
     parser.add_argument("video")
     arguments = parser.parse_args(words)
-    Gst.init(None)
     settings = ["--quiet", "--video", "ffv1", "--audio", "none"]
     with tempfile.TemporaryDirectory() as folder:
         clips, single, many, cluster = (os.path.join(folder, name) for name in ("clips", "single", "many", "cluster"))

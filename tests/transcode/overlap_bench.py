@@ -10,64 +10,19 @@ frames with the same bytes. First chunks do not count. --cut: one video of six s
 import argparse
 import json
 import os
-import pathlib
 import subprocess
 import sys
 import tempfile
 
-import gi
 import numpy
 
-gi.require_version("Gst", "1.0")
-from gi.repository import Gst  # noqa: E402
+from case import ROOT
+from raw_video import frames, read_raw, write_raw
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 LAYERS = ("reflectance", "shading")
 TOOL = ROOT / "transcode" / "inverse-transcode"
 VALUE = (numpy.arange(256) + 1e-9) / 255
 LOG = numpy.log(numpy.where(VALUE > 0.04, ((VALUE + 0.055) / 1.055) ** 2.4, VALUE / 12.92))  # of linear light
-
-
-def frames(path, layer):
-    """Times and pictures (h, w, 3; 0…255) of one of a file's streams."""
-    pipeline = Gst.parse_launch(f"filesrc name=in ! matroskademux name=d  d.video_{layer} ! decodebin ! videoconvert ! "
-                                "video/x-raw,format=BGRx ! appsink name=out sync=false max-buffers=4")
-    pipeline.get_by_name("in").set_property("location", path)
-    pipeline.set_state(Gst.State.PLAYING)
-    try:
-        while sample := pipeline.get_by_name("out").emit("pull-sample"):
-            size, buffer = sample.get_caps().get_structure(0), sample.get_buffer()
-            data = numpy.frombuffer(buffer.extract_dup(0, buffer.get_size()), numpy.uint8)
-            yield buffer.pts, data.reshape(size.get_value("height"), size.get_value("width"), 4)[:, :, :3]
-    finally:
-        pipeline.set_state(Gst.State.NULL)
-
-
-def read_raw(path, form):
-    """Frames of a video as bytes, I420, and their caps."""
-    reader = Gst.parse_launch(f"filesrc name=in ! decodebin ! videoconvert ! videoscale ! videorate ! {form} ! appsink name=out sync=false")
-    reader.get_by_name("in").set_property("location", path)
-    reader.set_state(Gst.State.PLAYING)
-    try:
-        while sample := reader.get_by_name("out").emit("pull-sample"):
-            yield sample.get_buffer().extract_dup(0, sample.get_buffer().get_size()), sample.get_caps()
-    finally:
-        reader.set_state(Gst.State.NULL)
-
-
-def write_raw(path, found):
-    """Writes such frames without loss, at 30 a second."""
-    writer = Gst.parse_launch("appsrc name=in format=time ! avenc_ffv1 ! matroskamux ! filesink name=out")
-    writer.get_by_name("out").set_property("location", path)
-    writer.get_by_name("in").set_property("caps", found[0][1])
-    writer.set_state(Gst.State.PLAYING)
-    for k, (data, _) in enumerate(found):
-        buffer = Gst.Buffer.new_wrapped(data)
-        buffer.pts, buffer.duration = k * Gst.SECOND // 30, Gst.SECOND // 30
-        writer.get_by_name("in").emit("push-buffer", buffer)
-    writer.get_by_name("in").emit("end-of-stream")
-    writer.get_bus().timed_pop_filtered(Gst.CLOCK_TIME_NONE, Gst.MessageType.EOS | Gst.MessageType.ERROR)
-    writer.set_state(Gst.State.NULL)
 
 
 def cut(videos, seconds, path):
@@ -121,7 +76,6 @@ def main():
     parser.add_argument("--cut", type=float)
     parser.add_argument("videos", nargs="+")
     arguments = parser.parse_args(words)
-    Gst.init(None)
     common = [TOOL, "--quiet", "--video", "ffv1", "--audio", "none", "--layers", ",".join(LAYERS)]
     shots = ["--divide-shots"] if arguments.divide_shots else []
     print("overlap  twice    step   first: R    S      second: R   S      after: R    S      equal")
