@@ -72,7 +72,7 @@ def main():
         os.mkfifo(path)
         source = (f"filesrc location={path} blocksize={3 * width * height} do-timestamp=true ! rawvideoparse width={width} height={height} format=rgb "
                   f"framerate={RATE}/1")
-        server = subprocess.Popen([web_test.SERVE, "--port", "0", *(sys.argv[at:] or ["--", "intrinsicdecomp", "!", "intrinsiccompose"])], env={**os.environ, "SOURCE": source}, stdout=subprocess.PIPE, text=True)
+        server = subprocess.Popen([web_test.SERVE, "--port", "0", "--report", *(sys.argv[at:] or ["--", "intrinsicdecomp", "!", "intrinsiccompose"])], env={**os.environ, "SOURCE": source}, stdout=subprocess.PIPE, text=True)
         threading.Thread(target=send, args=(path, width, height, server), daemon=True).start()
         browser = web_test.Browser(folder, server.stdout.readline().strip())
         try:

@@ -82,12 +82,21 @@ class Serve(unittest.TestCase):
     def test_what_is_wrong(self):
         server = self.start(SCRIPTS / "rtsp", "--port", "0")
         port = server.stdout.readline().strip().split(":")[2].split("/")[0]
-        for words, text in ((["--port", port], "cannot be opened: it may be in use"), (["--", "nosuchelement"], "nosuchelement"),
+        for words, text in ((["--port", port], "cannot be opened: the port may be in use"), (["--", "nosuchelement"], "nosuchelement"),
                             (["/none.mp4"], "there is no file /none.mp4"), (["/dev/video99"], "there is no camera /dev/video99")):
             with self.subTest(words):
                 other = self.start(SCRIPTS / "rtsp", *words, source="" if words[0].startswith("/") else CAMERA)
                 self.assertIn(text, other.communicate(timeout=60)[1])
                 self.assertEqual(other.returncode, 1)
+
+    def test_a_source_that_fails_is_told_of(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".mp4") as text:
+            text.write("no video\n" * 100)
+            text.flush()
+            server = self.start(SCRIPTS / "rtsp", text.name, "--port", "0", source="")
+            client = Client(server.stdout.readline().strip(), "tcp")
+            self.addCleanup(client.close)
+            self.assertIn("rtsp: ", server.stderr.readline())
 
     def test_hls(self):
         if not any(Gst.ElementFactory.find(name) for name in ("x264enc", "openh264enc")):
@@ -113,13 +122,17 @@ class Serve(unittest.TestCase):
             self.skipTest("there is no openh264enc")
         with tempfile.TemporaryDirectory() as folder:
             clip = f"{folder}/a clip.mp4"
-            writer = Gst.parse_launch("videotestsrc num-buffers=20 ! video/x-raw,width=160,height=120 ! openh264enc ! h264parse ! mp4mux ! filesink name=out")
+            writer = Gst.parse_launch("videotestsrc num-buffers=900 ! video/x-raw,width=160,height=120 ! openh264enc gop-size=60 ! h264parse ! mp4mux ! filesink name=out")
             writer.get_by_name("out").set_property("location", clip)
             writer.set_state(Gst.State.PLAYING)
             writer.get_bus().timed_pop_filtered(30 * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR)
             writer.set_state(Gst.State.NULL)
             _, errors = self.start(SCRIPTS / "hls", clip, f"{folder}/out", source="").communicate(timeout=100)
-            self.assertIn("#EXT-X-ENDLIST", pathlib.Path(folder, "out", "live.m3u8").read_text(encoding="utf-8"), errors)
+            playlist = pathlib.Path(folder, "out", "live.m3u8").read_text(encoding="utf-8")
+            self.assertIn("#EXT-X-ENDLIST", playlist, errors)
+            names = [line for line in playlist.splitlines() if line.endswith(".ts")]
+            self.assertGreater(len(names), 10)  # all of it, and not the last ten segments
+            self.assertEqual(sorted(names), sorted(name.name for name in pathlib.Path(folder, "out").glob("*.ts")))
 
 
 if __name__ == "__main__":

@@ -82,7 +82,7 @@ class Browser:
 class Web(unittest.TestCase):
     def serve(self, *words, width=160, height=120, rate=10, source=None):
         source = CAMERA.format(width=width, height=height, rate=rate) if source is None else source
-        process = subprocess.Popen([SERVE, "--port", "0", *words], env={**os.environ, "SOURCE": source}, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        process = subprocess.Popen([SERVE, "--port", "0", "--report", *words], env={**os.environ, "SOURCE": source}, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                    text=True)
 
         def end():
@@ -131,7 +131,7 @@ class Web(unittest.TestCase):
         self.assertIsNone(server.poll())
 
     def test_what_is_wrong(self):
-        for words, source, text in ((["--controls", "nosuch"], None, "has no nosuch"), (["/none.mp4"], "", "there is no file /none.mp4"),
+        for words, source, text in ((["--controls", "nosuch"], None, "has no nosuch"), (["--controls", "strokes"], None, "strokes is no number and no choice"), (["/none.mp4"], "", "there is no file /none.mp4"),
                                     (["--", "intrinsicdecomp", "!", "nosuch"], None, "nosuch"), (["--port", "1", "--address", "203.0.113.1"], None, "cannot be opened")):
             with self.subTest(words):
                 self.assertIn(text, self.serve(*words, source=source).communicate(timeout=60)[1])
