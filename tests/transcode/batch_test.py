@@ -41,7 +41,7 @@ class Batch(Case):
                 chain = ["--", "identity"] if name == "shown" else [*chain, "--", "intrinsicdecomp"]
                 self.run_it("-o", f"{name}.mkv", *words, *chain)
                 said = self.run_it("--batch", f"batch {name}", "--chunk", "1", "--divide-shots", "--overlap", "5", "-o", f"joined {name}.mkv", *words, *chain)
-                self.assertIn("4 tasks to do, and 1 that join chunks", said)
+                self.assertIn("4 tasks to do, and 1 to join chunks", said)
                 chunks = [task["chunk"] for task in self.manifest(f"batch {name}")["tasks"][:4]]
                 self.assertEqual([round(c["start"] / 1e9) for c in chunks], [0, 1, 2, 3])
                 self.assertEqual([c["end"] for c in chunks], [*[c["start"] for c in chunks[1:]], None])
@@ -117,10 +117,11 @@ class Batch(Case):
             self.skipTest("there is no GNU parallel")
         self.long_clip()
         self.run_it("--batch", "b", "--chunk", "1", "--divide-shots", "-o", "out.mkv", "long.mkv", "--", "identity")
-        for tasks in ("0 1 2 3", "4"):
-            # Each task is given twice: one waits for the other and finds it done.
-            words = ["parallel", "-j4", self.path("b/run"), ":::", *tasks.split(), *tasks.split()]
-            subprocess.run(words, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=200)
+        for name in ("b/tasks", "b/joins"):
+            with open(self.path(name), encoding="ascii") as read:
+                tasks = 2 * read.read()  # each twice: one waits for the other and finds it done
+            subprocess.run(["parallel", "-j4", self.path("b/run")], input=tasks, text=True, check=True, stdout=subprocess.DEVNULL,
+                           stderr=subprocess.DEVNULL, timeout=200)
         self.assertEqual(streams_of(self.path("out.mkv"))[0][0].packets, 120)
         self.assertIn("5 done", self.run_it("--batch", "b", "--status"))
 
@@ -140,7 +141,7 @@ class Batch(Case):
             with contextlib.suppress(ProcessLookupError):
                 os.kill(found, signal.SIGKILL)
         process.wait()
-        self.assertIn("ended without a word", self.run_it("--batch", "b", "--status", status=1, parts=True))
+        self.assertIn("ended without a result", self.run_it("--batch", "b", "--status", status=1, parts=True))
         os.unlink(self.path("b/manifest.json"))
         shutil.rmtree(self.path("b"))
         self.run_it("--batch", "b", "-o", "out.mkv", "clip.mkv", "--", "identity", parts=True)

@@ -167,7 +167,7 @@ class Pictures(Case):
         for words, text, status in (
             (["cut%d.exr"], "cut2.exr cannot be read as OpenEXR", 1),
             (["text%d.exr"], "text1.exr cannot be read as OpenEXR", 1),
-            (["gap%d.exr"], "1 of its pictures are missing", 1),
+            (["gap%d.exr"], "is missing (1 in all)", 1),
             (["size%d.exr"], "size2.exr is 56x20; size1.exr is 56x40", 1),
             (["depth%d.exr"], "depth1.exr has no channels R, G and B, or Y, but Z, diffuse.R", 1),
             (["gap1.exr"], "EXR pictures are named by a pattern", 1),

@@ -60,7 +60,7 @@ class Slurm(Case):
         # Killed for its time, after which it is told of, and done when there is more of it.
         self.run_it("--batch", "b", "--slurm", "--sbatch", "--time=0:01 --signal=B:KILL@59")
         self.cluster.wait(150)
-        self.assertRegex(self.run_it("--batch", "b", "--status", status=1), "ended without a word|its process ended")
+        self.assertRegex(self.run_it("--batch", "b", "--status", status=1), "ended without a result|its process ended")
         self.assertEqual(os.path.exists(self.path("out/clip.mkv")), False)
 
     def test_captures_of_a_light_stage(self):

@@ -103,7 +103,7 @@ class Transcode(Case):
             self.assertIn(f"{said}", self.run_it("50% of it/frames/%06d.jpg", "--out", "results", "--", "identity"))
         self.assertEqual(os.listdir(self.path("results")), ["frames.mkv"])
         os.unlink(self.path("frames/shading/000004.jpg"))
-        self.assertIn("1 of its pictures are missing", self.run_it("frames/shading/%06d.jpg", status=1))
+        self.assertIn("is missing (1 in all)", self.run_it("frames/shading/%06d.jpg", status=1))
         self.assertIn("there are no such pictures", self.run_it("frames/%03d.png", status=1))
 
     def test_version_is_that_of_the_elements(self):
@@ -176,7 +176,10 @@ class Transcode(Case):
             (["clip.mkv", "-o", "x", "--to", "jpg", "--hardware"], "--hardware is for files of video, not for jpg", 2),
             (["clip.mkv", "-o", "x", "--to", "exr", "--audio", "opus"], "--audio is for files with sound, not for exr", 2),
             (["clip.mkv", "-o", "x.mkv", "--bits", "16"], "--bits is for png, not for mkv", 2),
-            (["clip.mkv", "--report", "none/report.json"], "no folder for the report", 2),
+            (["clip.mkv", "--report", "none/report.json"], "the report cannot be written", 2),
+            (["clip.mkv", "-o", "x.webm", "--video", "ffv1"], "webm does not take the video codec ffv1; it takes", 2),
+            (["clip.mkv", "-o", "x.mkv", "--overlap", "2"], "--overlap needs --chunk", 2),
+            (["intrinsicdecomp", "show=shading"], "elements go after --", 1),
             (["none.mkv"], "there is no such file", 1),
             (["clip.mkv", "-o", "out.txt"], "there is no container 'txt'", 2),
             (["clip.mkv", "--", "nosuchelement"], "nosuchelement", 2),
@@ -189,6 +192,11 @@ class Transcode(Case):
                 self.assertIn(text, self.run_it(*words, status=status))
         self.assertFalse(os.path.exists(self.path("out/transcode/clip.mkv")))
         self.assertEqual(os.listdir(self.path("other")), ["notes"])
+
+    def test_an_effect_on_a_layer(self):
+        self.clip(frames=6)
+        self.run_it("clip.mkv", "-o", "out.mkv", "--", 'intrinsicedit layer=shading effect="videobalance contrast=1.2"')
+        self.assertEqual(streams_of(self.path("out.mkv"))[0][0].packets, 6)
 
     def test_dry_run_writes_nothing(self):
         self.clip()

@@ -66,11 +66,11 @@ def parse(words):
     many.add_argument("--batch", metavar="FOLDER", help="with inputs: write a folder of numbered tasks there, for make, GNU parallel or Slurm")
     many.add_argument("--chunk", metavar="SECONDS", type=float, default=0, help="divide longer files in chunks of at least so many seconds, at cuts")
     many.add_argument("--divide-shots", action="store_true", help="also where there is no cut; brightness of layers may jump there")
-    many.add_argument("--overlap", metavar="FRAMES", type=int, default=OVERLAP, help=f"frames that the elements get before a chunk begins ({OVERLAP})")
+    many.add_argument("--overlap", metavar="FRAMES", type=int, help=f"frames that the elements get before a chunk begins ({OVERLAP})")
     many.add_argument("--slurm", action="store_true", help="submit what is not done by sbatch, as job arrays")
     many.add_argument("--sbatch", metavar="OPTIONS", default="", help="of sbatch, such as \"--partition=video --mem=4G --time=2:00:00\"")
     many.add_argument("--status", action="store_true", help="print what is done, failed and running; --report writes it")
-    many.add_argument("--task", metavar="N", type=int, nargs="+", help="work these tasks")
+    many.add_argument("--task", metavar="N", type=int, nargs="+", help="run these tasks")
     parser.add_argument("--version", action="version", version=f"inverse-transcode {formats.version()}")
     words = list(words)
     for name in ("--sbatch", "--video-options"):  # whose values may begin with a dash
@@ -94,6 +94,11 @@ def parse(words):
 def check_verbs(parser, arguments):
     """Whether the options for batches and the inputs fit together; ends with a message if not."""
     verbs = [name for name in ("slurm", "status", "task") if getattr(arguments, name) not in (None, False)]
+    for name in ("divide_shots", "overlap"):
+        if getattr(arguments, name) not in (None, False) and not arguments.chunk:
+            parser.error(f"--{name.replace('_', '-')} needs --chunk SECONDS")
+    if arguments.overlap is None:
+        arguments.overlap = OVERLAP
     if not arguments.batch:
         if verbs or arguments.chunk:
             parser.error(f"--{(verbs or ['chunk'])[0]} needs --batch FOLDER")
@@ -140,13 +145,14 @@ def check(settings, inputs):
     container = formats.container(settings.container)
     codec = "png16" if settings.bits == 16 else settings.video or container.video
     encoder = formats.video_encoder(codec, settings.hardware, settings.video_options)
+    formats.check_fit(settings.container, settings.video)
     if settings.audio not in ("copy", "none"):
         formats.audio_encoder(settings.audio)
     try:
         Gst.parse_bin_from_description(f"identity ! {settings.chain} ! identity", False)
         Gst.parse_bin_from_description(encoder, False)
     except GLib.Error as error:
-        raise PlanError(error.message) from error
+        raise PlanError(f"{error.message}: the elements after -- must take pictures and pass pictures on") from error
 
 
 def count(results):
@@ -186,8 +192,9 @@ def make_batch(arguments, settings, tasks):
     if not arguments.quiet:
         work, joins = batch.pending()
         folder = shlex.quote(batch.folder)
-        print(f"{len(work)} tasks to do" + (f", and {len(joins)} that join chunks" if joins else "") + f": {batch.folder}")
-        print(f"  make -C {folder} -j 4\n  inverse-transcode --batch {folder} --slurm\n  inverse-transcode --batch {folder} --status")
+        print(f"{len(work)} task{'s' * (len(work) != 1)} to do" + (f", and {len(joins)} to join chunks" if joins else "") + f": {batch.folder}")
+        print(f"  make -C {folder} -j 4\n  parallel {folder}/run :::: {folder}/tasks" + (f" && parallel {folder}/run :::: {folder}/joins" if joins else "") +
+              f"\n  inverse-transcode --batch {folder} --slurm\n  inverse-transcode --batch {folder} --status")
     return batch
 
 
@@ -225,15 +232,15 @@ def main():
 
 
 def transcode_main(arguments):
-    """Works, or plans a batch of, the inputs; returns the exit status."""
+    """Transcodes the inputs, or plans a batch of them; returns the exit status."""
     ending = arguments.to or (os.path.splitext(arguments.output)[1][1:].lower() if arguments.output else "mkv")
     layers = [name.strip() for name in arguments.layers.split(",") if name.strip()]
     settings = Settings(arguments.chain, ending, arguments.rate, arguments.video, arguments.audio, arguments.hardware, arguments.video_options, layers,
                         arguments.bits, arguments.exposure)
     if arguments.output and arguments.to and arguments.to not in formats.SEQUENCES and not arguments.output.endswith("." + arguments.to):
         raise PlanError(f"{arguments.output} does not end in .{arguments.to}")
-    if arguments.report and not os.access(os.path.dirname(os.path.abspath(arguments.report)), os.W_OK):
-        raise PlanError(f"there is no folder for the report: {arguments.report}")
+    if arguments.report and not os.access(place := os.path.dirname(os.path.abspath(arguments.report)), os.W_OK):
+        raise PlanError(f"the report cannot be written: {place} {'is read-only' if os.path.isdir(place) else 'is no folder'}")
     check(settings, arguments.inputs)
     if arguments.chunk:
         formats.need(["gdppay", "gdpdepay", "scenechange"], "chunks")

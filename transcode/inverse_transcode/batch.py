@@ -115,6 +115,8 @@ def make(folder, settings, tasks, division, warn):
         os.makedirs(os.path.join(folder, name), exist_ok=True)
     _write(os.path.join(folder, "run"), _run_script(folder), 0o777)
     _write(os.path.join(folder, "Makefile"), _makefile(listed))
+    for name, numbers in zip(("tasks", "joins"), _lists(listed)):
+        _write(os.path.join(folder, name), "".join(f"{n}\n" for n in numbers))
     _write(path, json.dumps(manifest, indent=1), 0o444)
     return Batch(folder)
 
@@ -122,14 +124,20 @@ def make(folder, settings, tasks, division, warn):
 def _run_script(folder):
     kept = "".join(f"export {name}={shlex.quote(os.environ[name])}\n" for name in ENVIRONMENT if os.environ.get(name))
     launcher = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "inverse-transcode")
-    return (f"#!/bin/sh\n# Works tasks of this batch: run NUMBER...\n{kept}exec {shlex.quote(launcher)} --batch {shlex.quote(folder)} "
+    return (f"#!/bin/sh\n# Runs tasks of this batch: run NUMBER...\n{kept}exec {shlex.quote(launcher)} --batch {shlex.quote(folder)} "
             '--task "$@"\n')
+
+
+def _lists(tasks):
+    """The numbers of tasks of files and chunks, and of those that join chunks."""
+    numbers = range(len(tasks))
+    return [n for n in numbers if not tasks[n].get("parts")], [n for n in numbers if tasks[n].get("parts")]
 
 
 def _makefile(tasks):
     lines = [f"done/{n}: | " + " ".join(f"done/{part}" for part in task["parts"]) for n, task in enumerate(tasks) if task.get("parts")]
     return "\n".join([
-        "# Works all tasks that are not done: make -C FOLDER -j N. What is there counts, not how old it is.",
+        "# Runs all tasks that are not done: make -C FOLDER -j N. What is there counts, not how old it is.",
         "MAKEFLAGS += --keep-going",
         "all: " + " ".join(f"done/{n}" for n in range(len(tasks))),
         "done/%:", "\t./run $*", *lines, ""])
@@ -151,7 +159,7 @@ class Batch:
         except (ValueError, KeyError, TypeError) as error:
             raise BatchError(f"{path} is damaged ({error}): make the batch anew in another folder") from error
         if not same:
-            raise BatchError(f"{path} was edited: make a batch of what you want in another folder")
+            raise BatchError(f"{path} was edited: undo that, or make a batch of what you want in another folder")
 
     def _path(self, *names):
         return os.path.join(self.folder, *map(str, names))
@@ -169,7 +177,7 @@ class Batch:
         return os.path.exists(self._path("done", number)) and ("chunk" in task or os.path.exists(task["output"]))
 
     def state(self, number):
-        """What became of a task, as in a report: of `status` also "running", "ended" (without a word) and "waiting"."""
+        """What became of a task, as in a report: of `status` also "running", "ended" (without a result) and "waiting"."""
         base = {"task": number, "input": self.tasks[number]["input"], "output": self.tasks[number]["output"]}
         if self.is_done(number):
             return {**base, **self._result(number, "done"), "task": number}
@@ -189,16 +197,15 @@ class Batch:
         for result in files:
             if result["status"] == "ended":
                 job = f", Slurm job {result['begun']['slurm']}" if result["begun"].get("slurm") else ""
-                result["error"] = f"its process on {result['begun']['host']}{job} ended without a word: killed, or out of memory or time"
+                result["error"] = f"its process on {result['begun']['host']}{job} ended without a result: killed, or out of memory or time"
         return files + self.manifest["others"]
 
     def pending(self):
         """The numbers of tasks that are not done: those of files and chunks, and those that join chunks."""
-        numbers = [n for n in range(len(self.tasks)) if not self.is_done(n)]
-        return [n for n in numbers if not self.tasks[n].get("parts")], [n for n in numbers if self.tasks[n].get("parts")]
+        return tuple([n for n in numbers if not self.is_done(n)] for numbers in _lists(self.tasks))
 
     def work(self, numbers, quiet=False, verbose=False):
-        """Works tasks one after the other; returns the exit status."""
+        """Runs tasks one after the other; returns the exit status."""
         wrong = [n for n in numbers if not 0 <= n < len(self.tasks)]
         if wrong:
             raise BatchError(f"there is no task {wrong[0]}; the batch has {len(self.tasks)}, from 0")
@@ -262,7 +269,7 @@ def _host():
 
 
 def _begin(lock):
-    """Notes in a lock who works the task."""
+    """Notes in a lock which process runs the task."""
     slurm = os.environ.get("SLURM_ARRAY_JOB_ID")
     begun = {"host": _host(), "slurm": f"{slurm}_{os.environ.get('SLURM_ARRAY_TASK_ID')}" if slurm else ""}
     lock.seek(0)

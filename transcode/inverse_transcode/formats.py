@@ -93,6 +93,11 @@ def need(elements, what):
         _first([element], what)
 
 
+def is_element(name):
+    """Whether GStreamer has such an element."""
+    return Gst.ElementFactory.find(name) is not None
+
+
 def layers():
     """The names of the layers that intrinsicsplit has; %u: a number."""
     split = Gst.ElementFactory.find("intrinsicsplit")
@@ -151,6 +156,27 @@ def video_encoder(codec, hardware=False, options="", place=0):
     lines = (_HARDWARE.get(codec, []) if hardware else []) + _SOFTWARE[codec]
     head, *parser = _first(lines, f"the video codec {codec}").split(" ! ")
     return " ! ".join([f"{head} {options}".strip(), *parser])
+
+
+def _fits(muxer, codec):
+    """Whether a muxer takes what an encoder of the codec outputs."""
+    encoder = next((line for line in _SOFTWARE[codec] if all(Gst.ElementFactory.find(part.split()[0]) for part in line.split(" ! "))), None)
+    if not encoder:
+        return False
+
+    def pads(element, direction):
+        return [t.get_caps() for t in Gst.ElementFactory.find(element).get_static_pad_templates() if t.direction == direction]
+
+    made = pads(encoder.split(" ! ")[-1].split()[0], Gst.PadDirection.SRC)
+    return any(one.can_intersect(other) for one in made for other in pads(muxer, Gst.PadDirection.SINK))
+
+
+def check_fit(ending, codec):
+    """Throws FormatError if a container does not take a codec ("": its own)."""
+    muxer = CONTAINERS[ending].muxer
+    if codec and muxer and not _fits(muxer, codec):
+        taken = [other for other in VIDEO_CODECS if other in _SOFTWARE and _fits(muxer, other)]
+        raise FormatError(f"{ending} does not take the video codec {codec}; it takes {', '.join(taken)}")
 
 
 def deep_formats(encoder, most_bits):

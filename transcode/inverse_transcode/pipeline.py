@@ -176,9 +176,9 @@ class Transcode:
     def _bin(self, description):
         """A bin with a pad for each end that is not linked."""
         found = self._parse(description)
-        for direction in (Gst.PadDirection.SINK, Gst.PadDirection.SRC):
-            while pad := found.find_unlinked_pad(direction):
-                found.add_pad(Gst.GhostPad.new(None, pad))
+        # Not find_unlinked_pad(), which also finds those inside of elements that are bins.
+        for pad in [pad for element in found.children for pad in element.pads if not pad.is_linked()]:
+            found.add_pad(Gst.GhostPad.new(None, pad))
         return found
 
     @staticmethod

@@ -4,7 +4,7 @@ import os
 import re
 from dataclasses import asdict, dataclass, field
 
-from .formats import SEQUENCES, is_layer
+from .formats import SEQUENCES, is_element, is_layer
 
 PICTURES = re.compile(r"%0?\d*d")  # in the name of an input: numbered pictures
 RESULT = re.compile(r"[0-9]{6,}\.(" + "|".join(SEQUENCES) + ")")  # of such a folder
@@ -95,12 +95,12 @@ def _problem(path):
         numbers = numbered(path)
         if not numbers:
             return "there are no such pictures"
-        missing = numbers[-1] - numbers[0] + 1 - len(numbers)
-        return f"{missing} of its pictures are missing" if missing else ""
+        missing = sorted(set(range(numbers[0], numbers[-1])) - set(numbers))
+        return f"{os.path.basename(picture(path, missing[0]))} is missing ({len(missing)} in all)" if missing else ""
     if path.lower().endswith(".exr"):
         return "EXR pictures are named by a pattern, as in shot/%04d.exr"
     if not os.path.exists(path):
-        return "there is no such file"
+        return "there is no such file" + ("; elements go after --" if "=" in path or is_element(path) else "")
     if not os.path.isfile(path):
         return "it is no file"
     if not os.access(path, os.R_OK):
@@ -155,7 +155,7 @@ def plan(inputs, output, folder, ending, again=False):
         if os.path.isdir(given):
             found = list(_videos(given, os.path.realpath(folder)))
             if not found:
-                raise PlanError(f"there are no videos in {given}; their names end in {', '.join(sorted(VIDEO_ENDINGS))}")
+                raise PlanError(f"there are no videos in {given}; their names end in {', '.join(sorted(VIDEO_ENDINGS))} (numbered pictures: {given}/%04d.png)")
             base = os.path.basename(os.path.realpath(given))
             found = [(path, os.path.join(base, os.path.relpath(path, given))) for path in found]
         else:
@@ -165,7 +165,7 @@ def plan(inputs, output, folder, ending, again=False):
                 seen.add(os.path.realpath(path))
                 pairs.append((path, below))
     if output and len(pairs) != 1:
-        raise PlanError(f"one output cannot take {len(pairs)} inputs; name a folder by --out")
+        raise PlanError(f"one output cannot take {len(pairs)} inputs; name a folder by --out (elements go after --)")
     tasks, taken = [], {}
     sources = [os.path.realpath(picture(path, n)) for path, _ in pairs if is_pattern(path) for n in numbered(path)[:1]]
     sources = _with_folders(sources + [os.path.realpath(path) for path, _ in pairs])

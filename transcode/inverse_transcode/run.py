@@ -83,7 +83,7 @@ class Runner:
             elif task.done:
                 results[index] = {**base, "status": "present"}
                 if not self.quiet:
-                    print(f"present {task.output}", file=sys.stderr)
+                    print(f"present {task.output}: newer than its input (--again makes it anew; settings are not compared)", file=sys.stderr)
             else:
                 todo.append((index, task))
         progress = Progress(len(todo), self.quiet)
