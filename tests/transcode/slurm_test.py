@@ -34,7 +34,7 @@ class Slurm(Case):
         for name in names[1:]:
             shutil.copy(self.path("in/" + names[0]), self.path("in/" + name))
         said = self.run_it("--batch", "b", "--chunk", "8", "--divide-shots", "--out", "out", "--slurm", "in", "--", "identity", "sleep-time=6000")
-        self.assertIn("32 tasks to do, and 16 that join chunks", said)
+        self.assertIn("32 tasks to do, and 16 to join chunks", said)
         # Four to an element, since an array has ten at most.
         self.assertEqual(len([job for job in self.cluster.jobs() if job.endswith("inverse-work")]), 8)
         end = time.monotonic() + 60
