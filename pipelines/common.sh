@@ -21,6 +21,18 @@ if ! gst-inspect-1.0 --exists --atleast-version=0.0.0 intrinsicdecomp 2>/dev/nul
   gst-inspect-1.0 --exists --atleast-version=0.0.0 intrinsicdecomp || fail "the plugin inverse is not built: ./dev shell builds it"
 fi
 
+# Fails if an element of the plugin for light stages is missing.
+need_stage() {
+  gst-inspect-1.0 --exists --atleast-version=0.0.0 "$1" ||
+    fail "the plugin inversestage is not built: install libopencv-video-dev and libopenexr-dev, then ./dev shell builds it"
+}
+
+# Fails if an environment map is named that cannot be read.
+need_environment() { [ -z "$1" ] || [ -r "$1" ] || fail "there is no environment map $1"; }
+
+# Fails if the folder of a result is missing.
+need_folder_of() { [ -d "$(dirname "$1")" ] || fail "there is no folder $(dirname "$1") to write to"; }
+
 # A window. sync=false shows a camera's frames on arrival.
 window() {
   [ -n "${SINK:-}${DISPLAY:-}${WAYLAND_DISPLAY:-}" ] ||
