@@ -145,7 +145,7 @@ def check(settings, inputs):
     container = formats.container(settings.container)
     codec = "png16" if settings.bits == 16 else settings.video or container.video
     encoder = formats.video_encoder(codec, settings.hardware, settings.video_options)
-    formats.check_fit(settings.container, settings.video)
+    formats.check_fit(settings.container, settings.video, encoder)
     if settings.audio not in ("copy", "none"):
         formats.audio_encoder(settings.audio)
     try:

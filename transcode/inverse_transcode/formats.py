@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Containers and codecs by name, and the elements that write them."""
+import contextlib
 import re
 from dataclasses import dataclass
 
@@ -158,12 +159,8 @@ def video_encoder(codec, hardware=False, options="", place=0):
     return " ! ".join([f"{head} {options}".strip(), *parser])
 
 
-def _fits(muxer, codec):
-    """Whether a muxer takes what an encoder of the codec outputs."""
-    encoder = next((line for line in _SOFTWARE[codec] if all(Gst.ElementFactory.find(part.split()[0]) for part in line.split(" ! "))), None)
-    if not encoder:
-        return False
-
+def _fits(muxer, encoder):
+    """Whether a muxer takes what an encoder, a part of a launch line, outputs."""
     def pads(element, direction):
         return [t.get_caps() for t in Gst.ElementFactory.find(element).get_static_pad_templates() if t.direction == direction]
 
@@ -171,12 +168,18 @@ def _fits(muxer, codec):
     return any(one.can_intersect(other) for one in made for other in pads(muxer, Gst.PadDirection.SINK))
 
 
-def check_fit(ending, codec):
-    """Throws FormatError if a container does not take a codec ("": its own)."""
+def _codecs_of(muxer):
+    for codec in VIDEO_CODECS:
+        with contextlib.suppress(FormatError):  # there is no encoder
+            if _fits(muxer, video_encoder(codec)):
+                yield codec
+
+
+def check_fit(ending, codec, encoder):
+    """Throws FormatError if a container does not take a codec ("": its own), of which video_encoder() found this encoder."""
     muxer = CONTAINERS[ending].muxer
-    if codec and muxer and not _fits(muxer, codec):
-        taken = [other for other in VIDEO_CODECS if other in _SOFTWARE and _fits(muxer, other)]
-        raise FormatError(f"{ending} does not take the video codec {codec}; it takes {', '.join(taken)}")
+    if codec and muxer and not _fits(muxer, encoder):
+        raise FormatError(f"{ending} does not take the video codec {codec}; it takes {', '.join(_codecs_of(muxer))}")
 
 
 def deep_formats(encoder, most_bits):

@@ -263,6 +263,8 @@ class Transcode:
     def _watch_light(self, pad, counted, shown):
         """Refuses HDR where a picture's file cannot name its curve. `counted`: frames are of 16 bits, on a curve that was demanded; what it
         clips is counted."""
+        pictures = formats.own_pictures(exr=False) if counted else None
+
         def seen(pad, data):
             info = GstVideo.VideoInfo.new_from_caps(pad.get_current_caps())
             hdr = info.colorimetry.transfer in _HDR
@@ -270,7 +272,6 @@ class Transcode:
                 self._fail(f"{self.task['container']} is not written of HDR: end the elements with one of gst-inverse, which converts it")
                 return Gst.PadProbeReturn.DROP
             if counted:
-                pictures = formats.own_pictures(exr=False)
                 light = pictures.pixels_of(info, data.get_buffer())[..., :3]
                 if light.max() == 65535:
                     where = f" of {shown}" if shown else ""
