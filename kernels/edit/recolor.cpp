@@ -80,7 +80,12 @@ void Recolor::reset() {
 void Recolor::record(gpu::Commands& commands, Layers& layers, const RecolorParams& params) {
   if (!(params.strength > 0) && !params.write_mask) return;
   const bool by_mask = params.by_mask;
-  if (by_mask && !layers[Role::mask]) return;
+  if (by_mask && !layers[Role::mask]) {  // nothing is selected
+    if (!params.write_mask) return;
+    const PlanePtr none = planes_.acquire();
+    commands.fill(none->buffer);
+    return replace(commands, layers, Role::mask, none);
+  }
   const bool by_base = !by_mask && params.base >= 0;
   const bool by_cluster = !by_mask && !by_base && params.cluster >= 0;
   const bool matte = by_mask || (params.use_mask && layers[Role::mask]);

@@ -19,8 +19,8 @@ namespace inverse {
 /// Selection and target of a recoloring. Colors are linear RGB reflectances in the scale of the
 /// intrinsic layer.
 struct RecolorParams {
-  /// The mask layer selects alone; frames without one are not edited. Its mean color replaces the
-  /// key; base, cluster and the tolerances are not used.
+  /// The mask layer selects alone; frames without one are not edited, and nothing of them is
+  /// selected. Its mean color replaces the key; base, cluster and the tolerances are not used.
   bool by_mask = false;
   /// −1: by `cluster` or the key. 0…kMaxBases − 1: the surfaces of that base color of bounced light
   /// (Role::bases), by the chromaticity of unedited reflectance; their mean color replaces the key,

@@ -244,6 +244,16 @@ TEST(Recolor, AMaskConfinesTheNextEditor) {
   EXPECT_GT(half_difference(free.process(frame), frame, width, false), 50);
 }
 
+TEST(Recolor, AnEmptySelectionIsAnEmptyMask) {
+  const std::string caps = VideoHarness::caps("RGBA", 32, 24);
+  VideoHarness harness(
+      "intrinsicdecomp ! intrinsicrecolor write-mask=true ! intrinsiccompose show=mask", caps,
+      caps);
+  const auto mask = harness.process(random_frame(caps, 1));
+  EXPECT_LE(mean_of_half(mask, 32, true)[0], 0);
+  EXPECT_LE(mean_of_half(mask, 32, false)[0], 0);
+}
+
 TEST(Recolor, EveryEditorOfAChainWorksInPlaceWithoutTouchingTheModel) {
   const int width = 48, height = 32;
   const std::string caps = VideoHarness::caps("RGBA", width, height);
