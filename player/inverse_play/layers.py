@@ -33,7 +33,7 @@ def _writes_mask(editor):
         return False
     if "write-mask" in elements.properties(editor.factory):
         return editor.get("write-mask")
-    return editor.factory in (SELECT, KEY)
+    return editor.factory == SELECT or editor.factory == KEY and editor.get("strength") > 0
 
 
 def corrected(project):

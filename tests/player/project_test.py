@@ -47,6 +47,8 @@ class Elements(support.Case):
     def test_a_key_makes_a_mask(self):
         keyed = project.parse_editor("intrinsickey", Project())
         self.assertIsNone(layers.missing("mask", keyed))
+        off = keyed.with_element(keyed.editors[0].with_property("strength", 0))
+        self.assertIsNotNone(layers.missing("mask", off))
 
     def test_settings_that_no_table_names_are_rare(self):
         for factory, name, rare in (("intrinsicrelight", "plane-depth", True), ("intrinsicrelight", "ambient", False),
