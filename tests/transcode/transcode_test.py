@@ -118,7 +118,9 @@ class Transcode(Case):
 
     def test_any_names(self):
         name = "a clip, 100 % \u00fc & #1?\nof two lines.mkv"
+        shown = name.replace("\n", r"\n")
         self.clip(name)
+        self.assertEqual(self.run_it(name, "--dry-run").splitlines(), [f"{shown} -> out/transcode/{shown}"])
         self.run_it(name, "-o", "its paint.mkv")
         self.assertEqual(streams_of(self.path("its paint.mkv"))[0][0].packets, 12)
         odd = os.fsdecode(b"no \xff UTF-8.mkv")

@@ -15,6 +15,7 @@ from gi.repository import GLib, Gst  # noqa: E402
 
 from . import formats, slurm  # noqa: E402
 from .batch import Batch, BatchError, make  # noqa: E402
+from .lines import tell, warn  # noqa: E402
 from .plan import PlanError, Settings, is_exr, plan  # noqa: E402
 from .run import Runner  # noqa: E402
 
@@ -172,12 +173,12 @@ def print_status(results, quiet):
     """What became of a batch."""
     for result in results:
         if "error" in result:
-            print(f"{result['status']:8} {result.get('task', '-'):>6} {result['input']}: {result['error']}")
+            tell(f"{result['status']:8} {result.get('task', '-'):>6} {result['input']}: {result['error']}")
         elif result["status"] == "running":
-            print(f"running  {result['task']:>6} {result['input']}: on {result['begun']['host']}")
+            tell(f"running  {result['task']:>6} {result['input']}: on {result['begun']['host']}")
         if not quiet:
             for warning in result.get("warnings", []):
-                print(f"warning  {result.get('task', '-'):>6} {result['input']}: {warning}")
+                tell(f"warning  {result.get('task', '-'):>6} {result['input']}: {warning}")
     counts = count(results)
     print(", ".join(f"{counts[status]} {status}" for status in sorted(counts)))
 
@@ -185,10 +186,10 @@ def print_status(results, quiet):
 def make_batch(arguments, settings, tasks):
     """Plans a batch and tells of it."""
     batch = make(arguments.batch, settings, tasks, {"seconds": arguments.chunk, "overlap": arguments.overlap, "shots": arguments.divide_shots},
-                 lambda text: arguments.quiet or print(f"inverse-transcode: {text}", file=sys.stderr))
+                 lambda text: arguments.quiet or warn(f"inverse-transcode: {text}"))
     for result in batch.manifest["others"]:
         if "error" in result:
-            print(f"FAILED  {result['input']}: {result['error']}", file=sys.stderr)
+            warn(f"FAILED  {result['input']}: {result['error']}")
     if not arguments.quiet:
         work, joins = batch.pending()
         folder = shlex.quote(batch.folder)
@@ -224,10 +225,10 @@ def main():
             return batch_main(arguments, Batch(arguments.batch))
         return transcode_main(arguments)
     except (formats.FormatError, PlanError, BatchError) as error:
-        print(f"inverse-transcode: {error}", file=sys.stderr)
+        warn(f"inverse-transcode: {error}")
         return 2
     except OSError as error:
-        print(f"inverse-transcode: {error.filename or 'it cannot be written'}: {error.strerror}", file=sys.stderr)
+        warn(f"inverse-transcode: {error.filename or 'it cannot be written'}: {error.strerror}")
         return 1
 
 
@@ -247,7 +248,7 @@ def transcode_main(arguments):
     tasks = plan(arguments.inputs, arguments.output, arguments.out or "out/transcode", ending, arguments.again)
     if arguments.dry_run:
         for task in tasks:
-            print(f"{task.input} -> {task.output}" + (f": {task.problem}" if task.problem else ": is there" if task.done else ""))
+            tell(f"{task.input} -> {task.output}" + (f": {task.problem}" if task.problem else ": is there" if task.done else ""))
         return 1 if any(task.problem for task in tasks) else 0
     if arguments.batch:
         batch = make_batch(arguments, settings, tasks)

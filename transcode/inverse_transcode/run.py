@@ -9,6 +9,8 @@ import subprocess
 import sys
 import time
 
+from .lines import warn
+
 
 class Progress:
     """One line on a terminal, rewritten; elsewhere nothing but what is done."""
@@ -22,7 +24,7 @@ class Progress:
         """A line that stays."""
         if self.show:
             sys.stderr.write("\r\033[K")
-        print(text, file=sys.stderr, flush=True)
+        warn(text)
         self.draw()
 
     def draw(self):
@@ -83,7 +85,7 @@ class Runner:
             elif task.done:
                 results[index] = {**base, "status": "present"}
                 if not self.quiet:
-                    print(f"present {task.output}: newer than its input (--again makes it anew; settings are not compared)", file=sys.stderr)
+                    warn(f"present {task.output}: newer than its input (--again makes it anew; settings are not compared)")
             else:
                 todo.append((index, task))
         progress = Progress(len(todo), self.quiet)
