@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Paints one object of a video file in another color.
 
@@ -49,15 +49,21 @@ def main(arguments):
         print(__doc__, file=sys.stderr)
         return 2
     Gst.init(None)
+    source, *numbers, target = arguments
     try:
-        source, x, y, color, target = arguments[0], int(arguments[1]), int(arguments[2]), int(arguments[3], 0), arguments[4]
+        x, y, color = int(numbers[0]), int(numbers[1]), int(numbers[2], 0)
+    except ValueError as error:
+        print(f"repaint.py: X, Y and COLOR are numbers: {error}", file=sys.stderr)
+        return 2
+    try:
+        open(source, "rb").close()  # before the other file is made
         pipeline = Gst.parse_launch(LINE)
         pipeline.get_by_name("in").props.location = source
         pipeline.get_by_name("out").props.location = target
         pipeline.get_by_name("select").props.strokes = json.dumps([{"kind": "add", "points": [[x, y]]}])
         pipeline.get_by_name("recolor").props.target = color
         play(pipeline)
-    except (ValueError, OverflowError, GLib.Error, RuntimeError) as error:
+    except (OSError, OverflowError, GLib.Error, RuntimeError) as error:
         print("repaint.py:", error, file=sys.stderr)
         return 1
     return 0
