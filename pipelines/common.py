@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What the scripts in Python share, as common.sh for the others."""
+import argparse
 import os
 import pathlib
 import sys
@@ -10,6 +11,13 @@ def split(words, chain):
     if "--" not in words:
         return words, chain
     return words[:words.index("--")], " ".join(words[words.index("--") + 1:]) or chain
+
+
+def port(text):
+    """The number of a TCP port, 0: any that is free; a type of argparse."""
+    if not text.isdecimal() or int(text) > 65535:
+        raise argparse.ArgumentTypeError(f"a port is a number from 0 to 65535, not {text}")
+    return int(text)
 
 
 def source_of(program, given, after_camera="", after_file=""):

@@ -88,6 +88,7 @@ class Serve(unittest.TestCase):
                 other = self.start(SCRIPTS / "rtsp", *words, source="" if words[0].startswith("/") else CAMERA)
                 self.assertIn(text, other.communicate(timeout=60)[1])
                 self.assertEqual(other.returncode, 1)
+        self.assertIn("a port is a number from 0 to 65535, not 99999", self.start(SCRIPTS / "rtsp", "--port", "99999").communicate(timeout=60)[1])
 
     def test_a_source_that_fails_is_told_of(self):
         with tempfile.NamedTemporaryFile("w", suffix=".mp4") as text:
