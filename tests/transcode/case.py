@@ -89,10 +89,14 @@ class Case(unittest.TestCase):
     def path(self, name):
         return os.path.join(self.folder, name)
 
-    def make(self, name, line):
+    def make(self, name, line, **properties):
+        """Runs a line; `properties`: of its elements, by their names."""
         os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
         pipeline = Gst.parse_launch(line + " ! filesink name=out")
         pipeline.get_by_name("out").set_property("location", self.path(name))
+        for element, values in properties.items():
+            for key, value in values.items():
+                pipeline.get_by_name(element).set_property(key, value)
         pipeline.set_state(Gst.State.PLAYING)
         message = pipeline.get_bus().timed_pop_filtered(60 * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR)
         pipeline.set_state(Gst.State.NULL)

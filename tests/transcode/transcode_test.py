@@ -8,9 +8,21 @@ import shutil
 import signal
 import struct
 import subprocess
+import sys
 import unittest
 
-from case import ROOT, VIDEO, Case, streams_of
+from case import ROOT, VIDEO, Case, Gst, streams_of
+
+sys.path.insert(0, str(ROOT / "transcode"))
+from inverse_transcode import matroska  # noqa: E402
+from inverse_transcode.plan import Settings, Task  # noqa: E402
+
+
+class Texts(unittest.TestCase):
+    def test_as_gstreamer_escapes_them(self):
+        for text in ("Film Ü", 'a "quoted\\ one"', "plain", " ", '"', "two\nlines, 101 %"):
+            escaped = Gst.value_serialize(text).encode()
+            self.assertEqual(matroska.plain(escaped).decode(), text, escaped)
 
 
 class Transcode(Case):
@@ -47,13 +59,20 @@ class Transcode(Case):
         self.need("capssetter")
         with open(self.path("words.srt"), "w", encoding="utf-8") as words:
             words.write("1\n00:00:00,100 --> 00:00:00,300\n<i>Words</i> & more\n")
-        self.make("clip.mkv", VIDEO.format(frames=12, form="I420") + "vp8enc deadline=1 ! taginject tags=title=Name ! queue ! mux. "
-                  f"filesrc location={self.path('words.srt')} ! subparse ! queue ! mux. matroskamux name=mux")
+        self.make("clip.mkv", VIDEO.format(frames=12, form="I420") + "vp8enc deadline=1 ! taginject name=tags ! queue ! mux. "
+                  f"filesrc location={self.path('words.srt')} ! subparse ! queue ! mux. matroskamux name=mux", tags={"tags": 'title="Film Ü, 2"'})
+        matroska.mend_tags(self.path("clip.mkv"))
         self.run_it("clip.mkv", "-o", "out.mkv")
         streams, tags = streams_of(self.path("out.mkv"))
         self.assertEqual([s.name for s in streams], ["video/x-vp8", "text/x-raw"])
         self.assertEqual(streams[1].packets, 1)
-        self.assertEqual(tags["title"], "Name")
+        self.assertEqual(tags["title"], "Film Ü, 2")
+
+    def test_an_odd_size_that_is_cut_is_told_of(self):
+        self.need("openh264enc", "mp4mux")
+        self.make("clip.mkv", "videotestsrc num-buffers=6 ! video/x-raw,width=161,height=121 ! vp8enc deadline=1 ! matroskamux")
+        self.assertIn("h264 has 160x120 pixels of 161x121", self.run_it("clip.mkv", "-o", "out.mp4", "--", "identity"))
+        self.assertNotIn("pixels of", self.run_it("clip.mkv", "-o", "out.webm", "--", "identity"))
 
     def test_rotation(self):
         self.need("openh264enc", "mp4mux")
@@ -78,6 +97,18 @@ class Transcode(Case):
         self.assertEqual([s.packets for s in streams[:3]], [12, 12, 12])
         self.assertEqual(len({s.hash.digest() for s in streams[:3]}), 3)
         self.assertEqual(streams[3].name, "audio/x-vorbis")
+        with open(self.path("out.mkv"), "rb") as file:
+            tags = file.read()[-600:]
+        for title in (b"input", b"reflectance", b"shading"):
+            self.assertIn(title, tags)
+
+    def test_layers_where_the_muxer_waits_for_each_stream(self):
+        self.need("openh264enc", "mp4mux", "qtmux")
+        self.clip(frames=40)
+        for words in (["out.mp4"], ["out.mov", "--video", "mjpeg"]):
+            with self.subTest(words):
+                self.run_it("clip.mkv", "-o", *words, "--layers", "reflectance,shading", "--", "intrinsicdecomp")
+                self.assertEqual([s.packets for s in streams_of(self.path(words[0]))[0]], [40, 40])
 
     def test_numbered_pictures(self):
         self.clip(sound="vorbisenc")

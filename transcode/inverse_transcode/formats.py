@@ -78,6 +78,7 @@ _PACKAGES = {
 }
 
 SEQUENCES = tuple(name for name, container in CONTAINERS.items() if not container.muxer)  # written to folders
+MATROSKA = ("mkv", "webm")
 OWN_CODECS = ("png16", "exr")  # of pictures.py
 VIDEO_CODECS, AUDIO_CODECS = sorted(_SOFTWARE.keys() - {"png"}), sorted(_AUDIO)
 

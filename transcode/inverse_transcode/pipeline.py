@@ -206,8 +206,10 @@ class Transcode:
         # Pictures of 16 bits: players take 10.
         most_bits = 10 if info.finfo.depth[0] > 12 and codec != "ffv1" else 16
         kept = formats.deep_formats(encoders[0], most_bits) if deep and codec not in formats.OWN_CODECS else ""
-        encode = [f"queue name=encode{k} max-size-buffers=4 max-size-bytes=0 max-size-time=0 ! videoconvert ! {kept}{encoder} ! identity name=end{k}"
-                  for k, encoder in enumerate(encoders)]
+        # A muxer may wait for one layer's packets while it has another's.
+        packets = " ! queue max-size-buffers=0 max-size-bytes=0 max-size-time=0" if len(encoders) > 1 else ""
+        encode = [f"queue name=encode{k} max-size-buffers=4 max-size-bytes=0 max-size-time=0 ! videoconvert ! {kept}{encoder}{packets} "
+                  f"! identity name=end{k}" for k, encoder in enumerate(encoders)]
         if task["layers"]:
             # On the curve of EXR there is room for the layers as they are.
             scales = "reflectance-scale=1 shading-scale=1 mirror-scale=1" if codec == "exr" else ""
@@ -299,8 +301,27 @@ class Transcode:
             if template.direction == Gst.PadDirection.SINK and template.static_caps.get().can_intersect(caps):
                 pad = self.mux.request_pad_simple(template.name_template)
                 pad.add_probe(Gst.PadProbeType.BUFFER, self._cut)
+                self._describe(pad)
                 return pad
         return None
+
+    def _describe(self, pad, layer=""):
+        """Tells Matroska that the language of a stream is not known if it is not: it would be English. A layer is its title."""
+        if self.task["container"] not in formats.MATROSKA:
+            return
+
+        def first(pad, _):
+            known = [pad.get_sticky_event(Gst.EventType.TAG, k) for k in range(8)]
+            tags = Gst.TagList.new_empty()
+            if not any(event and event.parse_tag().get_string("language-code")[0] for event in known):
+                tags.add_value(Gst.TagMergeMode.APPEND, Gst.TAG_LANGUAGE_CODE, "und")
+            if layer:
+                tags.add_value(Gst.TagMergeMode.APPEND, Gst.TAG_TITLE, layer)
+            if not tags.is_empty():
+                pad.send_event(Gst.Event.new_tag(tags))
+            return Gst.PadProbeReturn.REMOVE
+
+        pad.add_probe(Gst.PadProbeType.BUFFER, first)
 
     def _add(self, description):
         found = self._bin(description)
@@ -341,6 +362,8 @@ class Transcode:
         for index, layer in enumerate(self.task["layers"] or [""]):
             self.video_pads.append(self.mux.request_pad_simple("video_%u") if self.mux else
                                    self._stream(index) if self.chunk else self._pictures(layer))
+            if self.mux:
+                self._describe(self.video_pads[-1], layer)
         if self.task["parts"]:
             pad.add_probe(Gst.PadProbeType.DATA_DOWNSTREAM, self._guarded(self._instead))
             return

@@ -17,7 +17,8 @@ import gi
 gi.require_version("Gst", "1.0")
 from gi.repository import GLib, Gst  # noqa: E402
 
-from .formats import SEQUENCES, FormatError  # noqa: E402
+from .formats import MATROSKA, SEQUENCES, FormatError  # noqa: E402
+from .matroska import mend_tags  # noqa: E402
 from .pipeline import Transcode, TranscodeError  # noqa: E402
 from .probe import ProbeError  # noqa: E402
 
@@ -137,6 +138,8 @@ def work(task):
         if run.error:
             return {"status": "failed", "error": run.error, **words}
         target = partial_name(output) if run.stopping else output
+        if task["container"] in MATROSKA and not task["chunk"]:
+            mend_tags(part)
         settle(part, target)
         return {"status": "stopped" if run.stopping else "done", "written": target, **words}
     except (FormatError, ProbeError, TranscodeError) as error:

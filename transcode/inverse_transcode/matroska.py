@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Tags of Matroska files as matroskamux of GStreamer 1.22 writes them: texts with spaces or letters beyond ASCII in quotes, and escaped."""
+import os
+import re
+
+_SEGMENT, _TAGS, _TAG, _SIMPLE, _STRING = 0x18538067, 0x1254C367, 0x7373, 0x67C8, 0x4487
+_ESCAPE = re.compile(rb"\\([0-3][0-7]{2}|.)", re.DOTALL)
+
+
+def plain(text):
+    """What a text was before it was escaped, bytes to bytes."""
+    if len(text) < 2 or text[:1] != b'"' or text[-1:] != b'"':
+        return text
+    return _ESCAPE.sub(lambda found: bytes([int(found[1], 8)]) if len(found[1]) == 3 else found[1], text[1:-1])
+
+
+def _number(file, marker):
+    """A number of EBML of one to eight bytes, with its `marker` bit or without; None where it ends or is not known."""
+    first = file.read(1)
+    if not first or not first[0]:
+        return None
+    more = 8 - first[0].bit_length()
+    rest = file.read(more)
+    number = int.from_bytes(first + rest, "big")
+    if len(rest) < more:
+        return None
+    if marker:
+        return number
+    number &= (1 << 7 * (more + 1)) - 1
+    return None if number == (1 << 7 * (more + 1)) - 1 else number
+
+
+def _children(file, end):
+    """(ID, end) of the elements up to a place in the file, which is at the start of their data."""
+    while file.tell() < end:
+        name, size = _number(file, True), _number(file, False)
+        if name is None or size is None:
+            return
+        here = file.tell()
+        yield name, here + size
+        file.seek(here + size)
+
+
+def _texts(file, end, names):
+    for name, child in _children(file, end):
+        if name == names[0]:
+            if len(names) == 1:
+                yield file.tell(), child
+            else:
+                yield from _texts(file, child, names[1:])
+
+
+def mend_tags(path):
+    """Writes the texts of a complete file as they are. They are shorter then; zeros fill up, as Matroska allows."""
+    with open(path, "r+b") as file:
+        size = os.path.getsize(path)
+        for start, end in list(_texts(file, size, (_SEGMENT, _TAGS, _TAG, _SIMPLE, _STRING))):
+            file.seek(start)
+            text = file.read(end - start)
+            file.seek(start)
+            file.write(plain(text.rstrip(b"\0")).ljust(len(text), b"\0"))
