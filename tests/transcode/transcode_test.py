@@ -42,6 +42,18 @@ class Transcode(Case):
         self.assertIn("webm takes no audio/x-flac: it is encoded as opus", self.run_it("clip.mkv", "-o", "out.webm"))
         self.assertEqual([s.name for s in streams_of(self.path("out.webm"))[0]], ["video/x-vp8", "audio/x-opus"])
 
+    def test_a_pipeline_that_stands_still_is_given_up(self):
+        task = Task(self.clip(), self.path("out.mkv")).as_json(Settings("valve drop=true", "mkv"))
+        program = "import inverse_transcode.worker as w; w.STILL_SECONDS = 2; w.main()"
+        worker = subprocess.Popen([sys.executable, "-c", program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+                                  env={**os.environ, "PYTHONPATH": str(ROOT / "transcode")})
+        self.addCleanup(worker.wait)
+        worker.stdin.write(json.dumps(task) + "\n")
+        worker.stdin.flush()
+        self.assertIn("nothing has moved for 2 s, 0 frames out of the elements", worker.stdout.read())
+        worker.stdout.close()
+        worker.stdin.close()
+
     def test_no_sound(self):
         self.clip(sound="vorbisenc")
         self.run_it("clip.mkv", "-o", "out.mkv", "--audio", "none")
@@ -204,7 +216,12 @@ class Transcode(Case):
             (["clip.mkv", "-o", "other", "--to", "png", "--again"], "no folder of numbered pictures alone", 1),
             (["clip.mkv", "-o", "pipe", "--to", "png", "--again"], "no folder of numbered pictures alone", 1),
             (["clip.mkv", "-o", "x.mp4", "--to", "mkv"], "does not end in .mkv", 2),
-            (["clip.mkv", "--video-options", "nosuch=3"], "nosuch", 2),
+            (["clip.mkv", "--video-options", "nosuch=3"], "--video-options takes properties of the encoder", 2),
+            (["clip.mkv", "--video-options", "cq-level=999"], "out of range", 2),
+            (["clip.mkv", "-o", "x.mkv", "identity", "silent=true"], "elements go after --", 2),
+            (["clip.mkv", "-o", "x.webm", "--audio", "flac"], "webm does not take the audio codec flac; it takes", 2),
+            (["clip.mkv", "-o", "x.png"], "to a folder of numbered pictures", 2),
+            (["clip.mkv", "--", "videocrop", "left=1000"], "check caps and sizes", 1),
             (["clip.mkv", "-o", "x", "--to", "png", "--video", "vp8"], "--video is for files of video, not for png", 2),
             (["clip.mkv", "-o", "x", "--to", "jpg", "--hardware"], "--hardware is for files of video, not for jpg", 2),
             (["clip.mkv", "-o", "x", "--to", "exr", "--audio", "opus"], "--audio is for files with sound, not for exr", 2),

@@ -7,6 +7,7 @@ import os
 import re
 import shlex
 import sys
+import warnings
 
 import gi
 
@@ -78,7 +79,9 @@ def parse(words):
         if name in words[:-1]:
             place = words.index(name)
             words[place:place + 2] = [f"{name}={words[place + 1]}"]
-    arguments = parser.parse_args(words)
+    arguments, others = parser.parse_known_args(words)
+    if others:
+        parser.error(f"unrecognized arguments: {' '.join(others)} (elements go after --)")
     check_verbs(parser, arguments)
     if arguments.output and arguments.out:
         parser.error("-o and --out exclude each other")
@@ -146,14 +149,23 @@ def check(settings, inputs):
     container = formats.container(settings.container)
     codec = "png16" if settings.bits == 16 else settings.video or container.video
     encoder = formats.video_encoder(codec, settings.hardware, settings.video_options)
-    formats.check_fit(settings.container, settings.video, encoder)
+    formats.check_fit(settings.container, "video", settings.video, encoder)
     if settings.audio not in ("copy", "none"):
-        formats.audio_encoder(settings.audio)
-    try:
-        Gst.parse_bin_from_description(f"identity ! {settings.chain} ! identity", False)
-        Gst.parse_bin_from_description(encoder, False)
-    except GLib.Error as error:
-        raise PlanError(f"{error.message}: the elements after -- must take pictures and pass pictures on") from error
+        formats.check_fit(settings.container, "audio", settings.audio, formats.audio_encoder(settings.audio))
+    check_line(f"identity ! {settings.chain} ! identity", "the elements after -- must take pictures and pass pictures on")
+    check_line(encoder, f"--video-options takes properties of the encoder (gst-inspect-1.0 {encoder.split()[0]})")
+
+
+def check_line(line, remedy):
+    """Throws PlanError, with a remedy, if a part of a launch line does not parse, or a value is out of range, of which GLib only warns."""
+    with warnings.catch_warnings(record=True) as ignored:
+        warnings.simplefilter("always")
+        try:
+            Gst.parse_bin_from_description(line, False)
+        except GLib.Error as error:
+            raise PlanError(f"{error.message}: {remedy}") from error
+    if ignored:
+        raise PlanError(f"{ignored[0].message}: {remedy}")
 
 
 def count(results):
@@ -240,6 +252,8 @@ def transcode_main(arguments):
                         arguments.bits, arguments.exposure)
     if arguments.output and arguments.to and arguments.to not in formats.SEQUENCES and not arguments.output.endswith("." + arguments.to):
         raise PlanError(f"{arguments.output} does not end in .{arguments.to}")
+    if arguments.output and ending in formats.SEQUENCES and arguments.output.lower().endswith(f".{ending}"):
+        raise PlanError(f"{ending} is written to a folder of numbered pictures: name one, such as {os.path.splitext(arguments.output)[0]}")
     if arguments.report and not os.access(place := os.path.dirname(os.path.abspath(arguments.report)), os.W_OK):
         raise PlanError(f"the report cannot be written: {place} {'is read-only' if os.path.isdir(place) else 'is no folder'}")
     check(settings, arguments.inputs)
@@ -258,7 +272,7 @@ def transcode_main(arguments):
     if arguments.report:
         write_report(arguments.report, settings, results)
     counts = count(results)
-    if len(tasks) > 1 and not arguments.quiet or counts["failed"]:
+    if len(tasks) > 1 and (counts["failed"] or not arguments.quiet):
         print(f"{counts['done']} done, {counts['present']} already there, {counts['failed']} failed", file=sys.stderr)
     if runner.stopping:
         return 130

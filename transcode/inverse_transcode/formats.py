@@ -169,18 +169,19 @@ def _fits(muxer, encoder):
     return any(one.can_intersect(other) for one in made for other in pads(muxer, Gst.PadDirection.SINK))
 
 
-def _codecs_of(muxer):
-    for codec in VIDEO_CODECS:
+def _codecs_of(muxer, codecs, encoder_of):
+    for codec in codecs:
         with contextlib.suppress(FormatError):  # there is no encoder
-            if _fits(muxer, video_encoder(codec)):
+            if _fits(muxer, encoder_of(codec)):
                 yield codec
 
 
-def check_fit(ending, codec, encoder):
-    """Throws FormatError if a container does not take a codec ("": its own), of which video_encoder() found this encoder."""
+def check_fit(ending, kind, codec, encoder):
+    """Throws FormatError if a container does not take a codec ("": its own) of the kind "video" or "audio", of which this encoder was found."""
     muxer = CONTAINERS[ending].muxer
     if codec and muxer and not _fits(muxer, encoder):
-        raise FormatError(f"{ending} does not take the video codec {codec}; it takes {', '.join(_codecs_of(muxer))}")
+        codecs = _codecs_of(muxer, *((VIDEO_CODECS, video_encoder) if kind == "video" else (AUDIO_CODECS, audio_encoder)))
+        raise FormatError(f"{ending} does not take the {kind} codec {codec}; it takes {', '.join(codecs)}")
 
 
 def deep_formats(encoder, most_bits):

@@ -59,6 +59,8 @@ class Transcode:
             self.probe.seconds = self.chunk.end / Gst.SECOND
         if task["audio"] not in ("copy", "none"):
             formats.audio_encoder(task["audio"])
+        if self.probe.placed and not self.chunk:
+            self.warnings.append("the place where it was recorded is left out: GStreamer writes none")
         self.pipeline = Gst.Pipeline.new()
         self.part, self.mux = part, None
         if self.container.muxer and not self.chunk:
@@ -154,8 +156,11 @@ class Transcode:
 
     def _message(self, _, message):
         if message.type == Gst.MessageType.ERROR:
-            error, _ = message.parse_error()
-            self._fail(f"{message.src.get_name()}: {error.message.rstrip('.')}{self.small}")
+            error, details = message.parse_error()
+            why = error.message.rstrip(".")
+            if "not-negotiated" in (details or ""):
+                why = "an element after it does not take its pictures: check caps and sizes (--verbose with GST_DEBUG=3 names the element)"
+            self._fail(f"{message.src.get_name()}: {why}{self.small}")
         elif message.type == Gst.MessageType.WARNING:
             error, _ = message.parse_warning()
             text = f"{message.src.get_name()}: {error.message}"
@@ -224,6 +229,8 @@ class Transcode:
         ends = {pad.get_target().get_parent_element().get_name(): pad for pad in found.srcpads}  # which are in any order
         ends = [ends[f"end{k}"] for k in range(len(self.video_pads))]
         ends[0].add_probe(Gst.PadProbeType.BUFFER, self._count)
+        if encoders[0].startswith("openh264enc"):
+            found.get_by_name("encode0").get_static_pad("sink").add_probe(Gst.PadProbeType.BUFFER, self._watch_size)
         for k in range(len(self.video_pads)):
             pad = found.get_by_name(f"encode{k}").get_static_pad("sink")
             if self.chunk:
@@ -282,6 +289,14 @@ class Transcode:
 
         pad.add_probe(Gst.PadProbeType.BUFFER, seen)
 
+    def _watch_size(self, pad, _):
+        """Warns of openh264enc, which leaves out the last column or row of an odd number."""
+        width, height = (pad.get_current_caps().get_structure(0).get_value(name) for name in ("width", "height"))
+        if width % 2 or height % 2:
+            self.warnings.append(f"h264 has {width // 2 * 2}x{height // 2 * 2} pixels of {width}x{height}, as openh264enc takes even numbers: end the "
+                                 "elements with videoscale and caps of an even size, or choose another codec")
+        return Gst.PadProbeReturn.REMOVE
+
     def _count_made(self, *_):
         self.made += 1
         return Gst.PadProbeReturn.OK
@@ -330,6 +345,8 @@ class Transcode:
 
     def _link(self, pad):
         name = self._name(pad)
+        if self.mux and self.task["container"] not in formats.MATROSKA:
+            pad.add_probe(Gst.PadProbeType.EVENT_DOWNSTREAM, self._see_chapters)
         if not self.video_pads and name.startswith("image/" if self.probe.still else "video/"):
             self._link_video(pad)
         elif self.chunk:
@@ -338,6 +355,13 @@ class Transcode:
             self._link_sound(pad)
         else:
             self._link_other(pad)
+
+    def _see_chapters(self, _, info):
+        if info.get_event().type == Gst.EventType.TOC:
+            text = f"{self.task['container']} takes no chapters from GStreamer: they are left out"
+            if text not in self.warnings:
+                self.warnings.append(text)
+        return Gst.PadProbeReturn.OK
 
     def _decode(self, pad, ready, queue_bytes):
         """Decodes what comes from a pad; `ready` is called with the decoded one. What is queued before has at most `queue_bytes`, 0: as

@@ -21,6 +21,7 @@ class Probe:
     turned: bool  # whether a player is to turn it
     still: bool  # its pictures are compressed one by one
     rate: float = 25  # frames a second; 25 where the file has none
+    placed: bool = False  # whether it says where it was recorded
 
 
 def probe(uri):
@@ -40,11 +41,15 @@ def probe(uri):
         raise ProbeError("it has no video")
     video = next((v for v in videos if not v.is_image()), videos[0])
     seconds = info.get_duration() / Gst.SECOND if 0 < info.get_duration() < Gst.CLOCK_TIME_NONE else 0
-    tags, turned = video.get_tags() or info.get_tags(), False
+    general = info.get_tags()
+    tags, turned = video.get_tags() or general, False
     if tags:
         found, orientation = tags.get_string("image-orientation")
         turned = found and orientation != "rotate-0"
     caps = video.get_caps()
+    if caps and caps.get_structure(0).get_name() == "image/gst-libav-gif":
+        raise ProbeError("it is a GIF, whose frames GStreamer reads without their times; make a video of it, as by ffmpeg -i IN.gif OUT.mkv")
+    placed = bool(general) and general.get_double("geo-location-latitude")[0]
     still = bool(caps) and caps.get_structure(0).get_name().startswith("image/")
     rate = video.get_framerate_num() / max(video.get_framerate_denom(), 1)
-    return Probe(seconds, turned, still, rate or Probe.rate)
+    return Probe(seconds, turned, still, rate or Probe.rate, placed)

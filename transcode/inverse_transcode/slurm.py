@@ -30,7 +30,7 @@ def _array(batch, name, numbers, words):
     told = subprocess.run(["sbatch", "--parsable", "--requeue", "--open-mode=append", f"--job-name=inverse-{name}", f"--output={log}",
                            f"--array=1-{len(lines)}", *words, "--wrap", script], capture_output=True, text=True, check=False)
     if told.returncode:
-        raise BatchError(told.stderr.strip() or f"sbatch ended with status {told.returncode}")
+        raise BatchError("; ".join(told.stderr.split("\n")).strip("; ") or f"sbatch ended with status {told.returncode}")
     return told.stdout.strip().split(";")[0]
 
 

@@ -23,6 +23,7 @@ from .pipeline import Transcode, TranscodeError  # noqa: E402
 from .probe import ProbeError  # noqa: E402
 
 CLOSING_SECONDS = 30
+STILL_SECONDS = 300  # without a frame and without work, until a pipeline is given up
 WORDS = os.fdopen(os.dup(1), "w", encoding="ascii")  # what an element prints goes elsewhere
 os.dup2(2, 1)
 
@@ -114,8 +115,16 @@ def work(task):
                 GLib.timeout_add_seconds(CLOSING_SECONDS, late)
             return GLib.SOURCE_REMOVE
 
+        moved = {"frames": 0, "work": 0, "at": started}
+
         def tell():
             say(frames=run.frames, time=run.time, seconds=run.probe.seconds)
+            now, worked = time.monotonic(), time.process_time()
+            if run.made + run.frames != moved["frames"] or worked - moved["work"] > STILL_SECONDS / 100:
+                moved.update(frames=run.made + run.frames, work=worked, at=now)
+            elif now - moved["at"] > STILL_SECONDS:
+                run.error = run.error or f"nothing has moved for {STILL_SECONDS} s, {run.made} frames out of the elements, {run.frames} out of the encoder"
+                loop.quit()
             return GLib.SOURCE_CONTINUE
 
         for number in (signal.SIGTERM, signal.SIGINT):
