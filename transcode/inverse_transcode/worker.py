@@ -23,6 +23,7 @@ from .pipeline import Transcode, TranscodeError  # noqa: E402
 from .probe import ProbeError  # noqa: E402
 
 CLOSING_SECONDS = 30
+TICK_SECONDS = 0.5  # between reports
 STILL_SECONDS = 300  # without a frame and without work, until a pipeline is given up
 WORDS = os.fdopen(os.dup(1), "w", encoding="ascii")  # what an element prints goes elsewhere
 os.dup2(2, 1)
@@ -115,14 +116,15 @@ def work(task):
                 GLib.timeout_add_seconds(CLOSING_SECONDS, late)
             return GLib.SOURCE_REMOVE
 
-        moved = {"frames": 0, "work": 0, "at": started}
+        still = {"frames": 0, "work": 0.0, "ticks": 0}  # not by a clock: the process may be stopped meanwhile
 
         def tell():
             say(frames=run.frames, time=run.time, seconds=run.probe.seconds)
-            now, worked = time.monotonic(), time.process_time()
-            if run.made + run.frames != moved["frames"] or worked - moved["work"] > STILL_SECONDS / 100:
-                moved.update(frames=run.made + run.frames, work=worked, at=now)
-            elif now - moved["at"] > STILL_SECONDS:
+            frames, work = run.made + run.frames, time.process_time()
+            still["ticks"] += 1
+            if frames != still["frames"] or work - still["work"] > STILL_SECONDS / 100:
+                still.update(frames=frames, work=work, ticks=0)
+            elif still["ticks"] > STILL_SECONDS / TICK_SECONDS:
                 run.error = run.error or f"nothing has moved for {STILL_SECONDS} s, {run.made} frames out of the elements, {run.frames} out of the encoder"
                 loop.quit()
             return GLib.SOURCE_CONTINUE
@@ -130,7 +132,7 @@ def work(task):
         for number in (signal.SIGTERM, signal.SIGINT):
             GLib.unix_signal_add(GLib.PRIORITY_HIGH, number, stop)
         GLib.io_add_watch(sys.stdin.fileno(), GLib.PRIORITY_DEFAULT, GLib.IOCondition.HUP | GLib.IOCondition.IN, stop)
-        GLib.timeout_add(500, tell)
+        GLib.timeout_add(round(1000 * TICK_SECONDS), tell)
         run.start()
         loop.run()
         run.close()
