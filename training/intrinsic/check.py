@@ -212,6 +212,21 @@ def check_retexture():
     expect((np.abs(new["R"] - s["R"]).max(-1) > 1e-3).mean() > 0.95 and np.array_equal(new["S"], s["S"]), "both get other paint under the same light")
 
 
+def check_plain():
+    """A box before a wall, indoors."""
+    s = synthetic(4)
+    s["Z"][10:50, 20:70] = 0.5
+    for group in s["meta"]["groups"]:
+        group["kind"] = "lamp"
+    made = [mix.plain(s, np.random.default_rng(seed)) for seed in range(40)]
+    alone = [m for m in made if not m["mask"].all()]
+    box = np.zeros_like(s["mask"])
+    box[10:50, 20:70] = 1
+    expect(8 < len(alone) < 32 and all(np.array_equal(m["mask"], box) and not m["S"][:, box == 0].any() for m in alone), "a box stands alone before black")
+    spread = [np.log(m["R"][m["mask"] > 0]).std(0).max() for m in made]
+    expect(np.median(spread) < 0.5 * np.log(s["R"]).std(0).max(), f"plain paint hardly differs: {np.median(spread):.2f}")
+
+
 def check_samples(folder):
     files = sorted(folder.glob("*.npz"), key=lambda f: int(f.stem))
     slopes = []
@@ -243,6 +258,7 @@ def main():
     check_denoise()
     check_flat()
     check_retexture()
+    check_plain()
     if args.folder:
         check_samples(args.folder)
 

@@ -112,6 +112,33 @@ def repaint(sample, rng):
     return {**sample, "R": paint}
 
 
+def plain(sample, rng):
+    """The sample with one paint on everything, or on everything but what is like one of its pixels, and with little of the contrast that paint had:
+    all edges are of light. Half of what is indoors stands alone before black, as objects of a studio do. Its kind is "plain"."""
+    import cv2
+
+    mask = sample["mask"] > 0
+    paint = np.log(np.maximum(sample["R"], 1e-3))
+    value = paint.mean(-1, keepdims=True)
+    one = rng.uniform(np.log(0.1), np.log(0.8)) + rng.normal(0, 0.25 * (rng.random() < 0.6), 3)
+    left = rng.uniform(0, 0.15)
+    if rng.random() < 0.5:
+        chosen = paint[mask][int(rng.integers(np.count_nonzero(mask)))]
+        left = np.maximum(left, np.exp(-((np.abs(paint - chosen).max(-1, keepdims=True) / rng.uniform(0.05, 0.3)) ** 2)))
+    paint = one + left * (paint - value[mask].mean())
+    result = {**sample, "meta": {**sample["meta"], "kind": "plain"}}
+    indoors = all(group["kind"] != "sky" for group in sample["meta"]["groups"])
+    if indoors and rng.random() < 0.5:
+        near = (sample["Z"] < np.percentile(sample["Z"][mask], rng.uniform(30, 70))).astype(np.uint8)
+        count, parts, sizes, _ = cv2.connectedComponentsWithStats(near)
+        seen = parts == (1 + np.argmax(sizes[1:, cv2.CC_STAT_AREA]) if count > 1 else -1)
+        if (seen & mask).mean() > 0.2:
+            mask = seen & mask
+            result |= {"S": sample["S"] * seen[..., None].astype(np.float32), "mask": mask.astype(sample["mask"].dtype)}
+    paint = np.clip(np.exp(paint), 0.01, 0.95)
+    return {**result, "R": np.where(mask[..., None], paint, 1).astype(np.float32)}
+
+
 def colors(kinds, rng):
     """A color for each light, lights × 3, green about 1; and the temperatures in K."""
     kelvin = [1e6 / rng.uniform(1e6 / TEMPERATURES[k][1], 1e6 / TEMPERATURES[k][0]) for k in kinds]  # even in mired

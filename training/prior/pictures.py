@@ -20,6 +20,7 @@ SIZES = ((176, 132), (176, 132), (224, 168), (128, 96))
 EASY = 0.1  # loss of the fitted prior below which an example counts no more than in proportion
 HELD_OUT_SEEDS = 1_000_000  # procedural seeds from here on are in no fit
 LEAST_SURFACE = 0.3  # share of a part's pixels
+PLAIN = 0.3  # share of one paint, among what is painted anew
 COPIES = 3  # pictures that `several` makes
 
 
@@ -69,10 +70,15 @@ def mixed(scene, seed, rng, twin=False):
     return result
 
 
+def painted(scene, rng):
+    """Other colors and contrast, or hardly any."""
+    return mix.plain(scene, rng) if rng.random() < PLAIN else mix.repaint(scene, rng)
+
+
 def several(scene, seed, rng, twins):
-    """A picture of a scene, or three: one more in other light, and one more of other colors and contrast."""
-    first = mixed(mix.repaint(scene, rng) if seed % 2 else scene, seed, rng, twins)
-    return first + mixed(mix.repaint(scene, rng), seed + 1, rng) if twins else first
+    """A picture of a scene, or three: one more in other light, and one more of other paint."""
+    first = mixed(painted(scene, rng) if seed % 2 else scene, seed, rng, twins)
+    return first + mixed(painted(scene, rng), seed + 1, rng) if twins else first
 
 
 def photographs(path, seed, assets, twins=False):
