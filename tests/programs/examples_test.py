@@ -134,9 +134,10 @@ class Python(Example):
 
     def test_bad_input(self):
         out = self.path("out.mkv")
-        self.expect_failure(self.run_it("/none.mkv", 1, 1, BLUE, out), "not found")
+        self.expect_failure(self.run_it("/none.mkv", 1, 1, BLUE, out), "/none.mkv")
+        self.assertFalse(os.path.exists(out))
         self.expect_failure(self.run_it(__file__, 1, 1, BLUE, out), "repaint.py:")
-        self.expect_failure(self.run_it(self.clip(2), 1, 1, "blue", out), "invalid literal")
+        self.expect_failure(self.run_it(self.clip(2), 1, 1, "blue", out), "invalid literal", status=2)
         self.expect_failure(self.run_it(self.clip(2), 1, 1, BLUE, "/none/out.mkv"), "repaint.py:")
         self.expect_failure(self.run_it("one word"), "OUT.mkv", status=2)
 
