@@ -154,6 +154,11 @@ class Transcode:
         self.error = self.error or why
         GLib.idle_add(self.loop.quit)
 
+    def _warn(self, text):
+        """Tells of it once."""
+        if text not in self.warnings:
+            self.warnings.append(text)
+
     def _message(self, _, message):
         if message.type == Gst.MessageType.ERROR:
             error, details = message.parse_error()
@@ -163,9 +168,7 @@ class Transcode:
             self._fail(f"{message.src.get_name()}: {why}{self.small}")
         elif message.type == Gst.MessageType.WARNING:
             error, _ = message.parse_warning()
-            text = f"{message.src.get_name()}: {error.message}"
-            if text not in self.warnings:
-                self.warnings.append(text)
+            self._warn(f"{message.src.get_name()}: {error.message}")
         elif message.type == Gst.MessageType.EOS:
             if self.frames == 0:
                 self.error = self.error or f"not one frame came out of the chain{self.small}"
@@ -358,9 +361,7 @@ class Transcode:
 
     def _see_chapters(self, _, info):
         if info.get_event().type == Gst.EventType.TOC:
-            text = f"{self.task['container']} takes no chapters from GStreamer: they are left out"
-            if text not in self.warnings:
-                self.warnings.append(text)
+            self._warn(f"{self.task['container']} takes no chapters from GStreamer: they are left out")
         return Gst.PadProbeReturn.OK
 
     def _decode(self, pad, ready, queue_bytes):
