@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Errors and warnings of a pipeline in words, with what to do."""
 import dataclasses
+import re
 
 from gi.repository import Gst
 
@@ -53,4 +54,6 @@ def describe(message):
     advice = ADVICE.get((error.domain, error.code), "")
     if not advice and fatal:
         advice = "Try again; GST_DEBUG=3 in the environment prints more."
-    return Trouble(f"{_source_of(message)}: {error.message}", advice, fatal)
+    stopped = re.search("streaming stopped, reason ([a-z-]+)", debug or "")  # a flow: not-linked, not-negotiated, error
+    reason = f" ({stopped[1]})" if stopped else ""
+    return Trouble(f"{_source_of(message)}: {error.message}{reason}", advice, fatal)

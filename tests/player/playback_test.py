@@ -258,6 +258,15 @@ class Files(support.Case):
         self.assertGreater(len(times), 20)
         self.assertLess(len(times), 40)
 
+    def test_why_a_flow_ended_is_said(self):
+        viewer = Viewer(self)
+        viewer.session.open(f"videotestsrc ! {SMALL} ! identity name=last")
+        viewer.wait(lambda: viewer.times)
+        pad = viewer.player._pipeline.get_by_name("last").get_static_pad("src")
+        pad.unlink(pad.get_peer())
+        viewer.wait(lambda: viewer.session.troubles)
+        self.assertIn("(not-linked)", viewer.session.troubles[0].text)
+
     def test_a_short_file_that_is_cut_off(self):
         path = self.clip(12, pattern="snow")
         with open(path, "r+b") as file:
