@@ -66,8 +66,8 @@ def check_networks():
         network = networks.Prior(width)
         answer = network(torch.randn(1, networks.INPUTS, 96, 128))
         expect(tuple(answer.shape) == (1, networks.OUTPUTS, 48, 64) and not answer.any(), f"{width}: {networks.parameters(network)} parameters, starts at the fitted prior")
-    fields = problem.fields_of(torch.full((44, 8, 8), 1e9), (15, 13))
-    expect(fields.shape == (11, 15, 13) and torch.allclose(fields.amax((1, 2)), problem.LIMITS), "fields saturate at their limits")
+    fields = problem.fields_of(torch.full((1, 44, 8, 8), 1e9))
+    expect(fields.shape == (1, 11, 16, 16) and torch.allclose(fields.amax((0, 2, 3)), problem.LIMITS), "fields saturate at their limits")
 
 
 def check_run():

@@ -95,9 +95,9 @@ def of_picture(picture, reflectance, light, mask, seed, kind, level=0):
     return Problem(LIBRARY.problem_of_picture(*(pointer(p) for p in planes), width, height, level, SLOPE_ERROR, seed, WEIGHTS), kind)
 
 
-def fields_of(answer, size):
-    """The network's answer (44 × height/2 × width/2) as 11 saturated fields of its picture."""
-    x = torch.nn.functional.pixel_shuffle(answer[None], 2)[0, :, : size[0], : size[1]]
+def fields_of(answers):
+    """The network's answers (batch × 44 × height/2 × width/2) as saturated fields (batch × 11 × height × width)."""
+    x = torch.nn.functional.pixel_shuffle(answers, 2)
     return x / (1 + x.abs() / LIMITS.to(x.device)[:, None, None])
 
 

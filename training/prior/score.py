@@ -19,9 +19,9 @@ def unsteady(network, examples):
     torch.manual_seed(0)
     with torch.no_grad():
         inputs = [torch.from_numpy(e.input)[None] for e in examples]
-        apart = np.mean([float(train.fields_apart(network, x, rng)) for x in inputs])
-        fields = [problem.fields_of(network(x)[0], e.size) / problem.LIMITS[:, None, None] for x, e in zip(inputs, examples)]
-    return apart / max(np.mean([float((f**2).mean()) for f in fields]), 1e-12)
+        fields = [problem.fields_of(network(x)) for x in inputs]
+        apart = np.mean([float(train.fields_apart(network, x, f, rng)) for x, f in zip(inputs, fields)])
+    return apart / max(np.mean([float(((f / problem.LIMITS[:, None, None]) ** 2).mean()) for f in fields]), 1e-12)
 
 
 def main():

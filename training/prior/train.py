@@ -38,22 +38,24 @@ def whdr(example, planes=None, count=600):
     return float((judged((found[i] - found[j])[chosen]) != np.concatenate([np.zeros(len(equal)), np.sign(step[other])])).mean())
 
 
-def fields_apart(network, inputs, rng):
-    """Mean square distance of the fields, relative to their limits, between two crops that a few pixels and noise separate: what would
-    flicker when a camera moves."""
-    step = 16  # of sizes
+def fields_apart(network, inputs, fields, rng):
+    """Mean square distance of the fields of inputs, relative to their limits, from those of crops that start a few pixels later and have noise:
+    what would flicker when a camera moves."""
+    step, inner = 16, 8  # of sizes; what a crop's border changes does not count
     y, x = (int(k) for k in rng.integers(0, step, 2))
     height, width = inputs.shape[2] - step, inputs.shape[3] - step
     if min(height, width) < 2 * step:
         return inputs.new_zeros(())
-    noise = torch.randn_like(inputs[:, :, :height, :width]) * torch.rand(len(inputs), 1, 1, 1, device=inputs.device) * 0.06
-    both = torch.cat([inputs[:, :, :height, :width], inputs[:, :, y : y + height, x : x + width] + noise])
-    fields = torch.stack([problem.fields_of(a, (height, width)) for a in network(both)]) / problem.LIMITS.to(inputs.device)[:, None, None]
-    first, second = fields.split(len(inputs))
-    inner = 8  # what a crop's border changes does not count
-    a = first[:, :, y + inner : height - inner, x + inner : width - inner]
-    b = second[:, :, inner : height - inner - y, inner : width - inner - x]
-    return ((a - b) ** 2).mean()
+    noise = torch.randn(inputs.shape, device=inputs.device) * torch.rand(len(inputs), 1, 1, 1, device=inputs.device) * 0.06
+    crops = problem.fields_of(network((inputs + noise)[:, :, y : y + height, x : x + width]))
+    apart = fields[:, :, y + inner : y + height - inner, x + inner : x + width - inner] - crops[:, :, inner:-inner, inner:-inner]
+    return ((apart / problem.LIMITS.to(inputs.device)[:, None, None]) ** 2).mean()
+
+
+def fields_of(network, example):
+    with torch.no_grad():
+        fields = problem.fields_of(network(torch.from_numpy(example.input)[None]))[0]
+    return fields[:, : example.size[0], : example.size[1]].numpy()
 
 
 def evaluate(network, examples):
@@ -61,11 +63,7 @@ def evaluate(network, examples):
     rows = {}
 
     def one(example):
-        if network is None:
-            fields = np.zeros((problem.FIELDS, *example.size), np.float32)
-        else:
-            with torch.no_grad():
-                fields = problem.fields_of(network(torch.from_numpy(example.input)[None])[0], example.size).numpy()
+        fields = np.zeros((problem.FIELDS, *example.size), np.float32) if network is None else fields_of(network, example)
         return example.kind, example.loss(fields, (0, 0, 0), False)[0], whdr(example)
 
     for kind, loss, wrong in problem.Loss.pool.map(one, examples):
@@ -118,11 +116,12 @@ class Run:
                 group["lr"] = rate
             batch = pool.batch(args.batch)
             inputs = torch.from_numpy(np.stack([p.input for p in batch])).to(args.device, memory_format=torch.channels_last)
-            answers = self.network(inputs)
-            fields = [problem.fields_of(a, p.size) for a, p in zip(answers, batch)]
-            loss = problem.Loss.apply(batch, weights, None if args.local_only else args.local, *fields)
-            apart = fields_apart(self.network, inputs[: (len(inputs) + 1) // 2], shifts) if args.steady else torch.zeros(())
-            size = sum(((f / limits) ** 2).mean() for f in fields) / len(fields)
+            fields = problem.fields_of(self.network(inputs))
+            parts = [f[:, : p.size[0], : p.size[1]] for f, p in zip(fields, batch)]
+            loss = problem.Loss.apply(batch, weights, None if args.local_only else args.local, *parts)
+            half = (len(inputs) + 1) // 2
+            apart = fields_apart(self.network, inputs[:half], fields[:half], shifts) if args.steady else torch.zeros(())
+            size = ((fields / limits) ** 2).mean()
             self.optimizer.zero_grad()
             (loss + args.steady * apart + args.small * size).backward()
             torch.nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)
