@@ -98,6 +98,8 @@ def titles(found):
             (thesis if method in names else ours)[key] = names.get(method, method)
         elif (curve, setting) == ("without", "color of light"):
             ours[key] = f"{method}, gray light"
+        elif curve == "prior":
+            ours[key] = f"{method} with a network, {setting}"
         elif (method, curve) == ("intrinsicdecomp", "without"):
             ours[key] = f"{method} without {setting}"
         elif method == "thesis PCG":
