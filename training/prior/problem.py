@@ -75,6 +75,10 @@ class Problem:
         slope = np.empty_like(fields)
         return LIBRARY.problem_local_loss(self.handle, pointer(fields), pointer(slope)), slope
 
+    def part(self, fields):
+        """What of fields of the padded picture is of the network's picture."""
+        return fields[..., : self.size[0], : self.size[1]]
+
     def planes(self):
         """Of the last loss, in white light: ln shading, input, true reflectance, true shading, mask."""
         n = (self.height, self.width)
@@ -99,6 +103,11 @@ def fields_of(answers):
     """The network's answers (batch × 44 × height/2 × width/2) as saturated fields (batch × 11 × height × width)."""
     x = torch.nn.functional.pixel_shuffle(answers, 2)
     return x / (1 + x.abs() / LIMITS.to(x.device)[:, None, None])
+
+
+def mean_square(fields):
+    """Relative to the limits."""
+    return ((fields / LIMITS.to(fields.device)[:, None, None]) ** 2).mean()
 
 
 class Loss(torch.autograd.Function):

@@ -21,7 +21,7 @@ def unsteady(network, examples):
         inputs = [torch.from_numpy(e.input)[None] for e in examples]
         fields = [problem.fields_of(network(x)) for x in inputs]
         apart = np.mean([float(train.fields_apart(network, x, f, rng)) for x, f in zip(inputs, fields)])
-    return apart / max(np.mean([float(((f / problem.LIMITS[:, None, None]) ** 2).mean()) for f in fields]), 1e-12)
+    return apart / max(np.mean([float(problem.mean_square(f)) for f in fields]), 1e-12)
 
 
 def main():

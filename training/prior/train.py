@@ -46,16 +46,10 @@ def fields_apart(network, inputs, fields, rng):
     height, width = inputs.shape[2] - step, inputs.shape[3] - step
     if min(height, width) < 2 * step:
         return inputs.new_zeros(())
-    noise = torch.randn(inputs.shape, device=inputs.device) * torch.rand(len(inputs), 1, 1, 1, device=inputs.device) * 0.06
-    crops = problem.fields_of(network((inputs + noise)[:, :, y : y + height, x : x + width]))
-    apart = fields[:, :, y + inner : y + height - inner, x + inner : x + width - inner] - crops[:, :, inner:-inner, inner:-inner]
-    return ((apart / problem.LIMITS.to(inputs.device)[:, None, None]) ** 2).mean()
-
-
-def fields_of(network, example):
-    with torch.no_grad():
-        fields = problem.fields_of(network(torch.from_numpy(example.input)[None]))[0]
-    return fields[:, : example.size[0], : example.size[1]].numpy()
+    crops = inputs[:, :, y : y + height, x : x + width]
+    noise = torch.randn_like(crops) * torch.rand(len(inputs), 1, 1, 1, device=inputs.device) * 0.06
+    found = problem.fields_of(network(crops + noise))[:, :, inner:-inner, inner:-inner]
+    return problem.mean_square(fields[:, :, y + inner : y + height - inner, x + inner : x + width - inner] - found)
 
 
 def evaluate(network, examples):
@@ -63,7 +57,11 @@ def evaluate(network, examples):
     rows = {}
 
     def one(example):
-        fields = np.zeros((problem.FIELDS, *example.size), np.float32) if network is None else fields_of(network, example)
+        if network is None:
+            fields = np.zeros((problem.FIELDS, *example.size), np.float32)
+        else:
+            with torch.no_grad():
+                fields = example.part(problem.fields_of(network(torch.from_numpy(example.input)[None]))[0]).numpy()
         return example.kind, example.loss(fields, (0, 0, 0), False)[0], whdr(example)
 
     for kind, loss, wrong in problem.Loss.pool.map(one, examples):
@@ -107,7 +105,6 @@ class Run:
         args, weights = self.args, (self.args.equal, self.args.different, self.args.alike)
         if self.step == 0:
             self.log(step=0, fitted=evaluate(None, tests))
-        limits = problem.LIMITS.to(args.device)[:, None, None]
         start, sums, shifts = time.time(), [], np.random.default_rng(args.seed)
         while self.step < args.steps:
             self.step += 1
@@ -117,11 +114,11 @@ class Run:
             batch = pool.batch(args.batch)
             inputs = torch.from_numpy(np.stack([p.input for p in batch])).to(args.device, memory_format=torch.channels_last)
             fields = problem.fields_of(self.network(inputs))
-            parts = [f[:, : p.size[0], : p.size[1]] for f, p in zip(fields, batch)]
+            parts = [p.part(f) for f, p in zip(fields, batch)]
             loss = problem.Loss.apply(batch, weights, None if args.local_only else args.local, *parts)
             half = (len(inputs) + 1) // 2
             apart = fields_apart(self.network, inputs[:half], fields[:half], shifts) if args.steady else torch.zeros(())
-            size = ((fields / limits) ** 2).mean()
+            size = problem.mean_square(fields)
             self.optimizer.zero_grad()
             (loss + args.steady * apart + args.small * size).backward()
             torch.nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)
