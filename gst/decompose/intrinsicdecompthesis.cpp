@@ -170,7 +170,9 @@ class ThesisMethod final : public DecompositionMethod {
   // It does not start from the frame before: the same picture again would only add another keyframe
   // and another vote of the clusters.
   bool converged(std::optional<uint64_t>) const override { return !mask_->unfilled(); }
-  bool requested() const override { return stroke_work_.requested(settings_.params()); }
+  bool requested() const override {
+    return stroke_work_.requested(settings_.params()) || scene_work_.requested();
+  }
   StrokeEditor* strokes() override { return &strokes_; }
   void navigate(const Log& log, const MouseEvent& event) override {
     strokes_.mouse(log, event, settings_.properties());

@@ -218,6 +218,11 @@ void SceneWork::save(const std::string& path) {
   wanted_.push_back(path);
 }
 
+bool SceneWork::requested() const {
+  const std::lock_guard lock(mutex_);
+  return forgets_ || !wanted_.empty();
+}
+
 void SceneWork::ended(const std::string& location) {
   if (!memory_ || std::exchange(written_, true)) return;
   std::vector<std::string> files;

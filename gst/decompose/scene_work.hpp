@@ -97,6 +97,8 @@ class SceneWork {
   /// Writes the scene to a file at the next frame or the end (save_scene). From any thread. Throws
   /// Error(output) if there is none, or the name is not one.
   void save(const std::string& path);
+  /// Whether the next frame is needed for that, even if it came before.
+  bool requested() const;
   /// The stream ended: writes it to `location`, if that is not empty. Throws as save_scene.
   void ended(const std::string& location);
   /// Adds fields about a completed frame of the method that had depth.
@@ -132,7 +134,7 @@ class SceneWork {
   std::set<std::string> told_;
   bool written_ = false;  // since the last frame
   std::atomic<bool> has_scene_ = false, forgets_ = false;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::vector<std::string> wanted_;  // files
 };
 

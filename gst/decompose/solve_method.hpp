@@ -46,7 +46,9 @@ class SolveMethod : public DecompositionMethod {
   bool converged(std::optional<uint64_t> completed) const override {
     return completed && method_->converged(*completed, settings_.params());
   }
-  bool requested() const override { return stroke_work_.requested(settings_.params()); }
+  bool requested() const override {
+    return stroke_work_.requested(settings_.params()) || scene_work_.requested();
+  }
   StrokeEditor* strokes() override { return &strokes_; }
   void navigate(const Log& log, const MouseEvent& event) override {
     strokes_.mouse(log, event, settings_.properties());

@@ -334,6 +334,33 @@ TEST(Scene, IsSavedOnRequest) {
   EXPECT_GT(std::filesystem::file_size(folder / "room.ply"), 100'000U);
 }
 
+// So that the file is there before the stream ends.
+TEST(Scene, IsSavedOnRequestWhenThePictureRepeats) {
+  constexpr int kFrames = 120;
+  const TemporaryFolder folder;
+  int n = 0;
+  guint64 reused = 0;
+  gboolean asked = FALSE;
+  const LineResult line = run_line(
+      "rgbdtestsrc is-live=false samples=1 path=still num-buffers=" + std::to_string(kFrames) +
+          " ! " + kSize + " ! identity name=before ! intrinsicdecomp name=decomposer ! " + kShown,
+      240, [&](GstElement* pipeline) {
+        watch_buffers(find_element(pipeline, "before"), "src", [&, pipeline](GstBuffer*) {
+          if (++n != kFrames - 4) return;
+          GstElement* decomposer = find_element(pipeline, "decomposer");
+          GstStructure* stats = nullptr;
+          g_object_get(decomposer, "stats", &stats, nullptr);
+          gst_structure_get_uint64(stats, "frames-reused", &reused);
+          gst_structure_free(stats);
+          g_signal_emit_by_name(decomposer, "save-scene", (folder / "room.ply").c_str(), &asked);
+        });
+      });
+  EXPECT_EQ(line.frames.size(), size_t{kFrames}) << line.first_error();
+  EXPECT_GT(reused, 0U);
+  EXPECT_TRUE(asked);
+  EXPECT_EQ(std::ranges::count(line.messages, "scene-saved"), 1);
+}
+
 // A seek goes elsewhere in the same scene; a new stream, or who asks for it, begins another one.
 TEST(Scene, OutlivesASeek) {
   struct Case {
