@@ -78,8 +78,11 @@ class WindowCase(support.Case):
         if not support.pump(seconds, until):
             path = os.path.join(os.environ.get("INVERSE_SCREENSHOTS", "/tmp"), f"inverse-play-{self.id()}.png")
             screenshot(path)
-            self.fail(f"waited in vain; the display is in {path}; {self.session.project}, {self.session.troubles}, "
-                      f"{self.window._info_text.get_text()}")
+            self.fail(f"waited in vain; the display is in {path}; {self.details()}")
+
+    def details(self):
+        """What may say why something did not happen."""
+        return f"{self.session.project}, {self.session.troubles}, {self.window._info_text.get_text()}"
 
     @staticmethod
     def xdotool(*words):
