@@ -66,6 +66,10 @@ def check_networks():
         network = networks.Prior(width)
         answer = network(torch.randn(1, networks.INPUTS, 96, 128))
         expect(tuple(answer.shape) == (1, networks.OUTPUTS, 48, 64) and not answer.any(), f"{width}: {networks.parameters(network)} parameters, starts at the fitted prior")
+    picture, narrow = torch.randn(1, networks.INPUTS, 96, 128), networks.Prior("small")
+    torch.nn.init.normal_(narrow.head.weight)
+    apart = (networks.grown(narrow, "large")(picture) - narrow(picture)).abs().max() / narrow(picture).abs().max()
+    expect(apart < 1e-5, f"a small network that is grown to a large one answers alike: within {float(apart):.1e}")
     fields = problem.fields_of(torch.full((1, 44, 8, 8), 1e9))
     expect(fields.shape == (1, 11, 16, 16) and torch.allclose(fields.amax((0, 2, 3)), problem.LIMITS), "fields saturate at their limits")
 

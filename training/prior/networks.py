@@ -50,5 +50,32 @@ class Prior(nn.Module):
         return self.head(x)
 
 
+def _copied(new, old, *inputs):
+    """Puts a convolution into a wider one, whose further channels it does not use. inputs: channels of each part of the input, of both."""
+    kept, start_old, start_new = len(old.weight), 0, 0
+    new.weight[:kept], new.bias[:kept] = 0, old.bias
+    for channels_old, channels_new in inputs:
+        new.weight[:kept, start_new : start_new + channels_old] = old.weight[:, start_old : start_old + channels_old]
+        start_old, start_new = start_old + channels_old, start_new + channels_new
+
+
+@torch.no_grad()
+def grown(narrow, width):
+    """A network of another width that gives the same answers as a narrower one."""
+    network = Prior(width)
+    before, skips = (INPUTS, INPUTS), []
+    for new, old in zip(network.down, narrow.down):
+        skips.append((len(old[0][0].weight), len(new[0][0].weight)))
+        _copied(new[0][0], old[0][0], before)
+        before = skips[-1]
+        _copied(new[1][0], old[1][0], before)
+    _copied(network.bottom[0], narrow.bottom[0], before)
+    for new, old, skip in zip(network.up, narrow.up, skips[-2::-1]):
+        _copied(new[0], old[0], before, skip)
+        before = (len(old[0].weight), len(new[0].weight))
+    _copied(network.head, narrow.head, before)
+    return network
+
+
 def parameters(network):
     return sum(p.numel() for p in network.parameters())

@@ -88,8 +88,11 @@ class Run:
                 getattr(self, name).load_state_dict(state[name])
         elif args.start:
             state = torch.load(args.start, map_location=args.device)
-            self.network.load_state_dict(state["average"])
-            self.average.load_state_dict(state["average"])
+            narrow = networks.Prior(state["width"])
+            narrow.load_state_dict(state["average"])
+            start = (narrow if state["width"] == args.width else networks.grown(narrow, args.width)).state_dict()
+            self.network.load_state_dict(start)
+            self.average.load_state_dict(start)
 
     def save(self):
         state = {n: getattr(self, n).state_dict() for n in ("network", "average", "optimizer")} | {"step": self.step, "width": self.args.width}
@@ -142,7 +145,7 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, required=True)
     parser.add_argument("--samples", type=pathlib.Path, nargs="*", default=[], help="folders of SEED.npz")
     parser.add_argument("--width", default="medium", choices=networks.WIDTHS)
-    parser.add_argument("--start", type=pathlib.Path, help="state.pt of another run")
+    parser.add_argument("--start", type=pathlib.Path, help="state.pt of another run, of this width or a narrower one")
     parser.add_argument("--steps", type=int, default=6000)
     parser.add_argument("--batch", type=int, default=8)
     parser.add_argument("--rate", type=float, default=2e-3)
