@@ -7,6 +7,7 @@ from gi.repository import GLib, Gst
 
 DRAIN = "inverse-play-drain"
 DRAIN_SECONDS = 2  # of waiting for a queue whose frames stand still, as those of a pipeline that is paused
+DRAIN_TIMES = 10  # that it waits for in a pipeline that plays, where a frame may take long: kernels are built for the first one
 
 
 class Chain:
@@ -61,7 +62,9 @@ class Chain:
         self._drained.clear()
         if first and (first.send_event(Gst.Event.new_custom(Gst.EventType.CUSTOM_DOWNSTREAM,
                                                             Gst.Structure.new_empty(DRAIN))) or self._is_ending()):
-            self._drained.wait(DRAIN_SECONDS)
+            for _ in range(DRAIN_TIMES):
+                if self._drained.wait(DRAIN_SECONDS) or self._parent.get_state(0).state != Gst.State.PLAYING:
+                    break
 
     def _is_ending(self):
         """Whether the end of the stream, behind which there are no more events, is under way in the chain."""
