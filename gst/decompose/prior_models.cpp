@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "prior_models.hpp"
 
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "common/error.hpp"
@@ -28,6 +30,11 @@ PriorModelPtr PriorModels::take(const std::string& source, PriorWidth width) {
 
 PriorModelPtr PriorModels::load(const std::string& path) {
   try {
+    std::error_code status;
+    if (source_ == kLearned && !std::filesystem::exists(path, status))
+      throw Error(ErrorKind::file, "there is no " + path +
+                                       "; install gst-inverse-models, or set the environment "
+                                       "variable INVERSE_MODELS to the folder of networks");
     if (path.ends_with(".onnx")) {
       const std::string net = path.substr(0, path.size() - 5) + ".net";
       throw Error(ErrorKind::file, path +

@@ -72,7 +72,7 @@ TEST_P(Prior, LearnedIsTheNetworkInTheModelsFolder) {
     EXPECT_EQ(harness.process(frame_).empty(), false);
     EXPECT_EQ(prior_in_stats(harness), "fitted");
     expect_one(harness.warnings(), "prior=learned is not used",
-               folder_ / "intrinsic/prior-medium.net");
+               folder_ / "intrinsic/prior-medium.net; install gst-inverse-models");
   }
   std::filesystem::create_directory(folder_ / "intrinsic");
   const std::string path = network("intrinsic/prior-medium.net", 2);
