@@ -61,7 +61,7 @@ def _copied(new, old, *inputs):
 
 @torch.no_grad()
 def grown(narrow, width):
-    """A network of another width that gives the same answers as a narrower one."""
+    """A network of another width that gives the same answers as one that is as wide or narrower."""
     network = Prior(width)
     before, skips = (INPUTS, INPUTS), []
     for new, old in zip(network.down, narrow.down):

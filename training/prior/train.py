@@ -90,7 +90,7 @@ class Run:
             state = torch.load(args.start, map_location=args.device)
             narrow = networks.Prior(state["width"])
             narrow.load_state_dict(state["average"])
-            start = (narrow if state["width"] == args.width else networks.grown(narrow, args.width)).state_dict()
+            start = networks.grown(narrow, args.width).state_dict()
             self.network.load_state_dict(start)
             self.average.load_state_dict(start)
 
