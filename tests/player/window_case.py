@@ -116,11 +116,14 @@ class WindowCase(support.Case):
         self.xdotool("mouseup", 1)
 
     def click_widget(self, widget):
+        """Clicks on a widget where it stays: what opens beside it may move it."""
         self.wait(widget.get_mapped)
-        area, (_, left, top) = widget.get_allocation(), widget.get_window().get_origin()
-        own = not widget.get_has_window()
-        self.xdotool("mousemove", left + (area.x if own else 0) + area.width // 2,
-                     top + (area.y if own else 0) + area.height // 2, "click", 1)
+        own, place, at = not widget.get_has_window(), None, ()
+        while place != at:
+            area, (_, left, top) = widget.get_allocation(), widget.get_window().get_origin()
+            place, at = at, (left + (area.x if own else 0) + area.width // 2, top + (area.y if own else 0) + area.height // 2)
+            self.xdotool("mousemove", *at)
+        self.xdotool("click", 1)
 
     def shown(self, at):
         """A pixel of the frame as the display shows it."""
@@ -137,15 +140,18 @@ class WindowCase(support.Case):
     def in_dialog(self, title, key, path):
         """Opens a dialog by a key or a button, and sets its path (letters are lost while a folder is listed), or without
         one presses Escape."""
-        steps = self.dialog_steps(title, path)
+        ended = []
+        steps = self.dialog_steps(title, path, ended)
         GLib.timeout_add(50, lambda: next(steps, None) is not None)
         # The dialog waits in a loop of its own.
         self.click_widget(key) if isinstance(key, Gtk.Widget) else self.key(key)
+        self.wait(lambda: ended)
+        self.assertEqual(ended, [path], f"'{title}' has another path")
         self.focus()
 
     @staticmethod
-    def dialog_steps(title, path):
-        """What is done while a dialog is open, in steps of 50 ms."""
+    def dialog_steps(title, path, ended):
+        """What is done while a dialog is open, in steps of 50 ms; then `ended` gets the path that it has."""
         dialog = None
         while not dialog:
             dialog = next((w for w in Gtk.Window.list_toplevels() if w.get_title() == title and w.get_mapped()), None)
@@ -156,8 +162,9 @@ class WindowCase(support.Case):
                 dialog.set_current_name(os.path.basename(path))
             else:
                 dialog.set_filename(path)
-            yield from (True for _ in range(200) if dialog.get_filename() != path)
-            dialog.response(Gtk.ResponseType.OK if dialog.get_filename() == path else Gtk.ResponseType.CANCEL)
+            yield from (True for _ in range(400) if dialog.get_filename() != path)
+            ended.append(dialog.get_filename())
+            dialog.response(Gtk.ResponseType.OK if ended == [path] else Gtk.ResponseType.CANCEL)
             return
         for words in (["windowfocus", "--sync", dialog.get_window().get_xid()], ["key", "Escape"]):
             process = subprocess.Popen(["xdotool", *map(str, words)])
@@ -165,5 +172,6 @@ class WindowCase(support.Case):
                 yield True
             yield from (True for _ in range(10) if dialog.get_mapped())
         yield from (True for _ in range(100) if dialog.get_mapped())
+        ended.append(None)
         if dialog.get_mapped():
             dialog.response(Gtk.ResponseType.CANCEL)
