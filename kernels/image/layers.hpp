@@ -10,7 +10,7 @@
 
 namespace inverse {
 
-struct SeenScene;  // kernels/volume/seen_scene.hpp
+struct SeenScene;  // kernels/camera/seen_scene.hpp
 
 /// Content of a plane of a decomposed frame.
 enum class Role : uint8_t {

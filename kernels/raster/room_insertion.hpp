@@ -10,7 +10,7 @@
 #include "kernels/raster_cast.spv.hpp"
 #include "kernels/raster_insert.spv.hpp"
 #include "kernels/raster_probes.spv.hpp"
-#include "kernels/volume/seen_scene.hpp"
+#include "kernels/camera/seen_scene.hpp"
 #include "rasterizer.hpp"
 
 namespace inverse {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernels/volume/camera.hpp"
+#include "kernels/camera/camera.hpp"
 
 namespace inverse {
 

@@ -11,7 +11,7 @@
 #include "kernels/virtual_room_open.spv.hpp"
 #include "kernels/virtual_room_room.spv.hpp"
 #include "kernels/virtual_room_sensor.spv.hpp"
-#include "kernels/volume/camera.hpp"
+#include "kernels/camera/camera.hpp"
 
 namespace inverse {
 

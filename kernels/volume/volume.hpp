@@ -5,7 +5,7 @@
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
-#include "kernels/volume/camera.hpp"
+#include "kernels/camera/camera.hpp"
 #include "kernels/volume/volume_data.hpp"
 #include "kernels/volume_allocate.spv.hpp"
 #include "kernels/volume_approach.spv.hpp"

@@ -3,7 +3,7 @@
 #include <limits>
 #include <random>
 
-#include "kernels/volume/known_reflectance.hpp"
+#include "kernels/camera/known_reflectance.hpp"
 #include "tests/lab.hpp"
 #include "tests/reference/intrinsic/recall.hpp"
 

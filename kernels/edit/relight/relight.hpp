@@ -10,7 +10,7 @@
 #include "kernels/edit_relight_share.spv.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/layers.hpp"
-#include "kernels/volume/seen_scene.hpp"
+#include "kernels/camera/seen_scene.hpp"
 #include "lamps.hpp"
 #include "relief.hpp"
 #include "surface_file.hpp"

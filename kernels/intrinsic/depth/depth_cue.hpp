@@ -6,7 +6,7 @@
 #include "kernels/intrinsic/guide/guide.hpp"
 #include "kernels/intrinsic_depth_edges.spv.hpp"
 #include "kernels/intrinsic_depth_surfaces.spv.hpp"
-#include "kernels/volume/known_reflectance.hpp"
+#include "kernels/camera/known_reflectance.hpp"
 
 namespace inverse {
 

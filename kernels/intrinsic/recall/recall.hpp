@@ -4,7 +4,7 @@
 
 #include "kernels/intrinsic/guide/guide.hpp"
 #include "kernels/intrinsic_recall_recall.spv.hpp"
-#include "kernels/volume/known_reflectance.hpp"
+#include "kernels/camera/known_reflectance.hpp"
 
 namespace inverse {
 

@@ -5,7 +5,7 @@
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/thesis_chapter4_known.spv.hpp"
-#include "kernels/volume/known_reflectance.hpp"
+#include "kernels/camera/known_reflectance.hpp"
 
 namespace inverse {
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "kernels/volume/camera.hpp"
+#include "kernels/camera/camera.hpp"
 
 namespace inverse {
 

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "kernels/camera/touch.hpp"
 #include "kernels/volume/volume.hpp"
 #include "kernels/volume_touch_background.spv.hpp"
 #include "kernels/volume_touch_choose.spv.hpp"
@@ -12,14 +13,6 @@
 #include "kernels/volume_touch_points.spv.hpp"
 
 namespace inverse {
-
-/// Where skin touches a scene.
-struct Touch {
-  std::array<float, 3> place{};               ///< on its surface, meters
-  std::optional<std::array<float, 3>> color;  ///< reflectance there, linear RGB
-  float area = 0;                             ///< of skin that is near, weighted, m²
-  float distance = 0;                         ///< from there to the scene, mean, meters
-};
 
 /// Finds what is in front of a remembered scene, and where it touches that (thesis, 4.5.1).
 /// docs/reference/methods/volume.md, 7.

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "kernels/virtual_room/hand.hpp"
-#include "kernels/volume/camera.hpp"
+#include "kernels/camera/camera.hpp"
 #include "kernels/volume/memory/scene_memory.hpp"
 #include "tests/bench/support/command_line.hpp"
 #include "tests/lab.hpp"

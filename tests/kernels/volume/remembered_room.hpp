@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A scene that some frames were added to, for what works on layers with one.
 #pragma once
-#include "kernels/volume/seen_scene.hpp"
+#include "kernels/camera/seen_scene.hpp"
 #include "tests/kernels/volume/volume_fixture.hpp"
 
 namespace inverse::testing {

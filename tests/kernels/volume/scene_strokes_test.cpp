@@ -6,7 +6,7 @@
 #include <random>
 
 #include "kernels/image/strokes/stroke_mask.hpp"
-#include "kernels/volume/strokes/place_stroke.hpp"
+#include "kernels/camera/place_stroke.hpp"
 #include "tests/kernels/volume/volume_fixture.hpp"
 #include "tests/reference/volume/strokes.hpp"
 

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "kernels/image/strokes/stroke.hpp"
-#include "kernels/volume/camera.hpp"
+#include "kernels/camera/camera.hpp"
 
 namespace inverse {
 

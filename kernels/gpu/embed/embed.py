@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Compiles one .comp file into its variants of SPIR-V, validates them, and writes them as a C++ source, with a header by
-which C++ calls the shader: its buffers, push constants and specialization constants by name, and the constants of its GLSL.
+"""Compiles the .comp files of one folder into their variants of SPIR-V and writes these as one piece of C++ with one file
+of words, and for each shader a header by which C++ calls it: its buffers, push constants and specialization constants by name,
+and the constants of its GLSL.
 
-usage: embed.py INPUT.comp NAME OUTPUT.cpp OUTPUT.hpp DEPFILE INCLUDES GLSLANG SPIRV_VAL
+usage: embed.py COMPILE_SHADERS ROOT PREFIX DEPFILE OUTPUT.spv.inc OUTPUT.spv.bin SHADER.comp…
+
+SHADER.comp becomes PREFIX_SHADER.spv.hpp beside OUTPUT. PREFIX names the folder.
 """
 import pathlib
 import re
@@ -19,15 +22,9 @@ SPEC_TRUE, SPEC_FALSE, SPEC_CONSTANT = 48, 49, 50
 SPEC_ID, NON_WRITABLE, NON_READABLE, BINDING, OFFSET = 1, 24, 25, 33, 35
 UNIFORM_CONSTANT, PUSH_CONSTANT, STORAGE_BUFFER = 0, 9, 12
 SUBGROUP_ARITHMETIC = 63  # a capability
-VARIANTS = {"fast": [], "no_subgroups": ["-DNO_SUBGROUPS"], "portable": ["-DNO_SUBGROUPS", "-DNO_TEXEL_VIEWS"]}  # of KernelSource
+VARIANTS = {"fast": [], "no_subgroups": ["NO_SUBGROUPS"], "portable": ["NO_SUBGROUPS", "NO_TEXEL_VIEWS"]}  # of KernelSource
 MAX_STORAGE_BUFFERS = 8  # a stage, with texel views: V3D has no more
 WORKGROUP, SUBGROUPS = 0, 99  # constants that Kernel gives
-
-
-def run(arguments):
-    result = subprocess.run(arguments, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
-    if result.returncode:
-        sys.exit(" ".join(map(str, arguments)) + "\n" + result.stdout)
 
 
 def text_of(words):
@@ -175,44 +172,70 @@ def write_if_changed(path, lines):
         path.write_text(text)
 
 
-def main():
-    source, name, output, output_header, depfile, includes, glslang, spirv_val = sys.argv[1:]
-    origin = f"// Generated from {pathlib.Path(source).name}."
-    text = [origin, '#include "kernels/gpu/kernel_source.hpp"', "namespace {"]
-    dependencies, shaders = {}, {}
-    with tempfile.TemporaryDirectory() as folder:
-        for variant, defines in VARIANTS.items():
-            if variant == "no_subgroups" and not shaders["fast"].reduces:
-                continue  # as the fast one
-            spv = pathlib.Path(folder) / f"{variant}.spv"
-            deps = pathlib.Path(folder) / f"{variant}.d"
-            run([glslang, "-V", "--target-env", "vulkan1.1", f"-I{includes}", *defines, "--depfile", deps, "-o", spv, source])
-            run([spirv_val, "--target-env", "vulkan1.1", spv])
-            dependencies.update(dict.fromkeys(deps.read_text().split(":", 1)[1].split()))
-            data = spv.read_bytes()
-            words = struct.unpack(f"<{len(data) // 4}I", data)
-            shaders[variant] = Interface(words)
-            text.append(f"constexpr uint32_t {variant}[] = {{")
-            text += [",".join(map(str, words[i:i + 16])) + "," for i in range(0, len(words), 16)]
-            text.append("};")
+def included(file, root, known):
+    """The file and all that it includes, in any variant."""
+    if file in known:
+        return known
+    known[file] = None
+    for name in re.findall(r'#include "(.+)"', file.read_text()):
+        beside = file.parent / name
+        included(beside if beside.exists() else root / name, root, known)
+    return known
+
+
+def embed(source, name, root, spirv, blob):
+    """Appends the words of a shader's variants to `blob`. Returns the lines of its C++ source, and of its header."""
+    words, shaders, places = {}, {}, {}
+    for variant in VARIANTS:
+        data = (spirv / f"{source.stem}.{variant}.spv").read_bytes()
+        words[variant] = struct.unpack(f"<{len(data) // 4}I", data)
+        shaders[variant] = Interface(words[variant])
+    if not shaders["fast"].reduces:
+        del shaders["no_subgroups"]  # as the fast one
     if any(shader.named() != shaders["fast"].named() for shader in shaders.values()):
         sys.exit(f"{source}: the variants differ in what they declare")
     if sum(not texel for _, texel, *_ in shaders["fast"].buffers) > MAX_STORAGE_BUFFERS:
         sys.exit(f"{source}: binds more than {MAX_STORAGE_BUFFERS} storage buffers, too many for some devices")
+    text = [f"namespace {name} {{"]
     elements = [element for *_, element in shaders["portable"].buffers]  # a texel buffer does not declare its own
     for variant, shader in shaders.items():
+        places[variant] = f"{{{{words + {len(blob) // 4}, {len(words[variant])}}}, slots_{variant}}}"
+        blob += struct.pack(f"<{len(words[variant])}I", *words[variant])
         slots = ", ".join("{" + ", ".join(str(fact).lower() for fact in facts) + f", inverse::gpu::Element::{element}}}"
                           for (_, *facts, _), element in zip(shader.buffers, elements))
-        text.append(f"constexpr inverse::gpu::Slot {variant}_slots[] = {{{slots}}};")
-    embedded = [variant if variant in shaders else "fast" for variant in VARIANTS]
-    entry = f'{{"{name}", {", ".join(f"{{{variant}, {variant}_slots}}" for variant in embedded)}}};'
-    text += ["}", "namespace inverse::shaders {", f"extern const gpu::KernelSource {name}_source;",
-             f"const gpu::KernelSource {name}_source{entry}", "}"]
-    write_if_changed(pathlib.Path(output_header), [
-        origin, "#pragma once", "#include <cstddef>", '#include "kernels/gpu/binding.hpp"', "namespace inverse::shaders {",
-        *header(name, shaders["fast"], glsl_constants(dependencies)), "}"])
-    pathlib.Path(output).write_text("\n".join(text) + "\n")
-    pathlib.Path(depfile).write_text(f"{output}: {' '.join(sorted(dependencies))}\n")
+        text.append(f"constexpr inverse::gpu::Slot slots_{variant}[] = {{{slots}}};")
+    entry = ", ".join(places.get(variant, places["fast"]) for variant in VARIANTS)
+    text += [f'constexpr inverse::gpu::KernelSource source = {{"{name}", {entry}}};', "}"]
+    constants = glsl_constants(included(source, root, {}))
+    return text, [f"// Generated from {source.name}.", "#pragma once", "#include <cstddef>", '#include "kernels/gpu/binding.hpp"',
+                  "namespace inverse::shaders {", *header(name, shaders["fast"], constants), "}"]
+
+
+def main():
+    compiler, root, prefix, depfile, *paths = sys.argv[1:]
+    root, (output, words, *sources) = pathlib.Path(root), map(pathlib.Path, paths)
+    blob, text, names = bytearray(), [], [f"{prefix}_{source.stem}" for source in sources]
+    with tempfile.TemporaryDirectory() as folder:
+        variants = [",".join([variant, *defines]) for variant, defines in VARIANTS.items()]
+        compiled = subprocess.run([compiler, root, folder, *variants, "--", *sources], stdout=subprocess.PIPE, text=True, check=False)
+        if compiled.returncode:
+            sys.exit(compiled.returncode)
+        for source, name in zip(sources, names):
+            lines, header_lines = embed(source, name, root, pathlib.Path(folder), blob)
+            text += lines
+            write_if_changed(output.parent / f"{name}.spv.hpp", header_lines)
+    words.write_bytes(blob)
+    symbol = f"inverse_words_{prefix}"
+    output.write_text("\n".join([
+        f"// Generated from the shaders of {prefix}; included by one source of each library.",
+        f'asm(".pushsection .rodata\\n.balign 4\\n{symbol}:\\n.incbin \\"{words.absolute()}\\"\\n.popsection");',
+        f"namespace words_of_{prefix} {{",
+        f'extern "C" __attribute__((visibility("hidden"))) const uint32_t {symbol}[];', "namespace {",
+        *(line.replace("words + ", f"{symbol} + ") for line in text), "}", "}",
+        "namespace inverse::shaders {",
+        *(line for name in names for line in (f"extern const gpu::KernelSource {name}_source;",
+                                              f"const gpu::KernelSource {name}_source = words_of_{prefix}::{name}::source;")), "}", ""]))
+    pathlib.Path(depfile).write_text(f"{output}: {' '.join(compiled.stdout.split())}\n")
 
 
 main()

@@ -2,7 +2,7 @@
 #pragma once
 #include "kernels/gpu/buffer.hpp"
 #include "kernels/image/plane.hpp"
-#include "kernels/volume/camera.hpp"
+#include "kernels/camera/camera.hpp"
 
 namespace inverse {
 
