@@ -2,12 +2,12 @@
 #pragma once
 #include <gst/gst.h>
 
-#include <algorithm>
 #include <functional>
+#include <initializer_list>
 #include <map>
-#include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -24,19 +24,64 @@ enum class Mutable {
   ready,    ///< only before the element leaves READY
 };
 
-/// One GObject property that stands for one field of a parameter struct `P`: name, range, default
-/// and blurb are said here and nowhere else (the default is the field's initializer).
-template <typename P>
-struct Property {
-  std::string name;
-  std::function<GParamSpec*(const P& defaults)> make_spec;
-  std::function<void(const P&, GValue*)> read;
-  std::function<void(P&, const GValue*)> write;
-  std::function<void(P& to, const P& from)> copy;
+/// One value of an enumerated property.
+struct Choice {
+  int value;
+  const char* nick;         ///< what users type
+  const char* description;  ///< one sentence
+};
+
+/// Registers a GEnum of these choices under `type_name`, once.
+GType enum_type(const char* type_name, std::span<const Choice> choices);
+
+struct PropertyRow;
+
+/// How GObject sees a field of one C++ type.
+struct FieldType {
+  GParamSpec* (*make_spec)(const PropertyRow& row, const void* field);  ///< whose default it is
+  void (*read)(const void* field, GValue* to);
+  void (*write)(const PropertyRow& row, void* field, const GValue* from);
+  void (*copy)(void* to, const void* from);
+  /// What is wrong with a value, in words; empty if nothing is. Null: the spec says it all.
+  std::string (*wrong)(const PropertyRow& row, const GValue* value);
+};
+
+/// One GObject property that stands for one field of a parameter struct: name, range, default and
+/// blurb are said here and nowhere else (the default is the field's initializer).
+struct PropertyRow {
+  const char* name;
+  const char* blurb;
+  const FieldType* type;
+  size_t offset;  ///< of the field in the struct, bytes
+  Mutable when = Mutable::playing;
+  double low = 0, high = 0;         ///< of numbers
+  GType enumeration = G_TYPE_NONE;  ///< of choices
   /// An entry of the property `tuning` in place of a property of its own.
   bool in_tuning = false;
-  /// What is wrong with a value, in words; empty if nothing is. Not set: the spec says it all.
-  std::function<std::string(const GValue*)> wrong;
+  /// What is wrong with a value, in words; empty if nothing is. Null: the type says it all.
+  std::string (*wrong)(const GValue* value) = nullptr;
+};
+
+/// A row whose field is in `P`.
+template <typename P>
+struct Property : PropertyRow {};
+
+/// The rows of `P`.
+template <typename P>
+class PropertyTable {
+ public:
+  PropertyTable() = default;
+  PropertyTable(std::initializer_list<Property<P>> rows) {
+    rows_.reserve(rows.size());
+    for (const PropertyRow& row : rows) rows_.push_back(row);
+  }
+  void append(const PropertyTable& other) {
+    rows_.insert(rows_.end(), other.rows_.begin(), other.rows_.end());
+  }
+  const std::vector<PropertyRow>& rows() const { return rows_; }
+
+ private:
+  std::vector<PropertyRow> rows_;
 };
 
 /// Makes an entry of the property `tuning` out of a property that is rarely set. Its value's text
@@ -49,39 +94,38 @@ Property<P> tuning(Property<P> property) {
 
 namespace property_detail {
 
-inline GParamFlags flags(Mutable when) {
-  const int base = G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS;
-  return static_cast<GParamFlags>(base | (when == Mutable::playing
-                                              ? GST_PARAM_CONTROLLABLE | GST_PARAM_MUTABLE_PLAYING
-                                              : GST_PARAM_MUTABLE_READY));
-}
-
+GParamFlags flags(Mutable when);
 /// "w-data" → "w data": nicks are not translated and only shown by inspection tools.
-inline const char* nick(const std::string& name) {
-  std::string text = name;
-  std::replace(text.begin(), text.end(), '-', ' ');
-  return g_intern_string(text.c_str());
-}
+const char* nick(const char* name);
 
-/// The field that `access` names in `params`: a member pointer, or a function that reaches into
-/// nested structs.
-template <typename P, typename Access>
-auto& field(P& params, const Access& access) {
-  return std::invoke(access, params);
+extern const FieldType kFloat, kDouble, kInt, kUnsigned, kFlag, kText, kNumberOrAuto;
+inline const FieldType* type_of(const float&) { return &kFloat; }
+inline const FieldType* type_of(const double&) { return &kDouble; }
+inline const FieldType* type_of(const int&) { return &kInt; }
+inline const FieldType* type_of(const unsigned&) { return &kUnsigned; }
+/// Of a C++ enum of that many bytes. Throws Error(internal) if there is none.
+const FieldType* enum_type_of(size_t bytes);
+
+/// A P with its defaults.
+template <typename P>
+P& defaults() {
+  static P values{};
+  return values;
 }
+/// The field that `access` names: a member pointer, or a function that reaches into nested structs.
 template <typename P, typename Access>
-const auto& field(const P& params, const Access& access) {
-  return std::invoke(access, const_cast<P&>(params));
+auto& field(Access access) {
+  return std::invoke(access, defaults<P>());
 }
 template <typename P, typename Access>
 using FieldOf = std::remove_reference_t<std::invoke_result_t<Access, P&>>;
 
-template <typename P, typename Access>
-Property<P> named(const char* name, Access access) {
-  Property<P> property;
-  property.name = name;
-  property.copy = [access](P& to, const P& from) { field(to, access) = field(from, access); };
-  return property;
+template <typename P>
+Property<P> row(const char* name, const char* blurb, const FieldType* type, const void* field,
+                Mutable when, double low = 0, double high = 0, GType enumeration = G_TYPE_NONE) {
+  const auto offset = static_cast<size_t>(static_cast<const char*>(field) -
+                                          reinterpret_cast<const char*>(&defaults<P>()));
+  return {{name, blurb, type, offset, when, low, high, enumeration}};
 }
 
 }  // namespace property_detail
@@ -92,148 +136,54 @@ template <typename P, typename Access, typename T = property_detail::FieldOf<P, 
 Property<P> number(const char* name, Access access, std::type_identity_t<T> low,
                    std::type_identity_t<T> high, const char* blurb,
                    Mutable when = Mutable::playing) {
-  using property_detail::field;
-  Property<P> property = property_detail::named<P>(name, access);
-  property.make_spec = [=](const P& defaults) {
-    const char* nick = property_detail::nick(name);
-    const GParamFlags flags = property_detail::flags(when);
-    const T value = field(defaults, access);
-    if constexpr (std::is_same_v<T, float>)
-      return g_param_spec_float(name, nick, blurb, low, high, value, flags);
-    else if constexpr (std::is_same_v<T, double>)
-      return g_param_spec_double(name, nick, blurb, low, high, value, flags);
-    else if constexpr (std::is_signed_v<T>)
-      return g_param_spec_int(name, nick, blurb, low, high, value, flags);
-    else
-      return g_param_spec_uint(name, nick, blurb, low, high, value, flags);
-  };
-  property.read = [access](const P& from, GValue* to) {
-    if constexpr (std::is_same_v<T, float>)
-      g_value_set_float(to, field(from, access));
-    else if constexpr (std::is_same_v<T, double>)
-      g_value_set_double(to, field(from, access));
-    else if constexpr (std::is_signed_v<T>)
-      g_value_set_int(to, field(from, access));
-    else
-      g_value_set_uint(to, field(from, access));
-  };
-  property.write = [access](P& to, const GValue* from) {
-    if constexpr (std::is_same_v<T, float>)
-      field(to, access) = g_value_get_float(from);
-    else if constexpr (std::is_same_v<T, double>)
-      field(to, access) = g_value_get_double(from);
-    else if constexpr (std::is_signed_v<T>)
-      field(to, access) = g_value_get_int(from);
-    else
-      field(to, access) = g_value_get_uint(from);
-  };
-  return property;
+  const T& field = property_detail::field<P>(access);
+  return property_detail::row<P>(name, blurb, property_detail::type_of(field), &field, when,
+                                 static_cast<double>(low), static_cast<double>(high));
 }
 
 /// A yes-or-no property.
 template <typename P, typename Access>
 Property<P> flag(const char* name, Access access, const char* blurb,
                  Mutable when = Mutable::playing) {
-  using property_detail::field;
-  Property<P> property = property_detail::named<P>(name, access);
-  property.make_spec = [=](const P& defaults) {
-    return g_param_spec_boolean(name, property_detail::nick(name), blurb, field(defaults, access),
-                                property_detail::flags(when));
-  };
-  property.read = [access](const P& from, GValue* to) {
-    g_value_set_boolean(to, field(from, access));
-  };
-  property.write = [access](P& to, const GValue* from) {
-    field(to, access) = g_value_get_boolean(from);
-  };
-  return property;
+  const bool& field = property_detail::field<P>(access);
+  return property_detail::row<P>(name, blurb, &property_detail::kFlag, &field, when);
 }
 
 /// A text; null is the empty one.
 template <typename P, typename Access>
 Property<P> text(const char* name, Access access, const char* blurb,
                  Mutable when = Mutable::playing) {
-  using property_detail::field;
-  Property<P> property = property_detail::named<P>(name, access);
-  property.make_spec = [=](const P& defaults) {
-    return g_param_spec_string(name, property_detail::nick(name), blurb,
-                               field(defaults, access).c_str(), property_detail::flags(when));
-  };
-  property.read = [access](const P& from, GValue* to) {
-    g_value_set_string(to, field(from, access).c_str());
-  };
-  property.write = [access](P& to, const GValue* from) {
-    const char* value = g_value_get_string(from);
-    field(to, access) = value ? value : "";
-  };
-  return property;
+  const std::string& field = property_detail::field<P>(access);
+  return property_detail::row<P>(name, blurb, &property_detail::kText, &field, when);
 }
-
-/// The number that a text is, in [low, high]; empty for "auto". Throws Error(unsupported).
-std::optional<float> number_or_auto(const char* text, float low, float high);
-/// The text of a number, or "auto".
-std::string text_of(const std::optional<float>& value);
 
 /// A number in [low, high] or the text "auto"; the field is std::optional<float>, empty for auto.
 template <typename P, typename Access>
 Property<P> number_or_auto(const char* name, Access access, float low, float high,
                            const char* blurb) {
-  using property_detail::field;
-  Property<P> property = property_detail::named<P>(name, access);
-  property.make_spec = [=](const P& defaults) {
-    return g_param_spec_string(name, property_detail::nick(name), blurb,
-                               text_of(field(defaults, access)).c_str(),
-                               static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                                        GST_PARAM_MUTABLE_PLAYING));
-  };
-  property.read = [access](const P& from, GValue* to) {
-    g_value_set_string(to, text_of(field(from, access)).c_str());
-  };
-  property.write = [=](P& to, const GValue* from) {
-    field(to, access) = number_or_auto(g_value_get_string(from), low, high);
-  };
-  property.wrong = [=](const GValue* value) -> std::string {
-    try {
-      number_or_auto(g_value_get_string(value), low, high);
-      return {};
-    } catch (const Error& error) {
-      return std::string(name) + error.what();
-    }
-  };
-  return property;
+  const std::optional<float>& field = property_detail::field<P>(access);
+  return property_detail::row<P>(name, blurb, &property_detail::kNumberOrAuto, &field,
+                                 Mutable::playing, static_cast<double>(low),
+                                 static_cast<double>(high));
 }
-
-/// One value of an enumerated property.
-struct Choice {
-  int value;
-  const char* nick;         ///< what users type
-  const char* description;  ///< one sentence
-};
-
-/// Registers a GEnum of these choices under `type_name`, once.
-GType enum_type(const char* type_name, const std::vector<Choice>& choices);
 
 /// A property that is one of the values of a C++ enum.
 template <typename P, typename Access>
 Property<P> choice(const char* name, Access access, const char* type_name,
-                   const std::vector<Choice>& choices, const char* blurb,
+                   std::span<const Choice> choices, const char* blurb,
                    Mutable when = Mutable::playing) {
-  using property_detail::field;
   using E = property_detail::FieldOf<P, Access>;
   static_assert(std::is_enum_v<E>);
-  Property<P> property = property_detail::named<P>(name, access);
-  property.make_spec = [=](const P& defaults) {
-    return g_param_spec_enum(
-        name, property_detail::nick(name), blurb, enum_type(type_name, choices),
-        static_cast<int>(field(defaults, access)), property_detail::flags(when));
-  };
-  property.read = [access](const P& from, GValue* to) {
-    g_value_set_enum(to, static_cast<int>(field(from, access)));
-  };
-  property.write = [access](P& to, const GValue* from) {
-    field(to, access) = static_cast<E>(g_value_get_enum(from));
-  };
-  return property;
+  return property_detail::row<P>(name, blurb, property_detail::enum_type_of(sizeof(E)),
+                                 &property_detail::field<P>(access), when, 0, 0,
+                                 enum_type(type_name, choices));
+}
+template <typename P, typename Access>
+Property<P> choice(const char* name, Access access, const char* type_name,
+                   std::initializer_list<Choice> choices, const char* blurb,
+                   Mutable when = Mutable::playing) {
+  return choice<P>(name, access, type_name, std::span(choices.begin(), choices.size()), blurb,
+                   when);
 }
 
 /// A color: an unsigned 0xAARRGGBB as in other GStreamer elements (sRGB; alpha is ignored).
@@ -242,8 +192,39 @@ Property<P> color(const char* name, Access access, const char* blurb) {
   return number<P>(name, access, 0u, 0xffffffffu, blurb);
 }
 
-template <typename P>
-using PropertyTable = std::vector<Property<P>>;
+/// A text that stands for a field of any type: `kText` is `std::string (const T&)`, `kWrite` is
+/// `void (T&, const char*)`, which is given the empty text for null.
+template <typename P, auto kText, auto kWrite, typename Access>
+Property<P> text_for(const char* name, Access access, const char* blurb,
+                     std::string (*wrong)(const GValue*) = nullptr) {
+  using T = property_detail::FieldOf<P, Access>;
+  static constexpr FieldType kType{
+      [](const PropertyRow& row, const void* field) {
+        return g_param_spec_string(
+            row.name, property_detail::nick(row.name), row.blurb,
+            g_intern_string(kText(*static_cast<const T*>(field)).c_str()),
+            static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
+                                     GST_PARAM_MUTABLE_PLAYING));
+      },
+      [](const void* field, GValue* to) {
+        g_value_set_string(to, kText(*static_cast<const T*>(field)).c_str());
+      },
+      [](const PropertyRow& /*row*/, void* field, const GValue* from) {
+        const char* text = g_value_get_string(from);
+        kWrite(*static_cast<T*>(field), text ? text : "");
+      },
+      [](void* to, const void* from) { *static_cast<T*>(to) = *static_cast<const T*>(from); },
+      nullptr};
+  Property<P> property = property_detail::row<P>(
+      name, blurb, &kType, &property_detail::field<P>(access), Mutable::playing);
+  property.wrong = wrong;
+  return property;
+}
+
+/// The number that a text is, in [low, high]; empty for "auto". Throws Error(unsupported).
+std::optional<float> number_or_auto(const char* text, float low, float high);
+/// The text of a number, or "auto".
+std::string text_of(const std::optional<float>& value);
 
 /// The values that a property takes, and its default: "0…1 (0.5)".
 std::string values_of(GParamSpec* spec);
@@ -285,17 +266,53 @@ void set_parameter(const Log& log, PropertyStore& parameters, size_t index, cons
 /// Posts an error and returns false if a text cannot be read: the element does not start.
 bool check_parameters(const Log& log, const PropertyStore& parameters);
 
+/// The part of Parameters that is the same for all parameter structs.
+class RowParameters : public PropertyStore {
+ public:
+  RowParameters(const RowParameters&) = delete;
+  RowParameters& operator=(const RowParameters&) = delete;
+
+  /// Indices in use.
+  size_t size() const { return rows_.size() + (has_tuning() ? 1 : 0); }
+  void install(GObjectClass* object_class, guint first_id) const override;
+  void get(size_t index, GValue* value) const override;
+  void set(size_t index, const GValue* value) override;
+  std::string misconfigured(const char* name) const override;
+  std::string tuning_entries_text() const override;
+
+ protected:
+  /// `defaults` and `values` point to two parameter structs, the second to this one's own.
+  RowParameters(const std::vector<PropertyRow>& rows, const void* defaults, void* values)
+      : rows_(rows), defaults_(defaults), values_(values), explicitly_(rows.size()) {}
+  /// Copies the fields that were set. mutex_ held.
+  void copy_explicit(void* to) const;
+  mutable std::mutex mutex_;
+
+ private:
+  /// Calls `use` with the values in force. mutex_ held.
+  virtual void use_effective(const std::function<void(const void*)>& use) const = 0;
+  bool has_tuning() const;
+  /// Takes all entries of the text, or none. Entries that it does not name return to their
+  /// defaults. mutex_ held.
+  void set_tuning(const std::string& text);
+
+  const std::vector<PropertyRow>& rows_;
+  const void* defaults_;
+  void* values_;
+  std::vector<bool> explicitly_;
+  std::string tuning_;
+  std::map<std::string, std::string> misconfigured_;  // by property
+};
+
 /// The parameters of one element. `preset` turns the values that were set so far into a full set of
 /// defaults (for `quality`); whatever was set explicitly wins over it.
 template <typename P>
-class Parameters final : public PropertyStore {
+class Parameters final : public RowParameters {
  public:
   using Preset = std::function<P(const P& set_so_far)>;
   explicit Parameters(const PropertyTable<P>& table, Preset preset = nullptr)
-      : table_(table), preset_(std::move(preset)), explicitly_(table.size()) {}
-
-  /// Indices in use.
-  size_t size() const { return table_.size() + (has_tuning() ? 1 : 0); }
+      : RowParameters(table.rows(), &property_detail::defaults<P>(), &values_),
+        preset_(std::move(preset)) {}
 
   /// The values in force now.
   P snapshot() const {
@@ -308,118 +325,24 @@ class Parameters final : public PropertyStore {
     std::lock_guard lock(mutex_);
     P result = preset_ ? preset_(values_) : values_;
     adjust(result);
-    return with_explicit(result);
-  }
-
-  void install(GObjectClass* object_class, guint first_id) const override {
-    const P defaults = effective();
-    for (size_t i = 0; i < table_.size(); ++i)
-      if (!table_[i].in_tuning)
-        g_object_class_install_property(object_class, first_id + static_cast<guint>(i),
-                                        table_[i].make_spec(defaults));
-    if (has_tuning())
-      g_object_class_install_property(object_class, first_id + static_cast<guint>(table_.size()),
-                                      tuning_spec());
-  }
-  void get(size_t index, GValue* value) const override {
-    if (index < table_.size()) return table_[index].read(snapshot(), value);
-    std::lock_guard lock(mutex_);
-    g_value_set_string(value, tuning_.c_str());
-  }
-  void set(size_t index, const GValue* value) override {
-    std::lock_guard lock(mutex_);
-    if (index == table_.size()) {
-      const char* text = g_value_get_string(value);
-      return set_tuning(text ? text : "");
-    }
-    const Property<P>& property = table_[index];
-    misconfigured_.erase(property.name);
-    if (property.wrong)
-      if (const std::string wrong = property.wrong(value); !wrong.empty()) {
-        misconfigured_[property.name] = wrong;
-        return;
-      }
-    property.write(values_, value);
-    explicitly_[index] = true;
-  }
-  std::string misconfigured(const char* name) const override {
-    std::lock_guard lock(mutex_);
-    const auto found = name ? misconfigured_.find(name) : misconfigured_.begin();
-    return found == misconfigured_.end() ? std::string() : found->second;
-  }
-  std::string tuning_entries_text() const override {
-    const P defaults = effective();
-    std::string lines;
-    for (const Property<P>& property : table_) {
-      if (!property.in_tuning) continue;
-      const auto spec = spec_of(property, defaults);
-      lines += property.name + ": " + values_of(spec.get()) + ": " +
-               g_param_spec_get_blurb(spec.get()) + "\n";
-    }
-    return lines;
-  }
-
- private:
-  using SpecPtr = std::unique_ptr<GParamSpec, decltype(&g_param_spec_unref)>;
-  static SpecPtr spec_of(const Property<P>& property, const P& defaults) {
-    return {g_param_spec_ref_sink(property.make_spec(defaults)), g_param_spec_unref};
-  }
-  bool has_tuning() const {
-    return std::any_of(table_.begin(), table_.end(), [](const auto& p) { return p.in_tuning; });
-  }
-
-  /// Takes all entries of the text, or none. Entries that it does not name return to their
-  /// defaults. mutex_ held.
-  void set_tuning(const std::string& text) {
-    const P defaults{};
-    P values = values_;
-    std::vector<bool> explicitly = explicitly_;
-    for (size_t i = 0; i < table_.size(); ++i)
-      if (table_[i].in_tuning) {
-        table_[i].copy(values, defaults);
-        explicitly[i] = false;
-      }
-    try {
-      for (const auto& [name, value] : tuning_entries(text))
-        write_entry(name, value, values, explicitly);
-    } catch (const Error& error) {
-      std::string& wrong = misconfigured_["tuning"];
-      wrong = "tuning=\"" + text + "\": " + error.what() + "; its names are";
-      for (const Property<P>& property : table_)
-        if (property.in_tuning) wrong += " " + property.name;
-      return;
-    }
-    values_ = values;
-    explicitly_ = explicitly;
-    tuning_ = text;
-    misconfigured_.erase("tuning");
-  }
-  void write_entry(const std::string& name, const std::string& value, P& values,
-                   std::vector<bool>& explicitly) const {
-    const auto entry = std::find_if(table_.begin(), table_.end(), [&](const auto& property) {
-      return property.in_tuning && property.name == name;
-    });
-    if (entry == table_.end()) throw Error(ErrorKind::unsupported, "there is no \"" + name + "\"");
-    GValue read = G_VALUE_INIT;
-    tuning_value(spec_of(*entry, P{}).get(), value, &read);
-    entry->write(values, &read);
-    g_value_unset(&read);
-    explicitly[static_cast<size_t>(entry - table_.begin())] = true;
-  }
-  P effective() const { return preset_ ? with_explicit(preset_(values_)) : values_; }
-  P with_explicit(P result) const {
-    for (size_t i = 0; i < table_.size(); ++i)
-      if (explicitly_[i]) table_[i].copy(result, values_);
+    copy_explicit(&result);
     return result;
   }
 
-  const PropertyTable<P>& table_;
+ private:
+  void use_effective(const std::function<void(const void*)>& use) const override {
+    const P values = effective();
+    use(&values);
+  }
+  P effective() const {
+    if (!preset_) return values_;
+    P result = preset_(values_);
+    copy_explicit(&result);
+    return result;
+  }
+
   Preset preset_;
-  mutable std::mutex mutex_;
   P values_{};
-  std::vector<bool> explicitly_;
-  std::string tuning_;
-  std::map<std::string, std::string> misconfigured_;  // by property
 };
 
 }  // namespace inverse

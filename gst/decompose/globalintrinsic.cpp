@@ -46,9 +46,9 @@ PropertyTable<Params> light_properties() {
 const PropertyTable<Params>& table() {
   static const PropertyTable<Params> table = [] {
     PropertyTable<Params> all = light_properties();
-    std::ranges::copy(solve_properties<Params>(), std::back_inserter(all));
-    std::ranges::copy(stroke_properties<Params>(), std::back_inserter(all));
-    std::ranges::copy(scene_properties<Params>(), std::back_inserter(all));
+    all.append(solve_properties<Params>());
+    all.append(stroke_properties<Params>());
+    all.append(scene_properties<Params>());
     return decomposer_properties<Params>({kSolveSets}, all, Makes::global);
   }();
   return table;

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicdecomp: reflectance and shading of live video, one log-shading unknown a pixel.
-#include <algorithm>
-#include <iterator>
 
 #include "decomposer.hpp"
 #include "kernels/intrinsic/intrinsic_levels.hpp"
@@ -15,8 +13,8 @@ using Params = SolveParams<ScaledIntrinsic::Params>;
 const PropertyTable<Params>& table() {
   static const PropertyTable<Params> table = [] {
     PropertyTable<Params> all = solve_properties<Params>();
-    std::ranges::copy(stroke_properties<Params>(), std::back_inserter(all));
-    std::ranges::copy(scene_properties<Params>(), std::back_inserter(all));
+    all.append(stroke_properties<Params>());
+    all.append(scene_properties<Params>());
     return decomposer_properties<Params>({kSolveSets}, all);
   }();
   return table;

@@ -175,12 +175,12 @@ PropertyTable<P> decomposer_properties(const QualityText& quality, const Propert
                 "Maximum time for a frame in this element, ms, held by reducing the work; 0 = no "
                 "limit"),
   };
-  table.push_back(number<P>("shading-scale", &P::shading_scale, 0.f, 100.f,
-                            "Factor on light that is shown, before it is clipped at 1"));
+  table.append({number<P>("shading-scale", &P::shading_scale, 0.f, 100.f,
+                          "Factor on light that is shown, before it is clipped at 1")});
   if (global)
-    table.push_back(number<P>("layer", &P::layer, 0, static_cast<int>(kMaxBases) - 1,
-                              "Base color whose layer show=layer shows"));
-  table.insert(table.end(), own.begin(), own.end());
+    table.append({number<P>("layer", &P::layer, 0, static_cast<int>(kMaxBases) - 1,
+                            "Base color whose layer show=layer shows")});
+  table.append(own);
   return table;
 }
 

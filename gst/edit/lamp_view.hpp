@@ -5,7 +5,7 @@
 
 #include "kernels/edit/relight/lamps.hpp"
 #include "kernels/gpu/commands.hpp"
-#include "kernels/volume/seen_scene.hpp"
+#include "kernels/camera/seen_scene.hpp"
 
 namespace inverse {
 

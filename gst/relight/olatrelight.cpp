@@ -35,39 +35,20 @@ struct Params : Relighting::Params {
 };
 
 /// light-direction: three numbers, in one text.
-Property<Params> direction_property() {
-  using property_detail::named;
-  Property<Params> property = named<Params>("light-direction", &Params::light);
-  property.make_spec = [](const Params& defaults) {
-    char text[64];
-    snprintf(text, sizeof(text), "%g,%g,%g", double{defaults.light[0]}, double{defaults.light[1]},
-             double{defaults.light[2]});
-    return g_param_spec_string("light-direction", "light direction",
-                               "Direction of the light of show=olat: x,y,z (right, up, to the "
-                               "camera); also set by dragging the mouse",
-                               g_intern_string(text),
-                               static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                                        GST_PARAM_MUTABLE_PLAYING));
-  };
-  property.read = [](const Params& from, GValue* to) {
-    char text[64];
-    snprintf(text, sizeof(text), "%g,%g,%g", double{from.light[0]}, double{from.light[1]},
-             double{from.light[2]});
-    g_value_set_string(to, text);
-  };
-  property.write = [](Params& to, const GValue* from) {
-    const char* text = g_value_get_string(from);
-    std::array<float, 3> light{};
-    char rest = 0;
-    if (text && sscanf(text, " %f , %f , %f %c", &light[0], &light[1], &light[2], &rest) == 3 &&
-        std::all_of(light.begin(), light.end(), [](float v) { return std::fabs(v) <= 1e6F; }))
-      to.light = light;
-    else
-      g_warning(
-          "light-direction \"%s\" is not three numbers with commas between; it stays as it was",
-          text ? text : "");
-  };
-  return property;
+std::string text_of_light(const std::array<float, 3>& light) {
+  char text[64];
+  snprintf(text, sizeof(text), "%g,%g,%g", double{light[0]}, double{light[1]}, double{light[2]});
+  return text;
+}
+void write_light(std::array<float, 3>& light, const char* text) {
+  std::array<float, 3> read{};
+  char rest = 0;
+  if (sscanf(text, " %f , %f , %f %c", &read[0], &read[1], &read[2], &rest) == 3 &&
+      std::all_of(read.begin(), read.end(), [](float v) { return std::fabs(v) <= 1e6F; }))
+    light = read;
+  else
+    g_warning("light-direction \"%s\" is not three numbers with commas between; it stays as it was",
+              text);
 }
 
 const PropertyTable<Params>& table() {
@@ -106,7 +87,10 @@ const PropertyTable<Params>& table() {
       number<P>("environment-rotation", &P::rotation, -360, 360,
                 "Rotation of the environment about the vertical in degrees, positive to the right"),
       number<P>("exposure", &P::exposure, -10, 10, "Brightness of all light, in stops"),
-      direction_property(),
+      text_for<P, text_of_light, write_light>(
+          "light-direction", &P::light,
+          "Direction of the light of show=olat: x,y,z (right, up, to the camera); also set by "
+          "dragging the mouse"),
       number<P>(
           "light-x", [](P& p) -> float& { return p.light[0]; }, -1e6F, 1e6F,
           "x of light-direction: to the right"),

@@ -21,44 +21,32 @@
 namespace inverse {
 namespace {
 
+struct CornersSetting {
+  std::optional<Corners> value;
+  uint64_t version = 0;  ///< counts how often it was set
+};
+
 struct Params : TextureParams {
   std::string location, poster;
-  struct {
-    std::optional<Corners> value;
-    uint64_t version = 0;  ///< counts how often it was set
-  } corners;
+  CornersSetting corners;
   bool track = true, drag = true;
 };
 
-Property<Params> corners_property() {
-  Property<Params> property = property_detail::named<Params>("corners", &Params::corners);
-  property.make_spec = [](const Params&) {
-    return g_param_spec_string(
-        "corners", "corners",
-        "Where the picture hangs in the frame in which this is set: x,y of top left, top right, "
-        "bottom right and bottom left in pixels; empty = found by poster",
-        "",
-        static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                 GST_PARAM_MUTABLE_PLAYING));
-  };
-  property.read = [](const Params& from, GValue* to) {
-    g_value_set_string(to, from.corners.value ? text_of(*from.corners.value).c_str() : "");
-  };
-  property.write = [](Params& to, const GValue* from) {
-    const char* text = g_value_get_string(from);
-    to.corners.value = read_corners(text ? text : "");
-    ++to.corners.version;
-  };
-  property.wrong = [](const GValue* value) -> std::string {
-    const char* text = g_value_get_string(value);
-    try {
-      read_corners(text ? text : "");
-      return {};
-    } catch (const Error& error) {
-      return std::string("corners") + error.what();
-    }
-  };
-  return property;
+std::string text_of_corners(const CornersSetting& corners) {
+  return corners.value ? text_of(*corners.value) : std::string();
+}
+void write_corners(CornersSetting& corners, const char* text) {
+  corners.value = read_corners(text);
+  ++corners.version;
+}
+std::string corners_fault(const GValue* value) {
+  const char* text = g_value_get_string(value);
+  try {
+    read_corners(text ? text : "");
+    return {};
+  } catch (const Error& error) {
+    return std::string("corners") + error.what();
+  }
 }
 
 const PropertyTable<Params>& table() {
@@ -66,7 +54,11 @@ const PropertyTable<Params>& table() {
   static const PropertyTable<P> table{
       text<P>("location", &P::location,
               "Picture to hang: a PNG or JPEG file; empty = frames of the pad texture"),
-      corners_property(),
+      text_for<P, text_of_corners, write_corners>(
+          "corners", &P::corners,
+          "Where the picture hangs in the frame in which this is set: x,y of top left, top right, "
+          "bottom right and bottom left in pixels; empty = found by poster",
+          corners_fault),
       text<P>("poster", &P::poster,
               "Picture file of what hangs there now: the plane is found by it if corners is empty"),
       flag<P>("track", &P::track,

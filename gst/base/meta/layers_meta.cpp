@@ -9,7 +9,7 @@
 
 #include "gst/base/log/log.hpp"
 #include "kernels/gpu/commands.hpp"
-#include "kernels/volume/seen_scene.hpp"
+#include "kernels/camera/seen_scene.hpp"
 #include "layers_memory.hpp"
 #include "registered_once.hpp"
 

@@ -144,7 +144,7 @@ void EffectBin::install(GObjectClass* object_class, guint first_id) const {
 }
 
 void EffectBin::set(size_t index, const GValue* value) {
-  const std::string& name = table()[index].name;
+  const std::string name = table().rows()[index].name;
   const bool live = name == "strength" || name == "use-mask";
   parameters_.set(index, value);
   if (live) {
