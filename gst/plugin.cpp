@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The list of elements, nothing else.
+// The list of elements, nothing else. HAVE_…: the options that this build has.
 #include "gst/base/filter.hpp"
 #include "gst/base/meta/layers_meta.hpp"
 #include "gst/material/meta/material_meta.hpp"
@@ -29,14 +29,9 @@ gboolean register_rgbdtestsrc(GstPlugin* plugin);
 
 static gboolean plugin_init(GstPlugin* plugin) {
   inverse::register_layers_meta();
-  inverse::register_material_meta();
-  inverse::register_depth_meta();
   for (const inverse::ElementInfo* element : {
            &inverse::kIntrinsicDecomp,
-           &inverse::kIntrinsicDecompThesis,
            &inverse::kGlobalIntrinsic,
-           &inverse::kGlobalIntrinsicThesis,
-           &inverse::kLimeMaterial,
            &inverse::kIntrinsicSelect,
            &inverse::kIntrinsicRecolor,
            &inverse::kIntrinsicDespill,
@@ -46,11 +41,25 @@ static gboolean plugin_init(GstPlugin* plugin) {
            &inverse::kIntrinsicRelight,
            &inverse::kIntrinsicMerge,
            &inverse::kIntrinsicCompose,
+#ifdef HAVE_THESIS
+           &inverse::kIntrinsicDecompThesis,
+           &inverse::kGlobalIntrinsicThesis,
+#endif
+#ifdef HAVE_MATERIAL
+           &inverse::kLimeMaterial,
+#endif
        })
     if (!inverse::register_filter(plugin, *element)) return FALSE;
-  return inverse::register_intrinsicsplit(plugin) && inverse::register_intrinsicedit(plugin) &&
-         inverse::register_rgbdmerge(plugin) && inverse::register_rgbdsrc(plugin) &&
-         inverse::register_rgbdtestsrc(plugin);
+#ifdef HAVE_MATERIAL
+  inverse::register_material_meta();
+#endif
+#ifdef HAVE_DEPTH
+  inverse::register_depth_meta();
+  if (!inverse::register_rgbdmerge(plugin) || !inverse::register_rgbdsrc(plugin) ||
+      !inverse::register_rgbdtestsrc(plugin))
+    return FALSE;
+#endif
+  return inverse::register_intrinsicsplit(plugin) && inverse::register_intrinsicedit(plugin);
 }
 
 GST_PLUGIN_DEFINE(

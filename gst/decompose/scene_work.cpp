@@ -3,16 +3,22 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
 #include <iterator>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "decomposer.hpp"
 #include "gst/inverse/inverse_depth_meta.h"
+#include "kernels/volume/memory/scene_memory.hpp"
 #include "strokes/stroke_editor.hpp"
 #include "strokes/stroke_text.hpp"
 
@@ -91,9 +97,63 @@ SceneMemory::Params memory_params(const SceneParams& params) {
   return made;
 }
 
-}  // namespace
+class RememberedScene final : public SceneWork {
+ public:
+  void configure(const std::shared_ptr<gpu::Device>& device) override { device_ = device; }
+  void release() override;
+  const KnownReflectance* recall(FrameContext& frame, uint64_t number, const SceneParams& params,
+                                 const Wanted& wanted) override;
+  const SeenStrokes* seen() const override { return seen_ ? &*seen_ : nullptr; }
+  std::optional<SceneView> view(uint64_t number) const override {
+    return memory_ ? memory_->view(number) : std::nullopt;
+  }
+  std::optional<Touch> touch(uint64_t number) const override {
+    return memory_ ? memory_->touch(number) : std::nullopt;
+  }
+  bool began() const override { return began_; }
+  std::vector<Stroke> take_loaded() override { return std::exchange(loaded_, {}); }
+  void remember(FrameContext& frame) override;
+  void forget() override { forgets_ = true; }
+  void save(const std::string& path) override;
+  bool requested() const override;
+  void ended(const std::string& location) override;
+  void describe(GstStructure* stats, uint64_t number) const override;
 
-class SceneWork::Image {
+ private:
+  /// A depth image that is mapped while this lives.
+  class Image;
+
+  /// Forgets the scene.
+  void reset();
+  /// Adds a warning that was not given since the last reset.
+  void warn(FrameContext& frame, const std::string& text);
+  void warn_of(FrameContext& frame, const SceneMemory::Findings& found);
+  /// Reads a scene into the memory; a warning if it cannot.
+  void load(FrameContext& frame, const std::string& path);
+  /// The scene with its strokes, for a file.
+  SceneData data();
+  /// Writes the files that were asked for.
+  void write_wanted(FrameContext& frame);
+  /// Makes the memory for frames like this one; false, with a warning, if it cannot.
+  bool begin(FrameContext& frame, const SceneMemory::Depth& depth, const SceneParams& params);
+
+  std::shared_ptr<gpu::Device> device_;
+  std::optional<SceneMemory> memory_;
+  SceneParams made_with_;
+  std::optional<KnownReflectance> known_;
+  std::optional<SeenStrokes> seen_;
+  StrokesPtr strokes_;          // all of the last frame
+  std::vector<Stroke> loaded_;  // from a file
+  bool remembers_ = false;      // this frame
+  bool began_ = false;
+  std::set<std::string> told_;
+  bool written_ = false;  // since the last frame
+  std::atomic<bool> has_scene_ = false, forgets_ = false;
+  mutable std::mutex mutex_;
+  std::vector<std::string> wanted_;  // files
+};
+
+class RememberedScene::Image {
  public:
   explicit Image(GstBuffer* buffer) : buffer_(buffer) {
     mapped_ = gst_buffer_map(buffer, &map_, GST_MAP_READ);
@@ -113,12 +173,12 @@ class SceneWork::Image {
   bool mapped_;
 };
 
-void SceneWork::release() {
+void RememberedScene::release() {
   reset();
   device_.reset();
 }
 
-void SceneWork::reset() {
+void RememberedScene::reset() {
   has_scene_ = false;
   memory_.reset();
   seen_.reset();
@@ -126,11 +186,11 @@ void SceneWork::reset() {
   told_.clear();
 }
 
-void SceneWork::warn(FrameContext& frame, const std::string& text) {
+void RememberedScene::warn(FrameContext& frame, const std::string& text) {
   if (told_.insert(text).second) frame.warnings.push_back(text);
 }
 
-bool SceneWork::begin(FrameContext& frame, const SceneMemory::Depth& depth,
+bool RememberedScene::begin(FrameContext& frame, const SceneMemory::Depth& depth,
                       const SceneParams& params) {
   constexpr double kMinKnown = 0.1;
   constexpr float kNearScene = 0.7F, kFarScene = 9;  // meters; a wrong unit is off by 5 or more
@@ -169,7 +229,7 @@ bool SceneWork::begin(FrameContext& frame, const SceneMemory::Depth& depth,
   return true;
 }
 
-void SceneWork::load(FrameContext& frame, const std::string& path) {
+void RememberedScene::load(FrameContext& frame, const std::string& path) {
   try {
     const SceneData scene = load_scene(path);
     try {
@@ -183,7 +243,7 @@ void SceneWork::load(FrameContext& frame, const std::string& path) {
   }
 }
 
-SceneData SceneWork::data() {
+SceneData RememberedScene::data() {
   SceneData scene = memory_->data();
   StrokeList placed;
   if (strokes_)
@@ -192,7 +252,7 @@ SceneData SceneWork::data() {
   return scene;
 }
 
-void SceneWork::write_wanted(FrameContext& frame) {
+void RememberedScene::write_wanted(FrameContext& frame) {
   std::vector<std::string> files;
   {
     const std::lock_guard lock(mutex_);
@@ -209,7 +269,7 @@ void SceneWork::write_wanted(FrameContext& frame) {
   }
 }
 
-void SceneWork::save(const std::string& path) {
+void RememberedScene::save(const std::string& path) {
   check_scene_target(path);
   if (!has_scene_)
     throw Error(ErrorKind::output,
@@ -218,12 +278,12 @@ void SceneWork::save(const std::string& path) {
   wanted_.push_back(path);
 }
 
-bool SceneWork::requested() const {
+bool RememberedScene::requested() const {
   const std::lock_guard lock(mutex_);
   return forgets_ || !wanted_.empty();
 }
 
-void SceneWork::ended(const std::string& location) {
+void RememberedScene::ended(const std::string& location) {
   if (!memory_ || std::exchange(written_, true)) return;
   std::vector<std::string> files;
   {
@@ -236,7 +296,7 @@ void SceneWork::ended(const std::string& location) {
   for (const std::string& file : files) save_scene(scene, file);
 }
 
-void SceneWork::warn_of(FrameContext& frame, const SceneMemory::Findings& found) {
+void RememberedScene::warn_of(FrameContext& frame, const SceneMemory::Findings& found) {
   if (found.found) told_.erase(kLost);
   if (found.frames_lost >= kLongLost && found.blocks > 0) warn(frame, kLost);
   if (found.blocks_refused > 0)
@@ -247,7 +307,7 @@ void SceneWork::warn_of(FrameContext& frame, const SceneMemory::Findings& found)
              number_text(made_with_.voxel_size) + " m");
 }
 
-const KnownReflectance* SceneWork::recall(FrameContext& frame, uint64_t number,
+const KnownReflectance* RememberedScene::recall(FrameContext& frame, uint64_t number,
                                           const SceneParams& params, const Wanted& wanted) {
   remembers_ = began_ = false;
   seen_.reset();
@@ -312,13 +372,13 @@ const KnownReflectance* SceneWork::recall(FrameContext& frame, uint64_t number,
   return known_ && params.scene_weight > 0 ? &*known_ : nullptr;
 }
 
-void SceneWork::remember(FrameContext& frame) {
+void RememberedScene::remember(FrameContext& frame) {
   if (!remembers_) return;
   memory_->record_remember(frame.commands, *frame.layers[Role::intrinsic]);
   if (!frame.draw) frame.layers.scene = memory_->record_seen(frame.commands);
 }
 
-void SceneWork::describe(GstStructure* stats, uint64_t number) const {
+void RememberedScene::describe(GstStructure* stats, uint64_t number) const {
   const auto of_frame = memory_ ? memory_->findings(number) : std::nullopt;
   if (!of_frame) return;
   const SceneMemory::Findings& found = *of_frame;
@@ -337,6 +397,12 @@ void SceneWork::describe(GstStructure* stats, uint64_t number) const {
   gst_structure_set(stats, "scene-front", G_TYPE_DOUBLE, static_cast<double>(*found.front),
                     "scene-touched", G_TYPE_BOOLEAN, touches, nullptr);
 }
+
+}  // namespace
+
+const bool kHasScene = true;
+
+std::unique_ptr<SceneWork> make_scene_work() { return std::make_unique<RememberedScene>(); }
 
 std::vector<Action> scene_actions() {
   std::vector<Action> actions = stroke_actions();

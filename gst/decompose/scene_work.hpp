@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include <atomic>
 #include <memory>
-#include <mutex>
 #include <optional>
-#include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "gst/base/filter.hpp"
-#include "kernels/volume/memory/scene_memory.hpp"
+#include "kernels/image/strokes/seen_strokes.hpp"
+#include "kernels/camera/known_reflectance.hpp"
+#include "kernels/camera/place_stroke.hpp"
+#include "kernels/camera/touch.hpp"
 
 namespace inverse {
 
@@ -26,9 +25,13 @@ struct SceneParams {
   std::string scene_load, scene_location;
 };
 
+/// Whether this build remembers scenes (option `depth`).
+extern const bool kHasScene;
+
 /// The properties of SceneParams.
 template <typename P>
 PropertyTable<P> scene_properties() {
+  if (!kHasScene) return {};
   return {
       flag<P>("scene-memory", &P::scene_memory,
               "Remember the reflectance of the scene where frames carry depth, and start and "
@@ -63,8 +66,9 @@ PropertyTable<P> scene_properties() {
 /// its method decomposes a frame.
 class SceneWork {
  public:
-  void configure(const std::shared_ptr<gpu::Device>& device) { device_ = device; }
-  void release();
+  virtual ~SceneWork() = default;
+  virtual void configure(const std::shared_ptr<gpu::Device>& device) = 0;
+  virtual void release() = 0;
 
   /// What is asked of the scene for a frame.
   struct Wanted {
@@ -74,69 +78,35 @@ class SceneWork {
   };
   /// Before the method decomposes `frame`, as its frame `number`: what is known of it; null:
   /// nothing. Adds warnings about its depth.
-  const KnownReflectance* recall(FrameContext& frame, uint64_t number, const SceneParams& params,
-                                 const Wanted& wanted);
+  virtual const KnownReflectance* recall(FrameContext& frame, uint64_t number,
+                                         const SceneParams& params, const Wanted& wanted) = 0;
   /// Where that frame sees strokes of the scene; null: nowhere.
-  const SeenStrokes* seen() const { return seen_ ? &*seen_ : nullptr; }
+  virtual const SeenStrokes* seen() const = 0;
   /// SceneMemory::view.
-  std::optional<SceneView> view(uint64_t number) const {
-    return memory_ ? memory_->view(number) : std::nullopt;
-  }
+  virtual std::optional<SceneView> view(uint64_t number) const = 0;
   /// What a completed frame touches, if that was looked for.
-  std::optional<Touch> touch(uint64_t number) const {
-    return memory_ ? memory_->touch(number) : std::nullopt;
-  }
+  virtual std::optional<Touch> touch(uint64_t number) const = 0;
   /// Whether that frame is the first of another scene than the frame before.
-  bool began() const { return began_; }
+  virtual bool began() const = 0;
   /// Strokes of a scene that was loaded, since the last call.
-  std::vector<Stroke> take_loaded() { return std::exchange(loaded_, {}); }
+  virtual std::vector<Stroke> take_loaded() = 0;
   /// After the method. Layers that are sent on get what the frame sees of the scene.
-  void remember(FrameContext& frame);
+  virtual void remember(FrameContext& frame) = 0;
   /// Forgets the scene at the next frame. From any thread.
-  void forget() { forgets_ = true; }
+  virtual void forget() = 0;
   /// Writes the scene to a file at the next frame or the end (save_scene). From any thread. Throws
   /// Error(output) if there is none, or the name is not one.
-  void save(const std::string& path);
+  virtual void save(const std::string& path) = 0;
   /// Whether the next frame is needed for that, even if it came before.
-  bool requested() const;
+  virtual bool requested() const = 0;
   /// The stream ended: writes it to `location`, if that is not empty. Throws as save_scene.
-  void ended(const std::string& location);
+  virtual void ended(const std::string& location) = 0;
   /// Adds fields about a completed frame of the method that had depth.
-  void describe(GstStructure* stats, uint64_t number) const;
-
- private:
-  /// A depth image that is mapped while this lives.
-  class Image;
-
-  /// Forgets the scene.
-  void reset();
-  /// Adds a warning that was not given since the last reset.
-  void warn(FrameContext& frame, const std::string& text);
-  void warn_of(FrameContext& frame, const SceneMemory::Findings& found);
-  /// Reads a scene into the memory; a warning if it cannot.
-  void load(FrameContext& frame, const std::string& path);
-  /// The scene with its strokes, for a file.
-  SceneData data();
-  /// Writes the files that were asked for.
-  void write_wanted(FrameContext& frame);
-  /// Makes the memory for frames like this one; false, with a warning, if it cannot.
-  bool begin(FrameContext& frame, const SceneMemory::Depth& depth, const SceneParams& params);
-
-  std::shared_ptr<gpu::Device> device_;
-  std::optional<SceneMemory> memory_;
-  SceneParams made_with_;
-  std::optional<KnownReflectance> known_;
-  std::optional<SeenStrokes> seen_;
-  StrokesPtr strokes_;          // all of the last frame
-  std::vector<Stroke> loaded_;  // from a file
-  bool remembers_ = false;      // this frame
-  bool began_ = false;
-  std::set<std::string> told_;
-  bool written_ = false;  // since the last frame
-  std::atomic<bool> has_scene_ = false, forgets_ = false;
-  mutable std::mutex mutex_;
-  std::vector<std::string> wanted_;  // files
+  virtual void describe(GstStructure* stats, uint64_t number) const = 0;
 };
+
+/// Of a build that remembers no scenes: warns of frames with depth, and does nothing else.
+std::unique_ptr<SceneWork> make_scene_work();
 
 /// The action signals of a decomposer whose method has DecompositionMethod::scene: those of
 /// strokes, save-scene and forget-scene.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <memory>
 #include <optional>
 
 #include "scene_work.hpp"
@@ -25,7 +26,7 @@ class SolveMethod : public DecompositionMethod {
     log_.emplace(log);
     method_.emplace(device, extent);
     stroke_work_.configure(device, extent);
-    scene_work_.configure(device);
+    scene_work_->configure(device);
     const Params params = settings_.properties();
     models_.start(log);
     const PriorModelPtr network = models_.take(params.prior_source, params.prior_width);
@@ -37,7 +38,7 @@ class SolveMethod : public DecompositionMethod {
   void release() override {
     method_.reset();
     stroke_work_.release();
-    scene_work_.release();
+    scene_work_->release();
   }
   void reset() override {
     method_->reset();
@@ -47,20 +48,20 @@ class SolveMethod : public DecompositionMethod {
     return completed && method_->converged(*completed, settings_.params());
   }
   bool requested() const override {
-    return stroke_work_.requested(settings_.params()) || scene_work_.requested();
+    return stroke_work_.requested(settings_.params()) || scene_work_->requested();
   }
   StrokeEditor* strokes() override { return &strokes_; }
   void navigate(const Log& log, const MouseEvent& event) override {
     strokes_.mouse(log, event, settings_.properties());
   }
   void flushed() override { strokes_.flush(); }
-  void ended() override { scene_work_.ended(settings_.properties().scene_location); }
-  SceneWork* scene() override { return &scene_work_; }
+  void ended() override { scene_work_->ended(settings_.properties().scene_location); }
+  SceneWork* scene() override { return scene_work_.get(); }
   void completed(uint64_t number) override {
-    const auto view = scene_work_.view(number);
-    strokes_.add_loaded(*log_, scene_work_.take_loaded());
+    const auto view = scene_work_->view(number);
+    strokes_.add_loaded(*log_, scene_work_->take_loaded());
     stroke_work_.completed(*log_, number, solve_findings(method_->findings(number)).strokes, view);
-    strokes_.touch(*log_, scene_work_.touch(number), view, settings_.properties());
+    strokes_.touch(*log_, scene_work_->touch(number), view, settings_.properties());
   }
 
  protected:
@@ -75,18 +76,18 @@ class SolveMethod : public DecompositionMethod {
     info.repeated = frame.repeated;
     info.strokes = stroke_work_.solved();
     info.tracker = stroke_work_.tracker();
-    info.known = scene_work_.recall(frame, number, params, stroke_work_.wanted());
-    if (scene_work_.began()) strokes_.forget_scene();
-    info.seen = scene_work_.seen();
+    info.known = scene_work_->recall(frame, number, params, stroke_work_.wanted());
+    if (scene_work_->began()) strokes_.forget_scene();
+    info.seen = scene_work_->seen();
     stroke_work_.see(number, info.seen);
     frame.layers = method_->record(frame.commands, frame.layers[Role::input], params, info);
-    scene_work_.remember(frame);
+    scene_work_->remember(frame);
     frame.drawn = method_->drawn();
     stroke_work_.edit(frame);
     return number;
   }
   void describe_scene(GstStructure* stats, uint64_t number) const {
-    scene_work_.describe(stats, number);
+    scene_work_->describe(stats, number);
   }
   void describe_strokes(GstStructure* stats, uint64_t number) const {
     stroke_work_.describe(stats, number, solve_findings(method_->findings(number)).strokes);
@@ -107,7 +108,7 @@ class SolveMethod : public DecompositionMethod {
   PriorModels models_;
   StrokeEditor strokes_;
   StrokeWork stroke_work_{strokes_};
-  SceneWork scene_work_;
+  std::unique_ptr<SceneWork> scene_work_ = make_scene_work();
 };
 
 }  // namespace inverse

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "kernels/image/plane.hpp"
-#include "kernels/volume/camera.hpp"
+#include "kernels/camera/camera.hpp"
 
 namespace inverse {
 

@@ -34,7 +34,8 @@ void RepeatingDriver::show(uint64_t trigger) {
 void RepeatingDriver::black() {
   stop_repeating();
   if (!patch_) return;
-  const Levels black = std::exchange(patch_, {})->levels({});
+  const Levels black = patch_->levels({});
+  patch_.reset();
   try {
     send(black);
   } catch (const Error&) {

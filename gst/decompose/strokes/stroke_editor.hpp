@@ -7,7 +7,7 @@
 
 #include "gst/base/json/list_editor.hpp"
 #include "kernels/image/strokes/stroke_tracker.hpp"
-#include "kernels/volume/strokes/place_stroke.hpp"
+#include "kernels/camera/place_stroke.hpp"
 #include "touch_watch.hpp"
 
 namespace inverse {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "kernels/volume/touch/touch_finder.hpp"
+#include "kernels/camera/touch.hpp"
 
 namespace inverse {
 

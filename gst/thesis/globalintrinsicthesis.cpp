@@ -5,7 +5,7 @@
 #include <tuple>
 #include <utility>
 
-#include "decomposer.hpp"
+#include "gst/decompose/decomposer.hpp"
 #include "gst/base/color.hpp"
 #include "kernels/image/view/mosaic.hpp"
 #include "kernels/thesis/chapter5/global_thesis_levels.hpp"

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicdecompthesis: chapters 3 and 4 of the thesis.
-#include <algorithm>
-#include <iterator>
 
-#include "decomposer.hpp"
+#include "gst/decompose/decomposer.hpp"
 #include "kernels/image/strokes/stroke_mask.hpp"
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
 #include "kernels/thesis/chapter3/thesis_levels.hpp"
-#include "scene_work.hpp"
-#include "strokes/stroke_properties.hpp"
-#include "strokes/stroke_work.hpp"
+#include "gst/decompose/scene_work.hpp"
+#include "gst/decompose/strokes/stroke_properties.hpp"
+#include "gst/decompose/strokes/stroke_work.hpp"
 
 namespace inverse {
 namespace {
@@ -104,8 +102,8 @@ PropertyTable<Params> own_properties() {
                      "Draw new sample positions for every frame instead of keeping them")),
       tuning(flag<P>("energy", &P::energy, "Evaluate the energy of every frame for stats")),
   };
-  std::ranges::copy(stroke_properties<P>(), std::back_inserter(own));
-  std::ranges::copy(scene_properties<P>(), std::back_inserter(own));
+  own.append(stroke_properties<P>());
+  own.append(scene_properties<P>());
   return own;
 }
 
@@ -130,14 +128,14 @@ class ThesisMethod final : public DecompositionMethod {
     method_.emplace(device, extent);
     mask_.emplace(device, extent);
     stroke_work_.configure(device, extent);
-    scene_work_.configure(device);
+    scene_work_->configure(device);
   }
   void release() override {
     method_.reset();
     mask_.reset();
     before_ = {};
     stroke_work_.release();
-    scene_work_.release();
+    scene_work_->release();
   }
   void reset() override {
     method_->reset();
@@ -154,13 +152,13 @@ class ThesisMethod final : public DecompositionMethod {
     method_->set_params(params);
     const uint64_t number = method_->recorded();
     stroke_work_.take(frame, number, set, frame.draw && set.show == Show::mosaic);
-    const KnownReflectance* known = scene_work_.recall(frame, number, set, stroke_work_.wanted());
-    if (scene_work_.began()) strokes_.forget_scene();
-    stroke_work_.see(number, scene_work_.seen());
+    const KnownReflectance* known = scene_work_->recall(frame, number, set, stroke_work_.wanted());
+    if (scene_work_->began()) strokes_.forget_scene();
+    stroke_work_.see(number, scene_work_->seen());
     take_strokes(frame);
     const PlanePtr input = frame.layers[Role::input];
     method_->record(frame.commands, *input, frame.layers, known);
-    scene_work_.remember(frame);
+    scene_work_->remember(frame);
     if (mask_->unfilled() || (mask_->fills() && mask_->moves()))
       before_ = {input, frame.layers[Role::intrinsic]};
     stroke_work_.edit(frame);
@@ -171,20 +169,20 @@ class ThesisMethod final : public DecompositionMethod {
   // and another vote of the clusters.
   bool converged(std::optional<uint64_t>) const override { return !mask_->unfilled(); }
   bool requested() const override {
-    return stroke_work_.requested(settings_.params()) || scene_work_.requested();
+    return stroke_work_.requested(settings_.params()) || scene_work_->requested();
   }
   StrokeEditor* strokes() override { return &strokes_; }
   void navigate(const Log& log, const MouseEvent& event) override {
     strokes_.mouse(log, event, settings_.properties());
   }
   void flushed() override { strokes_.flush(); }
-  void ended() override { scene_work_.ended(settings_.properties().scene_location); }
-  SceneWork* scene() override { return &scene_work_; }
+  void ended() override { scene_work_->ended(settings_.properties().scene_location); }
+  SceneWork* scene() override { return scene_work_.get(); }
   void completed(uint64_t number) override {
-    const auto view = scene_work_.view(number);
-    strokes_.add_loaded(*log_, scene_work_.take_loaded());
+    const auto view = scene_work_->view(number);
+    strokes_.add_loaded(*log_, scene_work_->take_loaded());
     stroke_work_.completed(*log_, number, method_->stats(number).strokes, view);
-    strokes_.touch(*log_, scene_work_.touch(number), view, settings_.properties());
+    strokes_.touch(*log_, scene_work_->touch(number), view, settings_.properties());
   }
 
   Work work(uint64_t number) const override { return {method_->stats(number).skipped, {}}; }
@@ -199,7 +197,7 @@ class ThesisMethod final : public DecompositionMethod {
     if (!method.energy.empty())
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
     stroke_work_.describe(stats, number, method.strokes);
-    scene_work_.describe(stats, number);
+    scene_work_->describe(stats, number);
   }
 
  private:
@@ -207,7 +205,7 @@ class ThesisMethod final : public DecompositionMethod {
   void take_strokes(FrameContext& frame) {
     const StrokesPtr& list = stroke_work_.solved();
     const StrokeTracker* tracker = list ? stroke_work_.tracker() : nullptr;
-    const SeenStrokes* seen = list ? scene_work_.seen() : nullptr;
+    const SeenStrokes* seen = list ? scene_work_->seen() : nullptr;
     StrokeMask::Reflectance reflectance;
     if (before_.intrinsic) {
       reflectance.reflectance = before_.intrinsic->buffer;
@@ -240,7 +238,7 @@ class ThesisMethod final : public DecompositionMethod {
   std::optional<Log> log_;
   StrokeEditor strokes_;
   StrokeWork stroke_work_{strokes_};
-  SceneWork scene_work_;
+  std::unique_ptr<SceneWork> scene_work_ = make_scene_work();
   std::optional<StrokeMask> mask_;
   struct {
     PlanePtr input, intrinsic;
