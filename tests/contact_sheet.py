@@ -11,10 +11,11 @@ import subprocess
 import sys
 import tempfile
 
-GAP, COLUMNS, TILE_WIDTH = 8, 2, 640  # tools/runner/contact_sheet
+GAP, COLUMNS, ROWS, TILE_WIDTH = 8, 2, 3, 640  # tools/runner/contact_sheet
 FLAT = 8  # steps of 255: less spread than any part of the clip has
 EQUAL = 4  # mean difference of two parts that show the same
-GRAY = 12  # mean spread of the channels of shading, whose light is tinted at most
+BLUER, PAINTED = 60, 0.005  # by how much blue over red grows in what is repainted; the least share of such pixels
+GRAY = 12  # mean spread of the channels of shading
 
 
 def pixels(path):
@@ -41,15 +42,17 @@ def main():
     width, height, data = pixels(sys.argv[1])
     if width != GAP + COLUMNS * (TILE_WIDTH + GAP) or len(data) != 4 * width * height:
         sys.exit(f"the contact sheet is {width} x {height} pixels, not two frames across")
-    rows = max(1, round((height - GAP) / (TILE_WIDTH * 9 / 16 + GAP)))
-    tile_height = (height - GAP) // rows - GAP
+    tile_height = (height - GAP) // ROWS - GAP
     size = TILE_WIDTH // 2, tile_height // 2
     parts = {name: part(data, width, GAP + column * size[0], GAP + row * size[1], size) for name, column, row in
              [("input", 0, 0), ("reflectance", 1, 0), ("shading", 0, 1), ("repainted", 1, 1)]}
     faults = [f"{name} is flat" for name, seen in parts.items() if statistics.pstdev(sum(p) / 3 for p in seen) < FLAT]
     names = list(parts)
     faults += [f"{a} and {b} are the same" for i, a in enumerate(names) for b in names[i + 1:]
-               if difference(parts[a], parts[b]) < EQUAL]
+               if (a, b) != ("input", "repainted") and difference(parts[a], parts[b]) < EQUAL]
+    painted = statistics.fmean((q[2] - q[0]) - (p[2] - p[0]) > BLUER for p, q in zip(parts["input"], parts["repainted"]))
+    if painted < PAINTED:
+        faults.append(f"{painted:.2%} of the frame is repainted")
     gray = statistics.fmean(max(p) - min(p) for p in parts["shading"])
     if gray > GRAY:
         faults.append(f"shading has colors ({gray:.1f} steps)")
