@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Prints what failed and what was skipped in a build folder's last `meson test`, and as the last line
+"""Prints what failed and what was skipped in the last `meson test` of build folders, and as the last line
 "N passed, N failed". Exit status 1 where one failed or none ran.
 
 The cases of GoogleTest programs count one by one. A program that ended badly without a failed case (a crash, a
@@ -41,8 +41,12 @@ def cases_of_programs(junit):
     return programs
 
 
-def main():
-    logs = pathlib.Path(sys.argv[1]) / "meson-logs"
+def count(folder):
+    """Prints the faults of a build folder; returns how many tests passed and failed."""
+    logs = pathlib.Path(folder) / "meson-logs"
+    if not (logs / "testlog.json").exists():
+        print("FAILED", folder, "ran no test")
+        return 0, 1
     # A test that is killed leaves its log's colors, which no XML may have.
     junit = re.sub(rb"[\x00-\x08\x0b\x0c\x0e-\x1f]", b"", (logs / "testlog.junit.xml").read_bytes())
     programs = cases_of_programs(ET.fromstring(junit))
@@ -52,19 +56,25 @@ def main():
         program = run["name"].split(" / ")[-1]
         cases = programs.get(program, Cases([], [], []))
         for name in cases.skipped:
-            print("SKIPPED", program, name)
+            print("SKIPPED", folder, program, name)
         for name in cases.failed:
-            print("FAILED", program, name)
+            print("FAILED", folder, program, name)
         passed += len(cases.passed)
         failed += len(cases.failed)
         if run["result"] == "SKIP":
-            print("SKIPPED", program)
+            print("SKIPPED", folder, program)
         elif run["result"] not in ("OK", "EXPECTEDFAIL"):
             if not cases.failed:
-                print("FAILED", program, f"({run['result']}, exit status {run['returncode']})" + last_lines(run.get("stderr")))
+                print("FAILED", folder, program, f"({run['result']}, exit status {run['returncode']})" + last_lines(run.get("stderr")))
                 failed += 1
         elif program not in programs:
             passed += 1
+    return passed, failed
+
+
+def main():
+    counts = [count(folder) for folder in sys.argv[1:]]
+    passed, failed = (sum(column) for column in zip(*counts))
     print(f"{passed} passed, {failed} failed")
     sys.exit(1 if failed or not passed else 0)
 

@@ -27,3 +27,5 @@
 #include <string>
 #include <thread>
 #include <vector>
+
+#include "tests/elements/element_test.hpp"

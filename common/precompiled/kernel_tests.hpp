@@ -21,3 +21,8 @@
 #include <thread>
 #include <variant>
 #include <vector>
+
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/layers.hpp"
+#include "kernels/image/plane.hpp"
+#include "tests/kernels/gpu_fixture.hpp"

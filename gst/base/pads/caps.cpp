@@ -44,10 +44,8 @@ GstCaps* layer_caps(const char* layers) {
 
 /// Formats beyond these two make GStreamer's Vulkan library abort or shear the picture (1.22).
 GstCaps* image_caps() {
-  std::string text = "video/x-raw(";  // GCC 12 warns of a chain of sums here
-  text += kVulkanImageFeature;
-  text += "), format = (string) { RGBA, BGRA }, ";
-  text += kGeometry;
+  const std::string text = std::string("video/x-raw(") + kVulkanImageFeature +
+                           "), format = (string) { RGBA, BGRA }, " + kGeometry;
   return gst_caps_from_string(text.c_str());
 }
 

@@ -15,6 +15,8 @@ import subprocess
 import sys
 import tempfile
 
+from variants import included
+
 # SPIR-V specification 1.x, sections 2.3 and 3.
 OP_NAME, OP_MEMBER_NAME, OP_CAPABILITY, OP_CONSTANT, OP_VARIABLE, OP_DECORATE, OP_MEMBER_DECORATE = 5, 6, 17, 43, 59, 71, 72
 TYPE_INT, TYPE_FLOAT, TYPE_VECTOR, TYPE_ARRAY, TYPE_RUNTIME_ARRAY, TYPE_STRUCT, TYPE_POINTER = 21, 22, 23, 28, 29, 30, 32
@@ -170,17 +172,6 @@ def write_if_changed(path, lines):
     text = "\n".join(lines) + "\n"
     if not path.exists() or path.read_text() != text:
         path.write_text(text)
-
-
-def included(file, root, known):
-    """The file and all that it includes, in any variant."""
-    if file in known:
-        return known
-    known[file] = None
-    for name in re.findall(r'#include "(.+)"', file.read_text()):
-        beside = file.parent / name
-        included(beside if beside.exists() else root / name, root, known)
-    return known
 
 
 def embed(source, name, root, spirv, blob):

@@ -72,7 +72,7 @@ TEST(Malformed, LayersOfAnotherSizeThanTheirCapsAreOneClearError) {
   const Buffer layers = decomposer.process_buffer(random_frame(caps, 1));
   for (const char* line : {"intrinsicrecolor", "intrinsiccompose"}) {
     VideoHarness editor(line,
-                        kLayers + std::string(", format=RGBA, width=16, height=8, framerate=25/1"));
+                        std::string(kLayers) + ", format=RGBA, width=16, height=8, framerate=25/1");
     EXPECT_EQ(gst_harness_push(editor.harness(), gst_buffer_copy(layers.get())), GST_FLOW_ERROR);
     expect_one(editor.errors(), "layers of 64x48", "16x8");
   }
