@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Compiled once for programs that test kernels; each file still includes what it uses.
+// Compiled once for programs that test what needs no pipeline. Each file still includes what it uses: -Db_pch=false builds, too.
 
 #include <gtest/gtest.h>
 #include <vulkan/vulkan.h>
@@ -25,4 +25,3 @@
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/layers.hpp"
 #include "kernels/image/plane.hpp"
-#include "tests/kernels/gpu_fixture.hpp"
