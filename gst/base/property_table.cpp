@@ -280,6 +280,25 @@ void RowParameters::set(size_t index, const GValue* value) {
   explicitly_[index] = true;
 }
 
+bool RowParameters::exchange(const std::string& name, const std::string& before,
+                             const std::string& after) {
+  const std::lock_guard lock(mutex_);
+  const auto row = std::ranges::find(rows_, name, &PropertyRow::name);
+  if (row == rows_.end()) return false;
+  GValue value = G_VALUE_INIT;
+  g_value_init(&value, G_TYPE_STRING);
+  use_effective([&](const void* values) { row->type->read(field(*row, values), &value); });
+  const bool same = before == g_value_get_string(&value);
+  if (same) {
+    g_value_set_string(&value, after.c_str());
+    row->type->write(*row, field(*row, values_), &value);
+    explicitly_[static_cast<size_t>(row - rows_.begin())] = true;
+    misconfigured_.erase(name);
+  }
+  g_value_unset(&value);
+  return same;
+}
+
 std::string RowParameters::misconfigured(const char* name) const {
   const std::lock_guard lock(mutex_);
   const auto found = name ? misconfigured_.find(name) : misconfigured_.begin();

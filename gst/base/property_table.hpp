@@ -248,6 +248,12 @@ class PropertyStore {
   virtual void install(GObjectClass* object_class, guint first_id) const = 0;
   virtual void get(size_t index, GValue* value) const = 0;
   virtual void set(size_t index, const GValue* value) = 0;
+  /// Gives the text property `name` a valid value if it is `before` now, and returns whether it
+  /// was; GObject::notify is for the caller. False if there is no such property.
+  virtual bool exchange(const std::string& /*name*/, const std::string& /*before*/,
+                        const std::string& /*after*/) {
+    return false;
+  }
   /// What is wrong with what the property `name` was set to last (of `tuning`: and which names it
   /// takes), in words; the value before stays in force. Empty if nothing is. Null: of any property.
   virtual std::string misconfigured(const char* /*name*/ = nullptr) const { return {}; }
@@ -277,6 +283,8 @@ class RowParameters : public PropertyStore {
   void install(GObjectClass* object_class, guint first_id) const override;
   void get(size_t index, GValue* value) const override;
   void set(size_t index, const GValue* value) override;
+  bool exchange(const std::string& name, const std::string& before,
+                const std::string& after) override;
   std::string misconfigured(const char* name) const override;
   std::string tuning_entries_text() const override;
 

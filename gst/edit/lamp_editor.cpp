@@ -97,60 +97,73 @@ void LampEditor::mouse(const Log& log, const MouseEvent& event, const LampParams
     if (event.kind == Kind::release) drag_.reset();
   }
   if (frame.pixels() == 0 || (event.kind != Kind::press && !drag)) return;
-  LampList list = lamps_of(text(log), frame);
-  if (event.kind != Kind::press) {
-    if (drag->lamp >= list.lamps.size()) return;  // removed meanwhile
-    const Place to{std::clamp(place[0] + drag->off[0], 0.F, static_cast<float>(frame.width)),
-                   std::clamp(place[1] + drag->off[1], 0.F, static_cast<float>(frame.height))};
-    move_lamp(list.lamps[drag->lamp], list.frame, to, frame, view);
-    return set(log, text_of(list));
-  }
-  std::optional<size_t> pressed = lamp_at(list, place, frame, view);
-  if (params.lamp_mode == LampMode::remove) {
-    if (!pressed) return;
-    list.lamps.erase(list.lamps.begin() + static_cast<long>(*pressed));
-    return set(log, text_of(list));
-  }
-  if (!pressed && params.lamp_mode == LampMode::add) {
-    if (list.lamps.size() == kMaxLamps) {
-      const Lock lock(mutex_);
-      warnings_.push_back(full(kMaxLamps) + kRemoveOne);
-      return;
+  std::optional<Drag> begun;
+  change(log, [&](const std::string& text) -> std::optional<std::string> {
+    begun.reset();
+    LampList list = lamps_of(text, frame);
+    if (event.kind != Kind::press) {
+      if (drag->lamp >= list.lamps.size()) return {};  // removed meanwhile
+      const Place to{std::clamp(place[0] + drag->off[0], 0.F, static_cast<float>(frame.width)),
+                     std::clamp(place[1] + drag->off[1], 0.F, static_cast<float>(frame.height))};
+      move_lamp(list.lamps[drag->lamp], list.frame, to, frame, view);
+      return text_of(list);
     }
-    Lamp lamp{.kind = params.lamp_kind,
-              .position = {0, 0, params.lamp_height},
-              .color = params.lamp_color & 0xffffff,
-              .power = params.lamp_power};
-    std::optional<Lamp> in_room;
-    if (view && adds_in_room) in_room = before_surface(lamp, place, frame, *view);
-    if (in_room)
-      lamp = *in_room;
-    else
-      move_to(lamp, scaled(place, frame, list.frame), list.frame);
-    pressed = list.lamps.size();
-    list.lamps.push_back(lamp);
-    set(log, text_of(list));
-  }
-  if (!pressed) return;
-  const Place at = place_in(list.lamps[*pressed], list.frame, frame, view).value_or(place);
+    std::optional<size_t> pressed = lamp_at(list, place, frame, view);
+    if (params.lamp_mode == LampMode::remove) {
+      if (!pressed) return {};
+      list.lamps.erase(list.lamps.begin() + static_cast<long>(*pressed));
+      return text_of(list);
+    }
+    const bool adds = !pressed && params.lamp_mode == LampMode::add;
+    if (adds) {
+      if (list.lamps.size() == kMaxLamps) {
+        const Lock lock(mutex_);
+        warnings_.push_back(full(kMaxLamps) + kRemoveOne);
+        return {};
+      }
+      Lamp lamp{.kind = params.lamp_kind,
+                .position = {0, 0, params.lamp_height},
+                .color = params.lamp_color & 0xffffff,
+                .power = params.lamp_power};
+      std::optional<Lamp> in_room;
+      if (view && adds_in_room) in_room = before_surface(lamp, place, frame, *view);
+      if (in_room)
+        lamp = *in_room;
+      else
+        move_to(lamp, scaled(place, frame, list.frame), list.frame);
+      pressed = list.lamps.size();
+      list.lamps.push_back(lamp);
+    }
+    if (pressed) {
+      const Place at = place_in(list.lamps[*pressed], list.frame, frame, view).value_or(place);
+      begun = Drag{*pressed, {at[0] - place[0], at[1] - place[1]}};
+    }
+    if (!adds) return {};
+    return text_of(list);
+  });
+  if (!begun) return;
   const Lock lock(mutex_);
-  drag_ = Drag{*pressed, {at[0] - place[0], at[1] - place[1]}};
+  drag_ = begun;
 }
 
 void LampEditor::add(const Log& log, const std::string& lamp) {
   const Extent size = frame();
-  Lamp added = read_lamp(lamp);
-  LampList list = lamps_of(text(log), size);
-  if (list.lamps.size() == kMaxLamps) json_list::refuse(full(kMaxLamps) + kRemoveOne);
-  scale(added, size, list.frame);
-  list.lamps.push_back(added);
-  set(log, text_of(list));
+  const Lamp added = read_lamp(lamp);
+  change(log, [&](const std::string& text) {
+    LampList list = lamps_of(text, size);
+    if (list.lamps.size() == kMaxLamps) json_list::refuse(full(kMaxLamps) + kRemoveOne);
+    list.lamps.push_back(added);
+    scale(list.lamps.back(), size, list.frame);
+    return text_of(list);
+  });
 }
 
 void LampEditor::remove(const Log& log, unsigned index) {
-  LampList list = read_lamps(text(log));
-  erase(list.lamps, index);
-  set(log, text_of(list));
+  change(log, [&](const std::string& text) {
+    LampList list = read_lamps(text);
+    erase(list.lamps, index);
+    return text_of(list);
+  });
 }
 
 std::vector<Lamp> LampEditor::take(const std::string& lamps, Extent frame) {

@@ -116,28 +116,35 @@ void SelectionEditor::mouse(const Log& log, const MouseEvent& event, SelectMode 
     frame = frame_;
   }
   if (!finished) return;
-  SelectionList list = read_selection(text(log));
-  if (list.strokes.size() == kMaxStrokes) {
-    const Lock lock(mutex_);
-    warnings_.push_back(full(kMaxStrokes) + "; remove one to draw another");
-    return;
-  }
-  scale(finished->points, frame, list.frame);
-  list.strokes.push_back(std::move(*finished));
-  set(log, text_of(list));
+  change(log, [&](const std::string& text) -> std::optional<std::string> {
+    SelectionList list = read_selection(text);
+    if (list.strokes.size() == kMaxStrokes) {
+      const Lock lock(mutex_);
+      warnings_.push_back(full(kMaxStrokes) + "; remove one to draw another");
+      return {};
+    }
+    list.strokes.push_back(*finished);
+    scale(list.strokes.back().points, frame, list.frame);
+    return text_of(list);
+  });
 }
 
 void SelectionEditor::add(const Log& log, const std::string& stroke) {
-  SelectionList list = read_selection(text(log));
-  if (list.strokes.size() == kMaxStrokes) refuse(full(kMaxStrokes) + "; remove one to add another");
-  list.strokes.push_back(stroke_of(parsed(stroke, stroke_limit()), "the stroke"));
-  set(log, text_of(list));
+  change(log, [&](const std::string& text) {
+    SelectionList list = read_selection(text);
+    if (list.strokes.size() == kMaxStrokes)
+      refuse(full(kMaxStrokes) + "; remove one to add another");
+    list.strokes.push_back(stroke_of(parsed(stroke, stroke_limit()), "the stroke"));
+    return text_of(list);
+  });
 }
 
 void SelectionEditor::remove(const Log& log, unsigned index) {
-  SelectionList list = read_selection(text(log));
-  erase(list.strokes, index);
-  set(log, text_of(list));
+  change(log, [&](const std::string& text) {
+    SelectionList list = read_selection(text);
+    erase(list.strokes, index);
+    return text_of(list);
+  });
 }
 
 }  // namespace inverse

@@ -30,25 +30,52 @@ std::string under_others(const std::vector<size_t>& strokes, const std::string& 
          ") cover all of it; remove one of the two";
 }
 
-void ListEditor::set(const Log& log, const std::string& text) {
+std::optional<std::string> ListEditor::replace(const Log& log, const Changed& changed) const {
+  PropertyStore& store = filter_of(log.object).parameters();
+  for (;;) {
+    std::string before = text_property(log, property_.c_str());
+    const std::optional<std::string> after = changed(before);
+    if (!after) return {};
+    if (store.exchange(property_, before, *after)) return before;
+  }
+}
+
+void ListEditor::notify(const Log& log) const {
+  g_object_notify(G_OBJECT(log.object), property_.c_str());
+}
+
+void ListEditor::change(const Log& log, const Changed& changed) {
   {
-    std::string before = this->text(log);
-    const Lock lock(mutex_);
-    undo_.push_back(std::move(before));
+    const Lock lock(edits_);
+    std::optional<std::string> before = replace(log, changed);
+    if (!before) return;
+    undo_.push_back(std::move(*before));
     if (undo_.size() > max_undo_) undo_.erase(undo_.begin());
   }
-  g_object_set(log.object, property_.c_str(), text.c_str(), nullptr);
+  notify(log);
+}
+
+void ListEditor::amend(const Log& log, const Rewritten& rewritten) {
+  {
+    const Lock lock(edits_);
+    for (std::string& before : undo_) before = rewritten(before);
+    replace(log, rewritten);
+  }
+  notify(log);
+}
+
+void ListEditor::clear(const Log& log) {
+  change(log, [](const std::string&) { return std::string(); });
 }
 
 void ListEditor::undo(const Log& log) {
-  std::string before;
   {
-    const Lock lock(mutex_);
+    const Lock lock(edits_);
     if (undo_.empty()) json_list::refuse("no change of " + property_ + " is left to undo");
-    before = std::move(undo_.back());
+    replace(log, [this](const std::string&) { return undo_.back(); });
     undo_.pop_back();
   }
-  g_object_set(log.object, property_.c_str(), before.c_str(), nullptr);
+  notify(log);
 }
 
 std::vector<std::string> ListEditor::take_warnings() {

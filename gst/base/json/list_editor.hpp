@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -19,7 +20,7 @@ namespace inverse {
 class ListEditor {
  public:
   /// What the action signals do; throw Error(unsupported).
-  void clear(const Log& log) { set(log, ""); }
+  void clear(const Log& log);
   void undo(const Log& log);
   /// Warnings since the last call.
   std::vector<std::string> take_warnings();
@@ -32,18 +33,15 @@ class ListEditor {
   explicit ListEditor(const char* entry, size_t max_undo = kMaxUndo)
       : entry_(entry), max_undo_(max_undo) {}
 
-  std::string text(const Log& log) const { return text_property(log, property_.c_str()); }
-  void set(const Log& log, const std::string& text);
+  /// Changes the list, in one step with reading it. `changed` returns the text that takes the place
+  /// of one, or nothing to leave it, and is called again if an application has set the property
+  /// meanwhile. mutex_ not held.
+  using Changed = std::function<std::optional<std::string>(const std::string& text)>;
+  void change(const Log& log, const Changed& changed);
   /// Rewrites the list as it is and as undoing would make it; this cannot be undone. `rewritten`
-  /// returns the text that takes the place of one.
-  template <typename Rewritten>
-  void amend(const Log& log, Rewritten rewritten) {
-    {
-      const Lock lock(mutex_);
-      for (std::string& before : undo_) before = rewritten(before);
-    }
-    g_object_set(log.object, property_.c_str(), rewritten(text(log)).c_str(), nullptr);
-  }
+  /// returns the text that takes the place of one. mutex_ not held.
+  using Rewritten = std::function<std::string(const std::string& text)>;
+  void amend(const Log& log, const Rewritten& rewritten);
   Extent frame() const;
   /// That a list has as many entries as it may.
   std::string full(size_t max) const;
@@ -67,8 +65,14 @@ class ListEditor {
   std::vector<std::string> warnings_;
 
  private:
+  /// Gives the property what `changed` returns, and returns what it was before; empty if it is to
+  /// be left. edits_ held; the caller notifies without it.
+  std::optional<std::string> replace(const Log& log, const Changed& changed) const;
+  void notify(const Log& log) const;
+
   const std::string entry_, property_ = entry_ + "s";
   const size_t max_undo_;
+  std::mutex edits_;               // of the property and undo_; mutex_ may be locked within it
   std::vector<std::string> undo_;  // the property before each change
   bool long_ = false;              // the line that is drawn, and a warning said so
 };

@@ -128,32 +128,36 @@ void StrokeEditor::mouse(const Log& log, const MouseEvent& event, const StrokePa
     }
   }
   if (finished)
-    finish(log, std::move(*finished), frame);
+    finish(log, *finished, frame);
   else if (event.kind == Kind::press && params.stroke_mode == StrokeMode::erase)
     erase_at(log, point, frame);
 }
 
-void StrokeEditor::finish(const Log& log, Stroke stroke, Extent frame) {
-  StrokeList list = strokes_of(text(log), frame);
-  if (list.strokes.size() == kMaxStrokes) {
-    const Lock lock(mutex_);
-    drawing_changed_ = true;
-    warnings_.push_back(full(kMaxStrokes) + "; remove one to draw another");
-    return;
-  }
-  scale(stroke.points, frame, list.frame);
-  list.strokes.push_back(std::move(stroke));
-  set(log, text_of(list));
+void StrokeEditor::finish(const Log& log, const Stroke& stroke, Extent frame) {
+  change(log, [&](const std::string& text) -> std::optional<std::string> {
+    StrokeList list = strokes_of(text, frame);
+    if (list.strokes.size() == kMaxStrokes) {
+      const Lock lock(mutex_);
+      drawing_changed_ = true;
+      warnings_.push_back(full(kMaxStrokes) + "; remove one to draw another");
+      return {};
+    }
+    list.strokes.push_back(stroke);
+    scale(list.strokes.back().points, frame, list.frame);
+    return text_of(list);
+  });
 }
 
 void StrokeEditor::erase_at(const Log& log, Stroke::Point point, Extent frame) {
-  StrokeList list = strokes_of(text(log), frame);
-  const auto last =
-      std::find_if(list.strokes.rbegin(), list.strokes.rend(),
-                   [&](const Stroke& stroke) { return covers_now(stroke, list.frame, point); });
-  if (last == list.strokes.rend()) return;
-  list.strokes.erase(std::next(last).base());
-  set(log, text_of(list));
+  change(log, [&](const std::string& text) -> std::optional<std::string> {
+    StrokeList list = strokes_of(text, frame);
+    const auto last =
+        std::find_if(list.strokes.rbegin(), list.strokes.rend(),
+                     [&](const Stroke& stroke) { return covers_now(stroke, list.frame, point); });
+    if (last == list.strokes.rend()) return {};
+    list.strokes.erase(std::next(last).base());
+    return text_of(list);
+  });
 }
 
 void StrokeEditor::touch(const Log& log, const std::optional<Touch>& touch,
@@ -187,7 +191,7 @@ void StrokeEditor::touch(const Log& log, const std::optional<Touch>& touch,
     }
   }
   if (finished) {
-    finish(log, std::move(*finished), frame);
+    finish(log, *finished, frame);
   } else if (event == Event::began && params.stroke_mode == StrokeMode::erase) {
     erase_at(log, *point, frame);
   } else if (event == Event::began && params.stroke_mode == StrokeMode::pick && touch->color) {
@@ -212,13 +216,15 @@ std::vector<StructurePtr> StrokeEditor::take_messages() {
 
 void StrokeEditor::add(const Log& log, const std::string& stroke) {
   const Extent size = frame();
-  Stroke added = read_stroke(stroke);
-  StrokeList list = strokes_of(text(log), size);
-  if (list.strokes.size() == kMaxStrokes)
-    json_list::refuse(full(kMaxStrokes) + "; remove one to add another");
-  scale(added.points, size, list.frame);
-  list.strokes.push_back(std::move(added));
-  set(log, text_of(list));
+  const Stroke added = read_stroke(stroke);
+  change(log, [&](const std::string& text) {
+    StrokeList list = strokes_of(text, size);
+    if (list.strokes.size() == kMaxStrokes)
+      json_list::refuse(full(kMaxStrokes) + "; remove one to add another");
+    list.strokes.push_back(added);
+    scale(list.strokes.back().points, size, list.frame);
+    return text_of(list);
+  });
 }
 
 void StrokeEditor::add_loaded(const Log& log, const std::vector<Stroke>& strokes) {
@@ -241,9 +247,11 @@ void StrokeEditor::add_loaded(const Log& log, const std::vector<Stroke>& strokes
 }
 
 void StrokeEditor::remove(const Log& log, unsigned index) {
-  StrokeList list = read_strokes(text(log));
-  erase(list.strokes, index);
-  set(log, text_of(list));
+  change(log, [&](const std::string& text) {
+    StrokeList list = read_strokes(text);
+    erase(list.strokes, index);
+    return text_of(list);
+  });
 }
 
 bool StrokeEditor::changed(const std::string& strokes) const {

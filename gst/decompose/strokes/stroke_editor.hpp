@@ -90,7 +90,7 @@ class StrokeEditor : public ListEditor {
   /// Whether a stroke of a list for frames of size `drawn` is now seen at a point of the frame.
   bool covers_now(const Stroke& stroke, Extent drawn, Stroke::Point point) const;
   /// Adds a finished stroke, or a warning if there are too many.
-  void finish(const Log& log, Stroke stroke, Extent frame);
+  void finish(const Log& log, const Stroke& stroke, Extent frame);
   /// Removes the last stroke that is seen at a point of the frame.
   void erase_at(const Log& log, Stroke::Point point, Extent frame);
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <thread>
+#include <vector>
 
 #include "tests/elements/draw.hpp"
 #include "tests/elements/element_test.hpp"
@@ -249,6 +250,22 @@ TEST_P(Strokes, TheMouseDrawsNoMoreThanThereIsRoomFor) {
   release(3, 3);
   texture();
   expect_one(harness_.warnings(), "4096");
+}
+
+TEST_P(Strokes, NoneIsLostIfSeveralThreadsDraw) {
+  texture();
+  std::vector<std::thread> threads;
+  for (int k = 0; k < 3; ++k)
+    threads.emplace_back([this] {
+      for (int i = 0; i < 20; ++i) call("add-stroke", R"({"kind":"shading","points":[[5,5]]})");
+    });
+  for (std::thread& thread : threads) thread.join();
+  const std::string text = strokes();
+  size_t count = 0;
+  for (size_t at = 0; (at = text.find("points", at)) != std::string::npos; ++at) ++count;
+  EXPECT_EQ(count, 60U);
+  for (int i = 0; i < 60; ++i) EXPECT_TRUE(call("undo-stroke")) << i;
+  EXPECT_EQ(strokes(), "");
 }
 
 TEST_P(Strokes, OneThatIsCutInPartsIsAWarning) {
