@@ -74,6 +74,11 @@ class Playback:
         return self.duration if self.state == ENDED and not self._missing and self.duration else self.position
 
     @property
+    def goal(self):
+        """The time that the last seek leads to, which may wait for the one under way; else the position."""
+        return self.position if self._next_seek is None else self._next_seek
+
+    @property
     def frame_rate(self):
         """Frames a second that the source has; 0 if unknown."""
         caps = self._entry.get_current_caps() if self._entry else None
@@ -107,13 +112,14 @@ class Playback:
         """Goes to a time of a file. While one seek runs, only the last of others is kept."""
         if not self.seekable or self.state in (CLOSED, FAILED):
             return
+        seconds = min(max(seconds, 0.0), self.duration)
         if self._seeking:
             self._next_seek = seconds
             return
         if self.state == ENDED:
             self._set_state(PAUSED)
         self._seeking = True
-        self.position = min(max(seconds, 0.0), self.duration)
+        self.position = seconds
         # By the element, not by the pipeline, which would seek once for each of its sinks.
         event = Gst.Event.new_seek(1.0, Gst.Format.TIME, Gst.SeekFlags.FLUSH | Gst.SeekFlags.ACCURATE,
                                    Gst.SeekType.SET, round(self.position * Gst.SECOND), Gst.SeekType.NONE, 0)
@@ -130,7 +136,7 @@ class Playback:
         """Edits the frame again that stands still."""
         ended = self.state == ENDED
         if self.state in (PAUSED, ENDED) and self.seekable:
-            self.seek(self.position)
+            self.seek(self.goal)
             if ended:
                 self._set_state(ENDED)
 

@@ -242,6 +242,11 @@ class Files(support.Case):
         for seconds in (1, 7, 3, 99, -5, 5):  # the last one counts
             viewer.player.seek(seconds)
         viewer.wait(lambda: abs(viewer.player.position - 5) < 0.11)
+        viewer.player.seek(1)
+        for _ in range(3):  # each from where the one before leads
+            viewer.player.seek(viewer.player.goal + 1)
+        viewer.player.refresh()
+        viewer.wait(lambda: abs(viewer.player.position - 4) < 0.11)
         self.assertEqual(viewer.told, [])
 
     def test_a_file_that_is_cut_off(self):

@@ -290,10 +290,10 @@ class Window(Gtk.Window):
         self.session.toggle_playing()
 
     def _do_back(self):
-        self.session.playback.seek(self.session.playback.position - SKIP_SECONDS)
+        self.session.playback.seek(self.session.playback.goal - SKIP_SECONDS)
 
     def _do_forward(self):
-        self.session.playback.seek(self.session.playback.position + SKIP_SECONDS)
+        self.session.playback.seek(self.session.playback.goal + SKIP_SECONDS)
 
     def _do_start(self):
         self.session.playback.seek(0)
