@@ -268,13 +268,19 @@ class Playback:
         """Frames that were decoded before the error are still shown and recorded; then it stops."""
         if pipeline is not self._pipeline:
             return GLib.SOURCE_REMOVE
-        if shown != self._shown:
+        if shown != self._shown or self._is_working():
             GLib.timeout_add(DRAIN_MS, self._drain, pipeline, self._shown)
             return GLib.SOURCE_REMOVE
         self._listener.on_stopping()
         self._pipeline.set_state(Gst.State.PAUSED)
         self._listener.on_finished()
         return GLib.SOURCE_REMOVE
+
+    def _is_working(self):
+        """Whether frames wait while another is edited, as the second one does while kernels are built for the first."""
+        return Gst.State.PLAYING in self._pipeline.get_state(0)[1:] and \
+            self._entry.get_task_state() == Gst.TaskState.STARTED and \
+            self._pipeline.get_by_name("inverse-entry").get_property("current-level-buffers") > 0
 
 
 def _parse(opened):
