@@ -10,9 +10,6 @@ from window_case import CYAN, RED, YELLOW, WindowCase, is_blue
 class Add(WindowCase):
     """Editors that the mouse sets first."""
 
-    def note(self):
-        return self.window._info_text.get_text()
-
     def element(self, name):
         """The element of that name, once it has edited a frame."""
         self.wait(lambda: self.player.stage._elements[name].get_property("stats").get_value("frames"))
@@ -26,7 +23,7 @@ class Add(WindowCase):
         self.key("r", "l")
         self.wait(lambda: self.editors == [("intrinsicrelight", True)])
         self.assertEqual(self.window.tool.name, "lamp")
-        self.assertIn("place a lamp", self.note())
+        self.wait_for_note("place a lamp")
         relight = self.element("relight1")
         self.session.set_property("relight1", "ambient", 0)
         self.wait(lambda: max(self.beside(CYAN)) < 20)
@@ -59,14 +56,14 @@ class Add(WindowCase):
     def test_a_picture(self):
         self.in_dialog("The picture to hang", "x", None)
         self.wait(lambda: self.editors == [("intrinsictexture", True)])
-        self.assertIn("location", self.note())
+        self.wait_for_note("location")
         self.key("Delete", "r")
         support.run_line("videotestsrc num-buffers=1 pattern=blue ! video/x-raw,width=80,height=60 ! pngenc ! "
                          f"filesink location={self.path('blue.png')}")
         self.in_dialog("The picture to hang", "x", self.path("blue.png"))
         self.wait(lambda: self.editors == [("intrinsictexture", True)])
         self.assertEqual(self.window.tool.name, "look")
-        self.assertNotIn("location", self.note())
+        self.assertNotIn("location", self.window._info_text.get_text())
         self.element("texture1")
         self.drag((120, 60), (300, 140), (300, 160))
         self.wait(lambda: is_blue(self.shown((290, 150))) and is_blue(self.beside(YELLOW)))  # as it ended
@@ -79,7 +76,7 @@ class Add(WindowCase):
         self.key("r", "k")
         self.wait(lambda: self.editors == [("intrinsickey", True)])
         self.assertEqual(self.window.tool.name, "pick")
-        self.assertIn("Click on the screen", self.note())
+        self.wait_for_note("Click on the screen")
         self.click(*RED)
         self.wait(lambda: int(self.session.project.editors[0].get("key"), 0) & 0xff0000 > 0x800000)
         self.assertEqual(self.window.tool.name, "look")

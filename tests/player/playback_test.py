@@ -35,7 +35,7 @@ class Viewer:
     def player(self):
         return self.session.playback
 
-    def wait(self, until, seconds=30):
+    def wait(self, until, seconds=support.LIMIT):
         """Runs until something is true."""
         if not support.pump(seconds, until):
             raise AssertionError(f"waited in vain: {self.player.state}, {self.told}")
@@ -45,6 +45,12 @@ class Viewer:
         self.session.open(text)
         self.wait(lambda: self.player.width > 0)
         return self
+
+    def pause(self):
+        """Pauses, and waits for the frame that stays."""
+        self.session.toggle_playing()
+        # A bin that goes to PLAYING meanwhile may have none of its elements in the state that it tells.
+        self.wait(lambda: self.player.sink.get_state(0)[:2] == (Gst.StateChangeReturn.SUCCESS, Gst.State.PAUSED))
 
     def ends(self):
         """Waits for the end."""
@@ -177,8 +183,8 @@ class Editors(support.Case):
         for layer in 10 * ("reflectance", "shading", "input", "difference"):
             viewer.session.show_layer(layer)
             support.pump(0.01)
-        support.pump(1)
         self.assertEqual(viewer.session.project.compose.get("show"), "difference")
+        viewer.wait(lambda: not viewer.player.stage._to_set)
         self.assertEqual(viewer.player.stage.compose.get_property("show").value_nick, "difference")
 
     def test_picks_the_reflectance(self):
@@ -215,8 +221,7 @@ class Files(support.Case):
     def test_a_frame_that_stands_still_is_edited(self):
         viewer = Viewer(self).open(self.clip(60))
         viewer.wait(lambda: viewer.player.seekable)
-        viewer.session.toggle_playing()
-        support.pump(0.3)
+        viewer.pause()
         at = viewer.player.position
         name = viewer.session.add_editor("intrinsicrecolor", GREEN)
         viewer.wait(lambda: viewer.is_green(RED))
@@ -228,8 +233,7 @@ class Files(support.Case):
     def test_colors_are_picked_while_it_stands_still(self):
         viewer = Viewer(self).open(self.clip(60))
         viewer.wait(lambda: viewer.player.seekable)
-        viewer.session.toggle_playing()
-        support.pump(0.3)
+        viewer.pause()
         viewer.session.use_tool(tap="")
         viewer.wait(lambda: viewer.session.recolor_everywhere(*RED))
         self.assertLess(int(viewer.session.project.editors[0].get("key"), 0) & 0xffff, 0x3030)
@@ -316,7 +320,7 @@ class Files(support.Case):
     def test_a_camera_that_vanishes_and_comes_again(self):
         line = f"videotestsrc is-live=true ! {SMALL} ! identity error-after=%d"
         viewer = Viewer(self).open(line % 20)
-        viewer.wait(lambda: viewer.player.state == playback.FAILED)
+        viewer.wait(lambda: viewer.player.state == playback.FAILED and viewer.color(RED))
         self.assertIsNotNone(viewer.color(RED))  # its last picture stays
         self.assertEqual(len(viewer.told), 1)
         self.assertTrue(viewer.told[0].advice)

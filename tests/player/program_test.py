@@ -24,13 +24,13 @@ class Program(support.Case):
 
     def run_it(self, *words, **environment):
         process = self.start(*words, **environment)
-        _, errors = process.communicate(timeout=60)
+        _, errors = process.communicate(timeout=support.LIMIT)
         self.assertNotIn("Traceback", errors)
         self.assertNotIn("CRITICAL", errors)
         return process.returncode, errors
 
     def wait_for_file(self, path, size):
-        self.assertTrue(support.pump(30, lambda: os.path.exists(path) and os.path.getsize(path) > size), path)
+        self.assertTrue(support.pump(support.LIMIT, lambda: os.path.exists(path) and os.path.getsize(path) > size), path)
 
     def test_a_file_to_its_end(self):
         out = self.path("out.mkv")
@@ -75,7 +75,7 @@ class Program(support.Case):
                                  "--record", out)
             self.wait_for_file(out, 200000)
             close(process)
-            _, errors = process.communicate(timeout=30)
+            _, errors = process.communicate(timeout=support.LIMIT)
             self.assertEqual(process.returncode, 0, errors)
             self.assertGreater(len(support.read_video(out)), 3)
 

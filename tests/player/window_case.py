@@ -62,7 +62,7 @@ class WindowCase(support.Case):
         """Gives the window the keyboard, as a window manager would."""
         focus = ["xdotool", "mousemove", "700", "850", "windowfocus", str(self.window.get_window().get_xid())]
         self.wait(lambda: subprocess.run(focus, stderr=subprocess.DEVNULL, check=False).returncode == 0)
-        support.pump(0.1)
+        self.wait(self.window.has_toplevel_focus)
 
     def open(self, text, width):
         self.session.open(text)
@@ -73,23 +73,37 @@ class WindowCase(support.Case):
         self.window.destroy()
         support.pump(0.1)
 
-    def wait(self, until, seconds=20):
+    def wait(self, until, seconds=support.LIMIT):
         """Runs until something is true; else it fails with a screenshot."""
         if not support.pump(seconds, until):
             path = os.path.join(os.environ.get("INVERSE_SCREENSHOTS", "/tmp"), f"inverse-play-{self.id()}.png")
             screenshot(path)
             self.fail(f"waited in vain; the display is in {path}; {self.details()}")
 
+    def wait_for_note(self, text):
+        """Runs until the line at the bottom of the picture says that."""
+        self.wait(lambda: text in self.window._info_text.get_text())
+
     def details(self):
         """What may say why something did not happen."""
         return f"{self.session.project}, {self.session.troubles}, {self.window._info_text.get_text()}"
 
-    @staticmethod
-    def xdotool(*words):
-        """Real events; runs the window meanwhile."""
+    def xdotool(self, *words):
+        """Real events; runs the window until it has answered them."""
         process = subprocess.Popen(["xdotool", *map(str, words)])
-        support.pump(10, lambda: process.poll() is not None)
-        support.pump(0.1)
+        self.wait(lambda: process.poll() is not None)
+        self.assertEqual(process.returncode, 0, words)
+        self.settle()
+
+    def settle(self):
+        """Runs the window until it has done what all events call for, and has laid itself out and painted itself."""
+        Gdk.Display.get_default().sync()  # all events are here
+        support.pump(0)
+        painted, clock = [], self.window.get_frame_clock()
+        handler = clock.connect("after-paint", lambda _: painted.append(True))
+        clock.request_phase(Gdk.FrameClockPhase.AFTER_PAINT)
+        self.wait(lambda: painted)
+        clock.disconnect(handler)
 
     def key(self, *names):
         for name in names:
@@ -162,7 +176,7 @@ class WindowCase(support.Case):
                 dialog.set_current_name(os.path.basename(path))
             else:
                 dialog.set_filename(path)
-            yield from (True for _ in range(400) if dialog.get_filename() != path)
+            yield from (True for _ in range(20 * support.LIMIT) if dialog.get_filename() != path)
             ended.append(dialog.get_filename())
             dialog.response(Gtk.ResponseType.OK if ended == [path] else Gtk.ResponseType.CANCEL)
             return
@@ -170,8 +184,7 @@ class WindowCase(support.Case):
             process = subprocess.Popen(["xdotool", *map(str, words)])
             while process.poll() is None:
                 yield True
-            yield from (True for _ in range(10) if dialog.get_mapped())
-        yield from (True for _ in range(100) if dialog.get_mapped())
+        yield from (True for _ in range(20 * support.LIMIT) if dialog.get_mapped())
         ended.append(None)
         if dialog.get_mapped():
             dialog.response(Gtk.ResponseType.CANCEL)
