@@ -44,7 +44,7 @@ class Cheese(support.Case):
         pipeline.get_by_name("file").props.location = self.path("frames")
         pipeline.set_state(Gst.State.PLAYING)
         message = pipeline.get_bus().timed_pop_filtered(
-            60 * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR | Gst.MessageType.WARNING)
+            support.LIMIT * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR | Gst.MessageType.WARNING)
         pipeline.set_state(Gst.State.NULL)
         self.assertIsNotNone(message, "does not end")
         self.assertEqual(message.type, Gst.MessageType.EOS, message.get_structure() and message.get_structure().get_value("gerror"))

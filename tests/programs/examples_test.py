@@ -53,7 +53,7 @@ class C(Example):
 
     def run_it(self, data, *words, out=subprocess.PIPE, **environment):
         words = words or (*map(str, RED), BLUE)
-        return subprocess.run([self.path("repaint"), *words], input=data, stdout=out, stderr=subprocess.PIPE, timeout=120,
+        return subprocess.run([self.path("repaint"), *words], input=data, stdout=out, stderr=subprocess.PIPE, timeout=support.LIMIT,
                               env={**os.environ, **environment})
 
     def read(self, data, width, height):
@@ -107,7 +107,7 @@ class Python(Example):
 
     def run_it(self, *words):
         with self.start(*words) as process:
-            out, errors = process.communicate(timeout=120)
+            out, errors = process.communicate(timeout=support.LIMIT)
         return subprocess.CompletedProcess(words, process.returncode, out, errors)
 
     def test_paints(self):
@@ -124,9 +124,9 @@ class Python(Example):
         out = self.path("out.mkv")
         process = self.start(self.clip(3000, pattern="ball"), *RED, BLUE, out)
         try:
-            self.assertTrue(support.pump(60, lambda: os.path.exists(out) and os.path.getsize(out) > 20000))
+            self.assertTrue(support.pump(support.LIMIT, lambda: os.path.exists(out) and os.path.getsize(out) > 20000))
             process.send_signal(signal.SIGINT)
-            _, errors = process.communicate(timeout=60)
+            _, errors = process.communicate(timeout=support.LIMIT)
         finally:
             process.kill()
         self.assertEqual(process.returncode, 0, errors)

@@ -16,7 +16,7 @@ class Ges(support.Case):
         words = [word for effect in effects for word in ("+effect", effect)]
         result = subprocess.run(["ges-launch-1.0", "--track-types=video", "--format=video/webm:video/x-vp8", f"--outputuri={out}",
                                  "--video-caps=video/x-raw,width=160,height=120,framerate=10/1", "+clip", clip, *words],
-                                capture_output=True, text=True, timeout=120)
+                                capture_output=True, text=True, timeout=support.LIMIT)
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
         return support.read_video(out)
 
