@@ -11,7 +11,7 @@ import subprocess
 import sys
 import unittest
 
-from case import ROOT, VIDEO, Case, Gst, streams_of
+from case import LIMIT, ROOT, VIDEO, Case, Gst, streams_of
 
 sys.path.insert(0, str(ROOT / "transcode"))
 from inverse_transcode import matroska  # noqa: E402
@@ -258,7 +258,7 @@ class Transcode(Case):
         process = self.start("clip.mkv", "-o", "out.mkv")
         self.wait_for_part()
         process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=60)
+        _, errors = process.communicate(timeout=LIMIT)
         self.assertEqual(process.returncode, 130, errors)
         self.assertIn("is in ", errors)
         self.assertFalse(os.path.exists(self.path("out.mkv")))
@@ -273,7 +273,7 @@ class Transcode(Case):
         self.wait_for_part()
         workers = subprocess.run(["pgrep", "-P", str(process.pid), "-f", "worker"], stdout=subprocess.PIPE, text=True, check=True)
         os.kill(int(workers.stdout.split()[0]), signal.SIGKILL)
-        _, errors = process.communicate(timeout=60)
+        _, errors = process.communicate(timeout=LIMIT)
         self.assertEqual(process.returncode, 1)
         self.assertIn("its process ended (SIGKILL)", errors)
         self.assertFalse(os.path.exists(self.path("out.mkv")))
