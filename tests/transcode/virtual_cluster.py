@@ -126,8 +126,8 @@ class VirtualCluster:
                 words = (folder / "cmdline").read_bytes().split(b"\0")
             except OSError:
                 continue
-            daemon = words[0].endswith(b"slurmd") and name.encode() in words and f"SLURM_CONF={self.folder}/slurm.conf".encode() in environment
-            if daemon or f"SLURMD_NODENAME={name}".encode() in environment:
+            daemon = words[0].endswith(b"slurmd") and name.encode() in words
+            if f"SLURM_CONF={self.folder}/slurm.conf".encode() in environment and (daemon or f"SLURMD_NODENAME={name}".encode() in environment):
                 ours.append(process)
         # Those that start jobs are their parents.
         daemons = {parents[process] for process in ours} - {1, *ours} | {process for process in ours if parents[process] == 1}
