@@ -5,7 +5,8 @@ from gi.repository import GLib
 from .. import elements, selection, tools
 from ..playback import PLAYING
 
-COLOR_TRIES, COLOR_MS = 100, 50  # looks for the first color after a tool was chosen
+COLOR_MS = 50  # between looks for the first color after a tool was chosen
+COLOR_SECONDS = 5, 60  # of them: while the video stands still, while it plays
 
 
 class Mouse:
@@ -18,10 +19,12 @@ class Mouse:
         self._anew = False  # the next stroke is on another object
         self._picks = None  # the property that the tool Pick sets
         self._stroke = None
+        self._reading = None  # identifies the last click that reads a color
 
     def use(self, tool, picks=None):
         """What the mouse does from now on."""
         self.tool, self._picks, self._stroke, self._anew = tool, picks, None, False
+        self._reading = None
         self.use_element()
 
     def use_element(self):
@@ -57,7 +60,8 @@ class Mouse:
         if self.tool.draws:
             GLib.idle_add(self._draw, kind, x, y, shift)
         elif self.tool.reads and kind == "mouse-button-press":
-            GLib.idle_add(self._read, x, y, COLOR_TRIES)
+            self._reading = reading = object()
+            GLib.idle_add(self._read, reading, x, y, 0.0)
         elif self.tool.lamps and kind == "mouse-button-press":
             GLib.idle_add(self._tell_of_lamps)
         self._view.move(x, y)
@@ -99,14 +103,16 @@ class Mouse:
             "Add an editor to change it; key 5 shows what is selected."
         self._note(f"{what} {more}")
 
-    def _read(self, x, y, tries):
-        """Uses the color that was clicked on; the first one may take some frames to come."""
-        if self._use_color(x, y):
+    def _read(self, reading, x, y, waited):
+        """Uses the color that was clicked on; the first one may take some frames to come. `waited`: a share of what is
+        waited at most."""
+        if reading is not self._reading or self._use_color(x, y):
             return GLib.SOURCE_REMOVE
-        if tries == 0:
+        if waited >= 1:
             self._note("The color could not be read, as no frame comes. Play, then click again.")
         else:
-            GLib.timeout_add(COLOR_MS, self._read, x, y, tries - 1)
+            seconds = COLOR_SECONDS[self._session.playback.state == PLAYING]
+            GLib.timeout_add(COLOR_MS, self._read, reading, x, y, waited + COLOR_MS / 1000 / seconds)
         return GLib.SOURCE_REMOVE
 
     def _use_color(self, x, y):
