@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Compiled once for each library of kernels. Each file still includes what it uses: -Db_pch=false builds, too.
+// Compiled once for each library of kernels. Each file still includes what it uses: -Db_pch=false
+// builds, too.
 
 #include <vulkan/vulkan.h>
 

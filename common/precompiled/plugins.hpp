@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Compiled once for each plugin. Each file still includes what it uses: -Db_pch=false builds, too.
 
-#include <gst/gst.h>
 #include <gst/base/gstbasetransform.h>
+#include <gst/gst.h>
 #include <gst/video/video.h>
-#include <nlohmann/json.hpp>
 #include <vulkan/vulkan.h>
 
 #include <algorithm>
@@ -20,6 +19,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
 #include <set>

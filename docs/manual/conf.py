@@ -11,7 +11,7 @@ FILES = os.environ.get("MANUAL_FILES", "")  # where files of the project are sho
 project = "gst-inverse"
 author = "The gst-inverse authors"
 copyright = "The gst-inverse authors; LGPL-2.1-or-later"  # noqa: A001 (Sphinx names it so)
-version = release = re.search(r"version: '([^']+)'", (ROOT / "meson.build").read_text(encoding="utf-8")).group(1)
+version = release = (ROOT / "VERSION").read_text(encoding="utf-8").strip()
 extensions = ["myst_parser"]
 myst_heading_anchors = 6
 myst_enable_extensions = ["html_image"]

@@ -52,8 +52,8 @@ constexpr FieldType kPlain{
     [](void* to, const void* from) { *static_cast<T*>(to) = *static_cast<const T*>(from); },
     nullptr};
 
-template <typename G, GParamSpec* (*kMake)(const gchar*, const gchar*, const gchar*, G, G, G,
-                                           GParamFlags)>
+template <typename G,
+          GParamSpec* (*kMake)(const gchar*, const gchar*, const gchar*, G, G, G, GParamFlags)>
 GParamSpec* in_range(const PropertyRow& row, G value) {
   return kMake(row.name, nick(row.name), row.blurb, static_cast<G>(row.low),
                static_cast<G>(row.high), value, flags(row.when));
@@ -74,39 +74,38 @@ float high(const PropertyRow& row) { return static_cast<float>(row.high); }
 
 }  // namespace
 
-constexpr FieldType kFloat =
-    kPlain<float, gfloat, in_range<gfloat, g_param_spec_float>, g_value_get_float, g_value_set_float>;
+constexpr FieldType kFloat = kPlain<float, gfloat, in_range<gfloat, g_param_spec_float>,
+                                    g_value_get_float, g_value_set_float>;
 constexpr FieldType kDouble = kPlain<double, gdouble, in_range<gdouble, g_param_spec_double>,
                                      g_value_get_double, g_value_set_double>;
 constexpr FieldType kInt =
     kPlain<int, gint, in_range<gint, g_param_spec_int>, g_value_get_int, g_value_set_int>;
-constexpr FieldType kUnsigned = kPlain<unsigned, guint, in_range<guint, g_param_spec_uint>,
-                                       g_value_get_uint, g_value_set_uint>;
+constexpr FieldType kUnsigned =
+    kPlain<unsigned, guint, in_range<guint, g_param_spec_uint>, g_value_get_uint, g_value_set_uint>;
 constexpr FieldType kFlag =
     kPlain<bool, gboolean, boolean_spec, g_value_get_boolean, g_value_set_boolean>;
-constexpr FieldType kText{
-    [](const PropertyRow& row, const void* field) {
-      return g_param_spec_string(row.name, nick(row.name), row.blurb,
-                                 static_cast<const std::string*>(field)->c_str(), flags(row.when));
-    },
-    [](const void* field, GValue* to) {
-      g_value_set_string(to, static_cast<const std::string*>(field)->c_str());
-    },
-    [](const PropertyRow& /*row*/, void* field, const GValue* from) {
-      const char* value = g_value_get_string(from);
-      *static_cast<std::string*>(field) = value ? value : "";
-    },
-    [](void* to, const void* from) {
-      *static_cast<std::string*>(to) = *static_cast<const std::string*>(from);
-    },
-    nullptr};
+constexpr FieldType kText{[](const PropertyRow& row, const void* field) {
+                            return g_param_spec_string(
+                                row.name, nick(row.name), row.blurb,
+                                static_cast<const std::string*>(field)->c_str(), flags(row.when));
+                          },
+                          [](const void* field, GValue* to) {
+                            g_value_set_string(to, static_cast<const std::string*>(field)->c_str());
+                          },
+                          [](const PropertyRow& /*row*/, void* field, const GValue* from) {
+                            const char* value = g_value_get_string(from);
+                            *static_cast<std::string*>(field) = value ? value : "";
+                          },
+                          [](void* to, const void* from) {
+                            *static_cast<std::string*>(to) = *static_cast<const std::string*>(from);
+                          },
+                          nullptr};
 constexpr FieldType kNumberOrAuto{
     [](const PropertyRow& row, const void* field) {
-      return g_param_spec_string(row.name, nick(row.name), row.blurb,
-                                 text_of(*static_cast<const Auto*>(field)).c_str(),
-                                 static_cast<GParamFlags>(G_PARAM_READWRITE |
-                                                          G_PARAM_STATIC_STRINGS |
-                                                          GST_PARAM_MUTABLE_PLAYING));
+      return g_param_spec_string(
+          row.name, nick(row.name), row.blurb, text_of(*static_cast<const Auto*>(field)).c_str(),
+          static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
+                                   GST_PARAM_MUTABLE_PLAYING));
     },
     [](const void* field, GValue* to) {
       g_value_set_string(to, text_of(*static_cast<const Auto*>(field)).c_str());
@@ -259,9 +258,8 @@ void RowParameters::install(GObjectClass* object_class, guint first_id) const {
 void RowParameters::get(size_t index, GValue* value) const {
   const std::lock_guard lock(mutex_);
   if (index == rows_.size()) return g_value_set_string(value, tuning_.c_str());
-  use_effective([&](const void* values) {
-    rows_[index].type->read(field(rows_[index], values), value);
-  });
+  use_effective(
+      [&](const void* values) { rows_[index].type->read(field(rows_[index], values), value); });
 }
 
 void RowParameters::set(size_t index, const GValue* value) {
@@ -341,8 +339,7 @@ void RowParameters::set_tuning(const std::string& text) {
     for (const auto& [name, written] : tuning_entries(text)) {
       const auto row = std::ranges::find_if(
           rows_, [&](const PropertyRow& r) { return r.in_tuning && r.name == name; });
-      if (row == rows_.end())
-        throw Error(ErrorKind::unsupported, "there is no \"" + name + "\"");
+      if (row == rows_.end()) throw Error(ErrorKind::unsupported, "there is no \"" + name + "\"");
       GValue value = G_VALUE_INIT;
       tuning_value(spec_of(*row, defaults_).get(), written, &value);
       entries.push_back({static_cast<size_t>(row - rows_.begin()), value});

@@ -191,7 +191,7 @@ void RememberedScene::warn(FrameContext& frame, const std::string& text) {
 }
 
 bool RememberedScene::begin(FrameContext& frame, const SceneMemory::Depth& depth,
-                      const SceneParams& params) {
+                            const SceneParams& params) {
   constexpr double kMinKnown = 0.1;
   constexpr float kNearScene = 0.7F, kFarScene = 9;  // meters; a wrong unit is off by 5 or more
   const Looked looked = look_at(depth);
@@ -308,7 +308,7 @@ void RememberedScene::warn_of(FrameContext& frame, const SceneMemory::Findings& 
 }
 
 const KnownReflectance* RememberedScene::recall(FrameContext& frame, uint64_t number,
-                                          const SceneParams& params, const Wanted& wanted) {
+                                                const SceneParams& params, const Wanted& wanted) {
   remembers_ = began_ = false;
   seen_.reset();
   if (frame.fresh) told_.clear();

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "gst/base/filter.hpp"
-#include "kernels/image/strokes/seen_strokes.hpp"
 #include "kernels/camera/known_reflectance.hpp"
 #include "kernels/camera/place_stroke.hpp"
 #include "kernels/camera/touch.hpp"
+#include "kernels/image/strokes/seen_strokes.hpp"
 
 namespace inverse {
 

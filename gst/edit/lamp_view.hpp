@@ -3,9 +3,9 @@
 #include <optional>
 #include <vector>
 
+#include "kernels/camera/seen_scene.hpp"
 #include "kernels/edit/relight/lamps.hpp"
 #include "kernels/gpu/commands.hpp"
-#include "kernels/camera/seen_scene.hpp"
 
 namespace inverse {
 

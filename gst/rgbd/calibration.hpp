@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "kernels/image/plane.hpp"
 #include "kernels/camera/camera.hpp"
+#include "kernels/image/plane.hpp"
 
 namespace inverse {
 

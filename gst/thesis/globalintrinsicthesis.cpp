@@ -5,8 +5,8 @@
 #include <tuple>
 #include <utility>
 
-#include "gst/decompose/decomposer.hpp"
 #include "gst/base/color.hpp"
+#include "gst/decompose/decomposer.hpp"
 #include "kernels/image/view/mosaic.hpp"
 #include "kernels/thesis/chapter5/global_thesis_levels.hpp"
 #include "region_messages.hpp"

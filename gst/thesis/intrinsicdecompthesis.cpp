@@ -2,12 +2,12 @@
 // intrinsicdecompthesis: chapters 3 and 4 of the thesis.
 
 #include "gst/decompose/decomposer.hpp"
-#include "kernels/image/strokes/stroke_mask.hpp"
-#include "kernels/thesis/chapter3/thesis_decomposition.hpp"
-#include "kernels/thesis/chapter3/thesis_levels.hpp"
 #include "gst/decompose/scene_work.hpp"
 #include "gst/decompose/strokes/stroke_properties.hpp"
 #include "gst/decompose/strokes/stroke_work.hpp"
+#include "kernels/image/strokes/stroke_mask.hpp"
+#include "kernels/thesis/chapter3/thesis_decomposition.hpp"
+#include "kernels/thesis/chapter3/thesis_levels.hpp"
 
 namespace inverse {
 namespace {

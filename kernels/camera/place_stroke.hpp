@@ -3,8 +3,8 @@
 #include <optional>
 #include <span>
 
-#include "kernels/image/strokes/stroke.hpp"
 #include "kernels/camera/camera.hpp"
+#include "kernels/image/strokes/stroke.hpp"
 
 namespace inverse {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include "kernels/camera/camera.hpp"
 #include "kernels/gpu/buffer.hpp"
 #include "kernels/image/plane.hpp"
-#include "kernels/camera/camera.hpp"
 
 namespace inverse {
 

@@ -4,13 +4,13 @@
 #include <optional>
 #include <vector>
 
+#include "kernels/camera/seen_scene.hpp"
 #include "kernels/environment/light_beams.hpp"
 #include "kernels/environment/lit_sphere.hpp"
 #include "kernels/image/layers.hpp"
 #include "kernels/raster_cast.spv.hpp"
 #include "kernels/raster_insert.spv.hpp"
 #include "kernels/raster_probes.spv.hpp"
-#include "kernels/camera/seen_scene.hpp"
 #include "rasterizer.hpp"
 
 namespace inverse {

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "hand.hpp"
+#include "kernels/camera/camera.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
 #include "kernels/virtual_room_open.spv.hpp"
 #include "kernels/virtual_room_room.spv.hpp"
 #include "kernels/virtual_room_sensor.spv.hpp"
-#include "kernels/camera/camera.hpp"
 
 namespace inverse {
 

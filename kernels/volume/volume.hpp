@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <memory>
 
+#include "kernels/camera/camera.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
-#include "kernels/camera/camera.hpp"
 #include "kernels/volume/volume_data.hpp"
 #include "kernels/volume_allocate.spv.hpp"
 #include "kernels/volume_approach.spv.hpp"

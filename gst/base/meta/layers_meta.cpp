@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "gst/base/log/log.hpp"
-#include "kernels/gpu/commands.hpp"
 #include "kernels/camera/seen_scene.hpp"
+#include "kernels/gpu/commands.hpp"
 #include "layers_memory.hpp"
 #include "registered_once.hpp"
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "gst/base/json/list_editor.hpp"
-#include "kernels/image/strokes/stroke_tracker.hpp"
 #include "kernels/camera/place_stroke.hpp"
+#include "kernels/image/strokes/stroke_tracker.hpp"
 #include "touch_watch.hpp"
 
 namespace inverse {

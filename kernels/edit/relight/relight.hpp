@@ -3,6 +3,7 @@
 #include <array>
 #include <memory>
 
+#include "kernels/camera/seen_scene.hpp"
 #include "kernels/edit_relight_apply.spv.hpp"
 #include "kernels/edit_relight_place.spv.hpp"
 #include "kernels/edit_relight_scene_light.spv.hpp"
@@ -10,7 +11,6 @@
 #include "kernels/edit_relight_share.spv.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/layers.hpp"
-#include "kernels/camera/seen_scene.hpp"
 #include "lamps.hpp"
 #include "relief.hpp"
 #include "surface_file.hpp"

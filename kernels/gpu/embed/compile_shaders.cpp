@@ -1,22 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Compiles compute shaders to SPIR-V by glslang's library and validates them, all in one process: the command
-// glslangValidator takes .1 s to start.
+// Compiles compute shaders to SPIR-V by glslang's library and validates them, all in one process:
+// the command glslangValidator takes .1 s to start.
 //
 // usage: compile_shaders ROOT OUTPUT_FOLDER VARIANT[,DEFINE…]… -- SHADER.comp…
 //
-// Writes OUTPUT_FOLDER/STEM.VARIANT.spv, and to the standard output each file that was read, once, one a line. `#include`
-// finds files beside the one that includes, then from ROOT.
+// Writes OUTPUT_FOLDER/STEM.VARIANT.spv, and to the standard output each file that was read, once,
+// one a line. `#include` finds files beside the one that includes, then from ROOT.
 #include <glslang/Public/ResourceLimits.h>
 #include <glslang/Public/ShaderLang.h>
 #include <glslang/SPIRV/GlslangToSpv.h>
-
-#include <spirv-tools/libspirv.hpp>
 
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
 #include <set>
+#include <spirv-tools/libspirv.hpp>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -56,7 +55,8 @@ class Files final : public glslang::TShader::Includer {
     const fs::path beside = fs::path(includer).parent_path() / name;
     return included(fs::exists(beside) ? beside : root_ / name);
   }
-  IncludeResult* includeSystem(const char* name, const char* /*includer*/, size_t /*depth*/) override {
+  IncludeResult* includeSystem(const char* name, const char* /*includer*/,
+                               size_t /*depth*/) override {
     return included(root_ / name);
   }
   void releaseInclude(IncludeResult* result) override {

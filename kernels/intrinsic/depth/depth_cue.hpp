@@ -2,11 +2,11 @@
 #pragma once
 #include <memory>
 
+#include "kernels/camera/known_reflectance.hpp"
 #include "kernels/image/tiles/tile_list.hpp"
 #include "kernels/intrinsic/guide/guide.hpp"
 #include "kernels/intrinsic_depth_edges.spv.hpp"
 #include "kernels/intrinsic_depth_surfaces.spv.hpp"
-#include "kernels/camera/known_reflectance.hpp"
 
 namespace inverse {
 

@@ -2,9 +2,9 @@
 #pragma once
 #include <memory>
 
+#include "kernels/camera/known_reflectance.hpp"
 #include "kernels/intrinsic/guide/guide.hpp"
 #include "kernels/intrinsic_recall_recall.spv.hpp"
-#include "kernels/camera/known_reflectance.hpp"
 
 namespace inverse {
 

@@ -3,9 +3,9 @@
 #include <memory>
 #include <vector>
 
+#include "kernels/camera/known_reflectance.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/thesis_chapter4_known.spv.hpp"
-#include "kernels/camera/known_reflectance.hpp"
 
 namespace inverse {
 

@@ -5,13 +5,13 @@
 #include <memory>
 #include <optional>
 
+#include "kernels/camera/known_reflectance.hpp"
+#include "kernels/camera/place_stroke.hpp"
+#include "kernels/camera/seen_scene.hpp"
 #include "kernels/gpu/frame_ring.hpp"
 #include "kernels/image/plane.hpp"
 #include "kernels/image/strokes/seen_strokes.hpp"
-#include "kernels/camera/known_reflectance.hpp"
-#include "kernels/camera/seen_scene.hpp"
 #include "kernels/volume/streaming/host_blocks.hpp"
-#include "kernels/camera/place_stroke.hpp"
 #include "kernels/volume/strokes/scene_strokes.hpp"
 #include "kernels/volume/touch/touch_finder.hpp"
 #include "kernels/volume/tracking/tracker.hpp"

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "kernels/virtual_room/hand.hpp"
 #include "kernels/camera/camera.hpp"
+#include "kernels/virtual_room/hand.hpp"
 #include "kernels/volume/memory/scene_memory.hpp"
 #include "tests/bench/support/command_line.hpp"
 #include "tests/lab.hpp"

@@ -5,8 +5,8 @@
 #include <map>
 #include <random>
 
-#include "kernels/image/strokes/stroke_mask.hpp"
 #include "kernels/camera/place_stroke.hpp"
+#include "kernels/image/strokes/stroke_mask.hpp"
 #include "tests/kernels/volume/volume_fixture.hpp"
 #include "tests/reference/volume/strokes.hpp"
 
