@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Compiled once for each plugin. Each file still includes what it uses: -Db_pch=false builds, too.
+// Compiled once for each plugin. Each file still includes what it uses.
 
 #include <gst/base/gstbasetransform.h>
 #include <gst/gst.h>
