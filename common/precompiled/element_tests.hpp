@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Compiled once for the program that tests elements. Each file still includes what it uses:
-// -Db_pch=false builds, too.
+// Compiled once for the program that tests elements. Each file still includes what it uses.
 
 #include <gst/app/app.h>
 #include <gst/check/gstharness.h>

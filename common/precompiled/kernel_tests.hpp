@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Compiled once for programs that test what needs no pipeline. Each file still includes what it
-// uses: -Db_pch=false builds, too.
+// uses.
 
 #include <gtest/gtest.h>
 #include <vulkan/vulkan.h>

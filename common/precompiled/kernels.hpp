@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Compiled once for each library of kernels. Each file still includes what it uses: -Db_pch=false
-// builds, too.
+// Compiled once for each library of kernels. Each file still includes what it uses.
 
 #include <vulkan/vulkan.h>
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Compiled once for the references. Each file still includes what it uses: -Db_pch=false builds,
-// too.
+// Compiled once for the references. Each file still includes what it uses.
 
 #include <algorithm>
 #include <array>
