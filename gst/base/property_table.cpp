@@ -30,6 +30,11 @@ GParamFlags flags(Mutable when) {
                                               : GST_PARAM_MUTABLE_READY));
 }
 
+GParamFlags text_flags() {
+  return static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
+                                  GST_PARAM_MUTABLE_PLAYING);
+}
+
 const char* nick(const char* name) {
   std::string text = name;
   std::ranges::replace(text, '-', ' ');
@@ -102,10 +107,8 @@ constexpr FieldType kText{[](const PropertyRow& row, const void* field) {
                           nullptr};
 constexpr FieldType kNumberOrAuto{
     [](const PropertyRow& row, const void* field) {
-      return g_param_spec_string(
-          row.name, nick(row.name), row.blurb, text_of(*static_cast<const Auto*>(field)).c_str(),
-          static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                   GST_PARAM_MUTABLE_PLAYING));
+      return g_param_spec_string(row.name, nick(row.name), row.blurb,
+                                 text_of(*static_cast<const Auto*>(field)).c_str(), text_flags());
     },
     [](const void* field, GValue* to) {
       g_value_set_string(to, text_of(*static_cast<const Auto*>(field)).c_str());
@@ -237,8 +240,12 @@ GParamSpec* tuning_spec() {
   return g_param_spec_string(
       "tuning", "tuning",
       "Further settings as name=value:name=value; listed below and by gst-inspect-1.0", "",
-      static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                               GST_PARAM_MUTABLE_PLAYING));
+      text_flags());
+}
+
+bool PropertyStore::exchange(const std::string& name, const std::string& /*before*/,
+                             const std::string& /*after*/) {
+  throw Error(ErrorKind::internal, "there is no property " + name);
 }
 
 void RowParameters::install(GObjectClass* object_class, guint first_id) const {
@@ -282,7 +289,7 @@ bool RowParameters::exchange(const std::string& name, const std::string& before,
                              const std::string& after) {
   const std::lock_guard lock(mutex_);
   const auto row = std::ranges::find(rows_, name, &PropertyRow::name);
-  if (row == rows_.end()) return false;
+  if (row == rows_.end()) return PropertyStore::exchange(name, before, after);
   GValue value = G_VALUE_INIT;
   g_value_init(&value, G_TYPE_STRING);
   use_effective([&](const void* values) { row->type->read(field(*row, values), &value); });

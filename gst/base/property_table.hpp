@@ -95,6 +95,8 @@ Property<P> tuning(Property<P> property) {
 namespace property_detail {
 
 GParamFlags flags(Mutable when);
+/// Of a text that stands for another type: it can be set while playing, but not controlled.
+GParamFlags text_flags();
 /// "w-data" → "w data": nicks are not translated and only shown by inspection tools.
 const char* nick(const char* name);
 
@@ -200,11 +202,9 @@ Property<P> text_for(const char* name, Access access, const char* blurb,
   using T = property_detail::FieldOf<P, Access>;
   static constexpr FieldType kType{
       [](const PropertyRow& row, const void* field) {
-        return g_param_spec_string(
-            row.name, property_detail::nick(row.name), row.blurb,
-            g_intern_string(kText(*static_cast<const T*>(field)).c_str()),
-            static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                     GST_PARAM_MUTABLE_PLAYING));
+        return g_param_spec_string(row.name, property_detail::nick(row.name), row.blurb,
+                                   g_intern_string(kText(*static_cast<const T*>(field)).c_str()),
+                                   text_flags());
       },
       [](const void* field, GValue* to) {
         g_value_set_string(to, kText(*static_cast<const T*>(field)).c_str());
@@ -249,11 +249,9 @@ class PropertyStore {
   virtual void get(size_t index, GValue* value) const = 0;
   virtual void set(size_t index, const GValue* value) = 0;
   /// Gives the text property `name` a valid value if it is `before` now, and returns whether it
-  /// was; GObject::notify is for the caller. False if there is no such property.
-  virtual bool exchange(const std::string& /*name*/, const std::string& /*before*/,
-                        const std::string& /*after*/) {
-    return false;
-  }
+  /// was; GObject::notify is for the caller. Throws Error(internal) if there is no such property.
+  virtual bool exchange(const std::string& name, const std::string& before,
+                        const std::string& after);
   /// What is wrong with what the property `name` was set to last (of `tuning`: and which names it
   /// takes), in words; the value before stays in force. Empty if nothing is. Null: of any property.
   virtual std::string misconfigured(const char* /*name*/ = nullptr) const { return {}; }

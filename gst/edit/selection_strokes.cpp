@@ -2,6 +2,7 @@
 #include "selection_strokes.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 namespace inverse {
