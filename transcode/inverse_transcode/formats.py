@@ -36,7 +36,7 @@ CONTAINERS = {
 # Software first; with --hardware, the others first. What follows the element's name are settings.
 _SOFTWARE = {
     "vp8": ["vp8enc deadline=1 cpu-used=8 threads=4 end-usage=cq cq-level=16 target-bitrate=20000000 keyframe-max-dist=60"],
-    # With a lag it loses frames at the end of a stream (1.22).
+    # Without a lag no frame waits in the encoder.
     "vp9": ["vp9enc deadline=1 cpu-used=8 threads=4 row-mt=true lag-in-frames=0 end-usage=cq cq-level=20 "
             "target-bitrate=20000000 keyframe-max-dist=60"],
     "h264": ["x264enc speed-preset=faster pass=qual quantizer=20 key-int-max=60 ! h264parse",

@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Tags of Matroska files as matroskamux of GStreamer 1.22 writes them: texts with spaces or letters beyond ASCII in quotes, and escaped."""
+"""Tags of Matroska files as matroskamux of GStreamer 1.22 to 1.26 writes them: texts with spaces or letters beyond ASCII in quotes, and
+escaped."""
+import functools
 import os
 import re
+
+from gi.repository import Gst
 
 _SEGMENT, _TAGS, _TAG, _SIMPLE, _STRING = 0x18538067, 0x1254C367, 0x7373, 0x67C8, 0x4487
 _ESCAPE = re.compile(rb"\\([0-3][0-7]{2}|.)", re.DOTALL)
@@ -50,8 +54,27 @@ def _texts(file, end, names):
                 yield from _texts(file, child, names[1:])
 
 
+@functools.cache
+def muxer_escapes():
+    """Whether matroskamux of this GStreamer does so."""
+    pipeline = Gst.parse_launch("videotestsrc num-buffers=1 ! video/x-raw,format=I420,width=16,height=16 ! matroskamux name=mux ! "
+                                "appsink name=take sync=false")
+    tags = Gst.TagList.new_empty()
+    tags.add_value(Gst.TagMergeMode.REPLACE, Gst.TAG_TITLE, "two words")
+    pipeline.get_by_name("mux").merge_tags(tags, Gst.TagMergeMode.REPLACE)
+    pipeline.set_state(Gst.State.PLAYING)
+    take, found = pipeline.get_by_name("take"), b""
+    while sample := take.emit("try-pull-sample", 5 * Gst.SECOND):
+        buffer = sample.get_buffer()
+        found += buffer.extract_dup(0, buffer.get_size())
+    pipeline.set_state(Gst.State.NULL)
+    return b"two\\ words" in found
+
+
 def mend_tags(path):
-    """Writes the texts of a complete file as they are. They are shorter then; zeros fill up, as Matroska allows."""
+    """Writes the texts of a complete file as they are, if the muxer escapes them. They are shorter then; zeros fill up, as Matroska allows."""
+    if not muxer_escapes():
+        return
     with open(path, "r+b") as file:
         size = os.path.getsize(path)
         for start, end in list(_texts(file, size, (_SEGMENT, _TAGS, _TAG, _SIMPLE, _STRING))):
