@@ -204,7 +204,7 @@ Property<P> text_for(const char* name, Access access, const char* blurb,
       [](const PropertyRow& row, const void* field) {
         return g_param_spec_string(row.name, property_detail::nick(row.name), row.blurb,
                                    g_intern_string(kText(*static_cast<const T*>(field)).c_str()),
-                                   text_flags());
+                                   property_detail::text_flags());
       },
       [](const void* field, GValue* to) {
         g_value_set_string(to, kText(*static_cast<const T*>(field)).c_str());
