@@ -240,7 +240,7 @@ GParamSpec* tuning_spec() {
   return g_param_spec_string(
       "tuning", "tuning",
       "Further settings as name=value:name=value; listed below and by gst-inspect-1.0", "",
-      text_flags());
+      property_detail::text_flags());
 }
 
 bool PropertyStore::exchange(const std::string& name, const std::string& /*before*/,
