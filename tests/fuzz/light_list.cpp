@@ -3,6 +3,8 @@
 #include "stage/program/light_list.hpp"
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 
 #include "common/error.hpp"

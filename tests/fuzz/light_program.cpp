@@ -3,6 +3,8 @@
 // bounded length for a serial controller.
 #include "stage/program/light_program.hpp"
 
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 
 #include "common/error.hpp"

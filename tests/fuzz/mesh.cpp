@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What is checked of untrusted meshes before Assimp reads them: a fault or none, soon. The first
 // byte chooses the format.
+#include <cstddef>
+#include <cstdint>
+
 #include "gst/material/mesh/gltf_nodes.hpp"
 #include "gst/material/mesh/ply_length.hpp"
 

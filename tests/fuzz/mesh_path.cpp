@@ -3,6 +3,8 @@
 #include <unistd.h>
 
 #include <assimp/IOStream.hpp>
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>

@@ -2,6 +2,8 @@
 // Untrusted datagrams, one after another, each after a byte with its length (in fours) and a byte
 // with its time and sender.
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 
 #include "stage/controllers/sacn_receiver.hpp"

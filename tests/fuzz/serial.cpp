@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Untrusted bytes of a serial line: the first byte determines the chunks.
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 
 #include "stage/controllers/serial_protocol.hpp"
