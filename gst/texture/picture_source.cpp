@@ -37,16 +37,13 @@ void PictureSource::set_file(const std::optional<Picture8>& file) {
 GstPad* PictureSource::request(GstElement* element, GstPadTemplate* made_from) {
   const std::lock_guard lock(pad_mutex_);
   if (pad_) return nullptr;
-  pad_ = std::make_unique<TexturePad>(element, made_from);
+  pad_ = TexturePad::create(element, made_from);
   return pad_->pad();
 }
 
 void PictureSource::release(GstPad*) {
-  std::unique_ptr<TexturePad> pad;
-  {
-    const std::lock_guard lock(pad_mutex_);
-    pad = std::move(pad_);
-  }
+  const std::lock_guard lock(pad_mutex_);
+  pad_.reset();  // the GstPad keeps it
 }
 
 bool PictureSource::has_pad() {

@@ -42,7 +42,7 @@ class PictureSource : public SidePads {
   uint32_t max_side_ = 0;
   std::optional<Picture8> file_;
   std::mutex pad_mutex_;
-  std::unique_ptr<TexturePad> pad_;
+  std::shared_ptr<TexturePad> pad_;
   std::optional<TexturePad::Frame> frame_;  // taken last
   bool changed_ = true;                     // since the pyramid was made
   std::optional<TexturePyramid> pyramid_;

@@ -13,29 +13,34 @@ TexturePad& self_of(GstPad* pad) {
 
 }  // namespace
 
-TexturePad::TexturePad(GstElement* element, GstPadTemplate* pad_template)
-    : element_(element),
-      pad_(GST_PAD(gst_object_ref(
-          gst_pad_new_from_template(pad_template, GST_PAD_TEMPLATE_NAME_TEMPLATE(pad_template))))) {
-  gst_video_info_init(&info_);
-  gst_segment_init(&segment_, GST_FORMAT_TIME);
-  gst_pad_set_element_private(pad_, this);
+std::shared_ptr<TexturePad> TexturePad::create(GstElement* element, GstPadTemplate* pad_template) {
+  GstPad* pad =
+      gst_pad_new_from_template(pad_template, GST_PAD_TEMPLATE_NAME_TEMPLATE(pad_template));
+  auto made = std::make_shared<TexturePad>(element, pad);
+  gst_pad_set_element_private(pad, made.get());
+  g_object_set_data_full(
+      G_OBJECT(pad), "inverse-texture-pad", new std::shared_ptr<TexturePad>(made),
+      [](gpointer kept) { delete static_cast<std::shared_ptr<TexturePad>*>(kept); });
   gst_pad_set_chain_function(
-      pad_, [](GstPad* pad, GstObject*, GstBuffer* buffer) { return self_of(pad).chain(buffer); });
+      pad, [](GstPad* own, GstObject*, GstBuffer* buffer) { return self_of(own).chain(buffer); });
   gst_pad_set_event_function(
-      pad_, [](GstPad* pad, GstObject*, GstEvent* event) { return self_of(pad).event(event); });
+      pad, [](GstPad* own, GstObject*, GstEvent* event) { return self_of(own).event(event); });
   gst_pad_set_query_function(
-      pad_, [](GstPad* pad, GstObject*, GstQuery* query) { return self_of(pad).query(query); });
-  gst_pad_set_activatemode_function(pad_, [](GstPad* pad, GstObject*, GstPadMode, gboolean active) {
-    self_of(pad).set_flushing(!active);
+      pad, [](GstPad* own, GstObject*, GstQuery* query) { return self_of(own).query(query); });
+  gst_pad_set_activatemode_function(pad, [](GstPad* own, GstObject*, GstPadMode, gboolean active) {
+    self_of(own).set_flushing(!active);
     return gboolean{TRUE};
   });
   GstState state = GST_STATE_NULL;
   gst_element_get_state(element, &state, nullptr, 0);
-  if (state > GST_STATE_READY) gst_pad_set_active(pad_, TRUE);
+  if (state > GST_STATE_READY) gst_pad_set_active(pad, TRUE);
+  return made;
 }
 
-TexturePad::~TexturePad() { gst_object_unref(pad_); }
+TexturePad::TexturePad(GstElement* element, GstPad* pad) : element_(element), pad_(pad) {
+  gst_video_info_init(&info_);
+  gst_segment_init(&segment_, GST_FORMAT_TIME);
+}
 
 void TexturePad::set_flushing(bool flushing) {
   const std::lock_guard lock(mutex_);

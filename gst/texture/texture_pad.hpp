@@ -24,11 +24,10 @@ class TexturePad {
     GstClockTime time;  ///< running time; none: at once
   };
 
-  /// Makes the pad, for the element to add.
-  TexturePad(GstElement* element, GstPadTemplate* pad_template);
-  TexturePad(const TexturePad&) = delete;
-  TexturePad& operator=(const TexturePad&) = delete;
-  ~TexturePad();
+  /// Makes the pad, for the element to add. The pad keeps this object: it is called as long as it
+  /// exists.
+  static std::shared_ptr<TexturePad> create(GstElement* element, GstPadTemplate* pad_template);
+  TexturePad(GstElement* element, GstPad* pad);
   GstPad* pad() const { return pad_; }
 
   /// The frame for this running time, if it is another one than was taken last.
@@ -43,7 +42,7 @@ class TexturePad {
 
   static constexpr size_t kMaxWaiting = 3;  // frames
   GstElement* element_;
-  GstPad* pad_;
+  GstPad* const pad_;  // owns this
   std::mutex mutex_;
   std::condition_variable taken_;
   std::deque<Frame> waiting_;

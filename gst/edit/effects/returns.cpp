@@ -25,9 +25,6 @@ const char* name_of(SplitLayer layer) {
   return at == kLayers.end() ? "another layer" : kNames[static_cast<size_t>(at - kLayers.begin())];
 }
 
-/// Of frames without a duration.
-constexpr GstClockTime kUsualDuration = GST_SECOND / 25;
-
 /// How long frames wait for a branch that did not deliver within kTimeout.
 constexpr unsigned kEnoughAbsent = 100;  // frames without any picture
 constexpr auto kStalledPatience = std::chrono::milliseconds(100);
@@ -54,13 +51,13 @@ Latency latency_of(GstPad* sink) {
 GstClockTime duration_of(GstBuffer* in, GstPad* sink) {
   if (GST_BUFFER_DURATION_IS_VALID(in) && GST_BUFFER_DURATION(in) > 0)
     return GST_BUFFER_DURATION(in);
-  GstClockTime duration = 0;
+  GstVideoInfo info;
+  gst_video_info_init(&info);
   if (GstCaps* caps = gst_pad_get_current_caps(sink)) {
-    GstVideoInfo info;
-    if (gst_video_info_from_caps(&info, caps)) duration = frame_latency(info);
+    gst_video_info_from_caps(&info, caps);
     gst_caps_unref(caps);
   }
-  return duration > 0 ? duration : kUsualDuration;
+  return frame_latency(info);
 }
 
 ReturnPad::Time running_time(GstElement* element, GstBuffer* in) {
@@ -124,8 +121,14 @@ void Returns::release(GstPad* pad) {
 }
 
 std::vector<Returns::PadPtr> Returns::pads() const {
+  std::vector<PadPtr> held;
   const std::lock_guard lock(shared_->mutex);
-  return pads_;
+  for (const PadPtr& pad : pads_) {
+    // `release` waits for the mutex before the element lets go of the pad.
+    const std::shared_ptr<void> owner(gst_object_ref(pad->pad()), gst_object_unref);
+    held.emplace_back(owner, pad.get());
+  }
+  return held;
 }
 
 void Returns::set_flushing(bool flushing) {

@@ -68,6 +68,7 @@ class Returns final : public SidePads {
   };
   using Deadline = std::chrono::steady_clock::time_point;
 
+  /// The pads there are now. Each keeps its GstPad alive: another thread may release it.
   std::vector<PadPtr> pads() const;
   std::vector<Arrival> collect(GstElement* element, GstBuffer* in);
   /// Until when frames may wait, by the latency of the pipeline if it is live.

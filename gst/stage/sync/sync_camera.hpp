@@ -29,10 +29,15 @@ struct SyncCamera {
     GstClockTime time = GST_CLOCK_TIME_NONE;  // running time
   };
 
-  SyncCamera(uint32_t number, GstPad* sink, GstPad* src) : number(number), sink(sink), src(src) {}
+  SyncCamera(uint32_t number, GstPad* sink, GstPad* src)
+      : number(number), sink(GST_PAD(gst_object_ref(sink))), src(GST_PAD(gst_object_ref(src))) {}
   SyncCamera(const SyncCamera&) = delete;
   SyncCamera& operator=(const SyncCamera&) = delete;
-  ~SyncCamera() { clear(); }
+  ~SyncCamera() {
+    clear();
+    gst_object_unref(sink);
+    gst_object_unref(src);
+  }
 
   std::string name() const { return "sink_" + std::to_string(number); }
 
@@ -42,11 +47,12 @@ struct SyncCamera {
     line.push_back(
         {Item::State::leaves, GST_MINI_OBJECT_CAST(object), 0, std::nullopt, GST_CLOCK_TIME_NONE});
   }
-  /// Takes a query back from the line; false if it has left it.
+  /// Takes a query back; false if the source pad's thread is answering it.
   bool take_back(GstQuery* query) {
-    return std::erase_if(line, [&](const Item& item) {
-             return item.object == GST_MINI_OBJECT_CAST(query);
-           }) > 0;
+    const auto is_query = [&](const Item& item) {
+      return item.object == GST_MINI_OBJECT_CAST(query);
+    };
+    return std::erase_if(line, is_query) + std::erase_if(out, is_query) > 0;
   }
   /// Moves decided items at the head of the line on to the source pad's thread.
   void advance() {
@@ -73,14 +79,15 @@ struct SyncCamera {
   }
   void clear() {
     for (auto* queue : {&line, &out}) {
-      for (const Item& item : *queue) gst_mini_object_unref(item.object);
+      for (const Item& item : *queue)
+        if (!GST_IS_QUERY(item.object)) gst_mini_object_unref(item.object);
       queue->clear();
     }
     in_sets = outgoing_buffers = 0;
   }
 
   const uint32_t number;
-  GstPad *const sink, *const src;  // the element's
+  GstPad *const sink, *const src;  // kept: one of them may be asked while the other is released
 
   // The sink pad's thread.
   std::optional<GstVideoInfo> info;

@@ -179,6 +179,25 @@ TEST_F(StageDrains, FramesThatWaitForTheirLabelsGoFirst) {
   EXPECT_EQ(frames.back().trigger, 49);
 }
 
+// Decoders drain when caps change; a seek or a stop may come meanwhile.
+TEST_F(StageDrains, AFlushEndsOneBehindFramesThatCannotLeave) {
+  use_performance();
+  g_object_set(element_, "tuning", "drop-unlabeled=false", nullptr);
+  start();
+  gst_pad_add_probe(
+      camera()->sinkpad,
+      static_cast<GstPadProbeType>(GST_PAD_PROBE_TYPE_BLOCK | GST_PAD_PROBE_TYPE_BUFFER),
+      [](GstPad*, GstPadProbeInfo*, gpointer) { return GST_PAD_PROBE_OK; }, nullptr, nullptr);
+  push_all(-10, -7);
+  auto draining = std::async(std::launch::async, [&] { return drain(); });
+  EXPECT_EQ(draining.wait_for(std::chrono::milliseconds(200)), std::future_status::timeout);
+  gst_harness_push_event(camera(), gst_event_new_flush_start());
+  ASSERT_EQ(draining.wait_for(std::chrono::seconds(30)), std::future_status::ready);
+  EXPECT_FALSE(draining.get());
+  gst_harness_push_event(camera(), gst_event_new_flush_stop(TRUE));
+  EXPECT_EQ(gst_element_set_state(element_, GST_STATE_NULL), GST_STATE_CHANGE_SUCCESS);
+}
+
 TEST_F(StageDrains, FramesThatWaitForAnotherCameraGoFirst) {
   use_performance();
   g_object_set(element_, "timeout", 60.0, nullptr);
