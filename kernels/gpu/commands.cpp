@@ -36,6 +36,10 @@ size_t elements_of(Element element, std::span<const std::byte> data) {
   return (data.size() + element_bytes(element) - 1) / element_bytes(element);
 }
 
+/// Whether a fence says that its work has ended, or can never: after other errors, such as a lack
+/// of memory for the wait itself, it may still run.
+bool is_over(VkResult fence) { return fence == VK_SUCCESS || fence == VK_ERROR_DEVICE_LOST; }
+
 }  // namespace
 
 Commands::Commands(std::shared_ptr<Device> device)
@@ -69,8 +73,7 @@ Commands::Commands(std::shared_ptr<Device> device)
 
 Commands::~Commands() {
   const uint64_t timeout = timed_out_ || device_->unresponsive() ? 0 : device_->timeout_ns();
-  if (in_flight_ &&
-      vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, timeout) == VK_TIMEOUT) {
+  if (in_flight_ && !is_over(vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, timeout))) {
     device_->note_unresponsive(true);
     kept_.push_back(device_);  // the pool, the fence and the queries live as long as it does
     kept_.push_back(std::move(sets_));
@@ -407,8 +410,8 @@ bool Commands::wait(const std::function<bool()>& stop) {
                 "the Vulkan device \"" + device_->name() + "\" did not finish a frame within " +
                     std::to_string(device_->timeout_ns() / 1'000'000'000) +
                     " seconds; use a smaller frame or another device, or raise INVERSE_TIMEOUT");
-  in_flight_ = false;
   if (result == VK_ERROR_DEVICE_LOST) device_->note_lost();
+  in_flight_ = !is_over(result);
   check(result, "waiting for a frame");
   kept_.clear();  // planes go back to those who hold them still
   read_stages();
@@ -416,7 +419,7 @@ bool Commands::wait(const std::function<bool()>& stop) {
 }
 
 bool Commands::done() const {
-  return !in_flight_ || vkGetFenceStatus(device_->handle(), fence_) != VK_NOT_READY;
+  return !in_flight_ || is_over(vkGetFenceStatus(device_->handle(), fence_));
 }
 
 BufferPtr make_table(const std::shared_ptr<Device>& device, Element element,

@@ -306,9 +306,11 @@ void VulkanNeighbor::wait_for_neighbor() const {
   gst_vulkan_queue_submit_lock(handles->queue.get());
   const VkResult submitted = vkQueueSubmit(handles->queue->queue, 0, nullptr, fence);
   gst_vulkan_queue_submit_unlock(handles->queue.get());
-  const bool done = submitted != VK_SUCCESS ||
-                    vkWaitForFences(device, 1, &fence, VK_TRUE, kTimeout) != VK_TIMEOUT;
-  if (done) vkDestroyFence(device, fence, nullptr);  // else the device may still signal it
+  const VkResult waited =
+      submitted == VK_SUCCESS ? vkWaitForFences(device, 1, &fence, VK_TRUE, kTimeout) : VK_SUCCESS;
+  // After other results the device may still signal it.
+  if (waited == VK_SUCCESS || waited == VK_ERROR_DEVICE_LOST)
+    vkDestroyFence(device, fence, nullptr);
 }
 
 void VulkanNeighbor::release() {
