@@ -16,6 +16,38 @@
 #define GST_CAT_DEFAULT (log_.category)
 
 namespace inverse {
+namespace {
+
+/// The elements that make progressive video of this format here: deinterlace of GStreamer 1.22
+/// passes more than 8 bits on as they are.
+std::string deinterlace_for(const GstVideoInfo& info) {
+  GstElementFactory* factory = gst_element_factory_find("deinterlace");
+  if (!factory) return "deinterlace (gstreamer1.0-plugins-good)";
+  bool takes = false;
+  for (const GList* item = gst_element_factory_get_static_pad_templates(factory); item;
+       item = item->next) {
+    auto* pad = static_cast<GstStaticPadTemplate*>(item->data);
+    if (pad->direction != GST_PAD_SINK) continue;
+    GstCaps* caps = gst_static_caps_get(&pad->static_caps);
+    GstCaps* own = gst_caps_new_simple("video/x-raw", "format", G_TYPE_STRING,
+                                       GST_VIDEO_INFO_NAME(&info), nullptr);
+    for (guint i = 0; i < gst_caps_get_size(caps) && !takes; ++i) {
+      if (gst_caps_features_is_any(gst_caps_get_features(caps, i))) continue;  // passed on
+      GstCaps* one = gst_caps_copy_nth(caps, i);
+      takes = gst_caps_can_intersect(own, one);
+      gst_caps_unref(one);
+    }
+    gst_caps_unref(own);
+    gst_caps_unref(caps);
+  }
+  gst_object_unref(factory);
+  return takes ? "deinterlace"
+               : std::string(
+                     "deinterlace behind \"videoconvert ! video/x-raw,format=Y42B\" (it passes ") +
+                     GST_VIDEO_INFO_NAME(&info) + " on as it is)";
+}
+
+}  // namespace
 
 void FilterElement::check_format(const GstCaps* caps) {
   const GstStructure* structure = gst_caps_get_structure(caps, 0);
@@ -79,7 +111,8 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
   }
   if (GST_VIDEO_INFO_IS_INTERLACED(&in_info_)) {
     GST_ELEMENT_ERROR(element_, STREAM, FORMAT,
-                      ("%s needs progressive video; insert deinterlace before it", name.c_str()),
+                      ("%s needs progressive video; insert %s before it", name.c_str(),
+                       deinterlace_for(in_info_).c_str()),
                       ("got %" GST_PTR_FORMAT, in));
     return false;
   }

@@ -28,7 +28,7 @@ GstStructure* frame_stats(const gpu::Commands& commands, uint64_t frames, double
 }
 
 GstClockTime frame_latency(const GstVideoInfo& info) {
-  if (GST_VIDEO_INFO_FPS_N(&info) <= 0) return 0;
+  if (GST_VIDEO_INFO_FPS_N(&info) <= 0) return GST_SECOND / 25;
   return gst_util_uint64_scale_int(GST_SECOND, GST_VIDEO_INFO_FPS_D(&info),
                                    GST_VIDEO_INFO_FPS_N(&info));
 }

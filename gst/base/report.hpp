@@ -14,8 +14,8 @@ namespace inverse {
 /// gst_structure_free().
 GstStructure* frame_stats(const gpu::Commands& commands, uint64_t frames, double wall_ms);
 
-/// How long a frame stays in an element that draws pictures, at most: one frame duration; 0 if
-/// the caps give none.
+/// How long a frame stays in an element that draws pictures, at most: one frame duration; 1/25 s
+/// if the caps give none, as those of streams from networks and screens do.
 GstClockTime frame_latency(const GstVideoInfo& info);
 
 /// Adds an element's own latency to the answer of a latency query.

@@ -110,6 +110,15 @@ TEST(Stream, LatencyIsAnnouncedWhenItChanges) {
   EXPECT_EQ(gst_harness_query_latency(harness.harness()), 200 * GST_MSECOND);
 }
 
+// As streams from networks and screens have it.
+TEST(Stream, LatencyWithoutARateIsThatOfAUsualOne) {
+  VideoHarness harness("intrinsicdecomp", VideoHarness::caps("RGBA", 16, 12));
+  const std::string without = "video/x-raw, format=RGBA, width=16, height=12, framerate=0/1";
+  harness.set_src_caps(without);
+  harness.process(random_frame(without, 1));
+  EXPECT_EQ(gst_harness_query_latency(harness.harness()), 40 * GST_MSECOND);
+}
+
 TEST(Stream, AnEditingLineInSystemMemoryOpensOneDevice) {
   static std::map<std::string, int> contexts;
   contexts.clear();
