@@ -3,15 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <map>
+#include <queue>
+#include <tuple>
 #include <utility>
 
 #include "common/error.hpp"
 #include "common/json.hpp"
 #include "common/open_file.hpp"
 #include "kernels/environment/png_pixels.hpp"
+#include "name_order.hpp"
 #include "text_lines.hpp"
 
 namespace inverse {
@@ -66,29 +69,47 @@ std::vector<Stamped> read_stamped(const std::string& folder, const char* list, W
 }
 
 /// Pairs of indices that are no more than `tolerance` seconds apart, the nearest first, each index
-/// once; in the order of the first.
+/// once; in the order of the first. Both lists are in the order of time.
 std::vector<std::pair<size_t, size_t>> pairs_in_time(const std::vector<Stamped>& a,
                                                      const std::vector<Stamped>& b,
                                                      double tolerance) {
-  struct Candidate {
-    double apart;
-    size_t a, b;
+  // The nearest two that are left are always neighbors among those that are left: a list in the
+  // order of time, from which pairs are taken out.
+  constexpr size_t kNone = SIZE_MAX;
+  struct Item {
+    double seconds;
+    bool of_b;
+    size_t index, before, after;
+    bool taken = false;
   };
-  std::vector<Candidate> candidates;
-  for (size_t i = 0; i < a.size(); ++i) {
-    const double time = a[i].seconds;
-    auto other = std::ranges::lower_bound(b, time - tolerance, {}, &Stamped::seconds);
-    for (; other != b.end() && other->seconds <= time + tolerance; ++other)
-      candidates.push_back(
-          {std::abs(other->seconds - time), i, static_cast<size_t>(other - b.begin())});
+  std::vector<Item> items;
+  for (size_t i = 0; i < a.size(); ++i) items.push_back({a[i].seconds, false, i, kNone, kNone});
+  for (size_t i = 0; i < b.size(); ++i) items.push_back({b[i].seconds, true, i, kNone, kNone});
+  std::ranges::stable_sort(items, {}, &Item::seconds);
+  using Candidate = std::tuple<double, size_t, size_t>;  // seconds apart, items
+  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> candidates;
+  const auto consider = [&](size_t one, size_t other) {
+    if (one == kNone || other == kNone || items[one].of_b == items[other].of_b) return;
+    const double apart = items[other].seconds - items[one].seconds;
+    if (apart <= tolerance) candidates.emplace(apart, one, other);
+  };
+  for (size_t i = 0; i < items.size(); ++i) {
+    items[i].before = i > 0 ? i - 1 : kNone;
+    items[i].after = i + 1 < items.size() ? i + 1 : kNone;
+    consider(items[i].before, i);
   }
-  std::ranges::stable_sort(candidates, {}, &Candidate::apart);
-  std::vector<bool> has_a(a.size()), has_b(b.size());
   std::vector<std::pair<size_t, size_t>> pairs;
-  for (const Candidate& candidate : candidates) {
-    if (has_a[candidate.a] || has_b[candidate.b]) continue;
-    has_a[candidate.a] = has_b[candidate.b] = true;
-    pairs.emplace_back(candidate.a, candidate.b);
+  while (!candidates.empty()) {
+    const auto [apart, one, other] = candidates.top();
+    candidates.pop();
+    if (items[one].taken || items[other].taken) continue;
+    items[one].taken = items[other].taken = true;
+    pairs.emplace_back(items[items[one].of_b ? other : one].index,
+                       items[items[one].of_b ? one : other].index);
+    const size_t before = items[one].before, after = items[other].after;
+    if (before != kNone) items[before].after = after;
+    if (after != kNone) items[after].before = before;
+    consider(before, after);
   }
   std::ranges::sort(pairs);
   return pairs;
@@ -116,13 +137,16 @@ Listing list_tum(const std::string& folder, double tolerance, Warnings& warnings
 
 // Pictures by name
 
-/// As people count: 9 comes before 10.
-struct NumberOrder {
-  bool operator()(const std::string& a, const std::string& b) const {
-    return strverscmp(a.c_str(), b.c_str()) < 0;
-  }
-};
-using ByName = std::map<std::string, Entry, NumberOrder>;
+using ByName = std::map<std::string, Entry>;
+
+std::string stem_of(const fs::path& path) { return path.stem().string(); }
+
+/// The order of these files, and of others with such names.
+NameOrder order_of(const std::vector<fs::path>& files) {
+  std::vector<std::string> names;
+  std::ranges::transform(files, std::back_inserter(names), stem_of);
+  return NameOrder(names);
+}
 
 bool is_picture(const fs::path& path) {
   std::string kind = path.extension().string();
@@ -136,16 +160,17 @@ std::vector<fs::path> pictures_in(const std::string& folder) {
   for (fs::directory_iterator at(folder, fault), end; !fault && at != end; at.increment(fault))
     if (is_picture(at->path())) files.push_back(at->path());
   if (fault) refuse(folder + ": it cannot be read: " + fault.message());
-  std::ranges::sort(files, [](const fs::path& a, const fs::path& b) {
-    return NumberOrder{}(a.filename().string(), b.filename().string());
-  });
+  std::ranges::sort(files, order_of(files), stem_of);
   return files;
 }
 
 std::vector<Entry> entries_of(const ByName& frames, double rate) {
+  std::vector<std::string> names;
+  for (const auto& [name, entry] : frames) names.push_back(name);
+  std::ranges::sort(names, NameOrder(names));
   std::vector<Entry> entries;
-  for (const auto& [name, entry] : frames) {
-    entries.push_back(entry);
+  for (const std::string& name : names) {
+    entries.push_back(frames.at(name));
     entries.back().seconds = static_cast<double>(entries.size() - 1) / rate;
   }
   return entries;
@@ -212,20 +237,6 @@ Listing list_7scenes(const std::string& folder, double rate, Warnings& warnings)
 
 // A folder of color and one of depth
 
-std::string stem_of(const fs::path& path) { return path.stem().string(); }
-
-/// The last number in a file's name, without zeros before it; the name if there is none.
-std::string number_of(const fs::path& path) {
-  constexpr const char* kDigits = "0123456789";
-  std::string stem = stem_of(path);
-  const size_t last = stem.find_last_of(kDigits);
-  if (last == stem.npos) return stem;
-  const size_t before = stem.find_last_not_of(kDigits, last);
-  size_t first = before == stem.npos ? 0 : before + 1;
-  while (first < last && stem[first] == '0') ++first;
-  return stem.substr(first, last - first + 1);
-}
-
 /// Frames by what `key` makes of the names; nothing if it makes the same of two.
 template <typename Key>
 std::optional<ByName> joined(const std::vector<fs::path>& color, const std::vector<fs::path>& depth,
@@ -244,8 +255,13 @@ std::optional<ByName> joined(const std::vector<fs::path>& color, const std::vect
 ByName paired(const std::vector<fs::path>& color, const std::vector<fs::path>& depth,
               const std::string& folder) {
   const size_t fewer = std::min(color.size(), depth.size());
-  for (const auto key : {stem_of, number_of}) {
-    auto frames = joined(color, depth, key);
+  std::vector<fs::path> all = color;
+  all.insert(all.end(), depth.begin(), depth.end());
+  const NameOrder order = order_of(all);
+  for (const bool by_number : {false, true}) {
+    auto frames = joined(color, depth, [&](const fs::path& path) {
+      return by_number ? order.number_of(stem_of(path)) : stem_of(path);
+    });
     if (frames && 2 * (color.size() + depth.size() - frames->size()) >= fewer)
       return std::move(*frames);
   }
@@ -284,7 +300,8 @@ void read_meta(const std::string& path, Listing& listing, Warnings& warnings) {
   if (!fault.empty()) refuse(path + ": it " + fault + "; mend it, or remove it");
   std::map<std::string, Entry*> by_number;
   for (Entry& entry : listing.entries)
-    by_number[number_of(entry.color.empty() ? entry.depth : entry.color)] = &entry;
+    by_number[NameOrder({}).number_of(stem_of(entry.color.empty() ? entry.depth : entry.color))] =
+        &entry;
   size_t wrong = 0, index = 0, matched = 0;
   try {
     if (json.contains("depth_units_per_metre")) {

@@ -71,7 +71,7 @@ GstStructure* RgbdMerge::stats() const {
 void RgbdMerge::start() {
   const RgbdMergeParams params = parameters_.snapshot();
   calibration_.reset();
-  registration_.reset();
+  depth_format_.reset();
   trajectory_.reset();
   if (!params.calibration.empty()) calibration_ = read_calibration(params.calibration);
   if (!params.poses.empty()) {
@@ -81,7 +81,6 @@ void RgbdMerge::start() {
       post_warning(log_of(element_), Error(ErrorKind::file, warning));
   }
   gst_video_info_init(&color_info_);
-  gst_video_info_init(&depth_info_);
   std::lock_guard lock(mutex_);
   merged_ = unpaired_ = depth_dropped_ = posed_ = 0;
   recent_ = recent_unpaired_ = 0;
@@ -93,6 +92,7 @@ void RgbdMerge::flush() { drop_depth(); }
 
 void RgbdMerge::drop_depth() {
   gst_clear_buffer(&held_);
+  held_format_.reset();
   held_time_ = GST_CLOCK_TIME_NONE;
 }
 
@@ -102,14 +102,13 @@ void RgbdMerge::set_color_caps(const GstCaps* caps) {
 }
 
 void RgbdMerge::set_depth_caps(const GstCaps* caps) {
-  GstVideoInfo info;
-  if (!gst_video_info_from_caps(&info, caps))
+  auto format = std::make_shared<DepthFormat>();
+  if (!gst_video_info_from_caps(&format->info, caps))
     throw Error(ErrorKind::unsupported, "rgbdmerge cannot make sense of the depth's format");
-  depth_info_ = info;
-  registration_.reset();
   if (calibration_)
-    registration_.emplace(*calibration_, Extent{static_cast<uint32_t>(info.width),
-                                                static_cast<uint32_t>(info.height)});
+    format->registration.emplace(*calibration_, Extent{static_cast<uint32_t>(format->info.width),
+                                                       static_cast<uint32_t>(format->info.height)});
+  depth_format_ = std::move(format);
 }
 
 GstFlowReturn RgbdMerge::aggregate(GstAggregator* aggregator, bool timeout) {
@@ -138,6 +137,7 @@ GstFlowReturn RgbdMerge::aggregate(GstAggregator* aggregator, bool timeout) {
     }
     drop_depth();
     held_ = gst_aggregator_pad_pop_buffer(depth_);
+    held_format_ = depth_format_;
     held_time_ = next_time;
     held_used_ = false;
   }
@@ -203,28 +203,29 @@ GstFlowReturn RgbdMerge::push(GstAggregator* aggregator, GstBuffer* color, bool 
 
 void RgbdMerge::attach(GstBuffer* color, const RgbdMergeParams& params) {
   const double unit = calibration_ ? calibration_->unit.value_or(params.unit) : params.unit;
+  const GstVideoInfo& info = held_format_->info;
+  const std::optional<Registration>& registration = held_format_->registration;
   GstVideoFrame frame;
-  if (!gst_video_frame_map(&frame, &depth_info_, held_, GST_MAP_READ))
+  if (!gst_video_frame_map(&frame, &info, held_, GST_MAP_READ))
     throw Error(ErrorKind::internal, "a depth image cannot be read");
   const auto* rows = static_cast<const uint8_t*>(GST_VIDEO_FRAME_PLANE_DATA(&frame, 0));
   const auto stride = static_cast<size_t>(GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0));
-  const auto width = static_cast<uint32_t>(depth_info_.width),
-             height = static_cast<uint32_t>(depth_info_.height);
+  const auto width = static_cast<uint32_t>(info.width), height = static_cast<uint32_t>(info.height);
   const size_t row = size_t{2} * width, bytes = row * height;
   GstBuffer* image = gst_buffer_new_allocate(nullptr, bytes, nullptr);
   if (!image) {
     gst_video_frame_unmap(&frame);
     throw Error(ErrorKind::out_of_memory, "no memory for a depth image");
   }
-  if (registration_) {
-    registration_->run(rows, stride, unit, registered_);
+  if (registration) {
+    registration->run(rows, stride, unit, registered_);
     gst_buffer_fill(image, 0, registered_.data(), bytes);
   } else {
     for (uint32_t y = 0; y < height; ++y) gst_buffer_fill(image, y * row, rows + y * stride, row);
   }
   gst_video_frame_unmap(&frame);
-  const CalibratedCamera lens = registration_
-                                    ? registration_->lens()
+  const CalibratedCamera lens = registration
+                                    ? registration->lens()
                                     : typical_camera({static_cast<uint32_t>(color_info_.width),
                                                       static_cast<uint32_t>(color_info_.height)})
                                           .with_lens(params.fx, params.fy, params.cx, params.cy)

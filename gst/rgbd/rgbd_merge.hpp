@@ -3,6 +3,7 @@
 #include <gst/base/gstaggregator.h>
 #include <gst/video/video.h>
 
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -56,12 +57,18 @@ class RgbdMerge {
   GstElement* element_;
   GstAggregatorPad *color_, *depth_;  // which the element has
   Parameters<RgbdMergeParams> parameters_;
-  GstVideoInfo color_info_{}, depth_info_{};
+  /// How to read depth images of some caps.
+  struct DepthFormat {
+    GstVideoInfo info;
+    std::optional<Registration> registration;
+  };
+  GstVideoInfo color_info_{};
+  std::shared_ptr<const DepthFormat> depth_format_;  // of the caps now
   std::optional<Calibration> calibration_;
-  std::optional<Registration> registration_;
   std::vector<uint16_t> registered_;
   std::optional<Trajectory> trajectory_;
   GstBuffer* held_ = nullptr;  // the last depth image
+  std::shared_ptr<const DepthFormat> held_format_;
   GstClockTime held_time_ = GST_CLOCK_TIME_NONE;
   bool held_used_ = false;
   mutable std::mutex mutex_;  // for the counts

@@ -58,6 +58,31 @@ TEST(RgbdMerge, AttachesTheDepthOfTheSameTime) {
   }
 }
 
+// The image before a change may be the nearest to a picture after it.
+TEST(RgbdMerge, AnImageIsReadByTheCapsThatItCameWith) {
+  const auto depth = [](int width, int height) {
+    return "videotestsrc num-buffers=5 pattern=ball ! video/x-raw,format=GRAY16_LE,width=" +
+           std::to_string(width) + ",height=" + std::to_string(height) + ",framerate=30/1";
+  };
+  const std::string small = depth(32, 24), large = depth(64, 48);
+  for (const auto& [before, after] : {std::pair{small, large}, {large, small}}) {
+    // Pictures come 10 ms after the depth image of their number.
+    const Merged merged = merge("max-difference=100",
+                                "videotestsrc num-buffers=10 timestamp-offset=10000000 ! "
+                                "video/x-raw,width=64,height=48",
+                                "concat name=c " + before + " ! c. " + after + " ! c. c.");
+    ASSERT_TRUE(merged.line.eos) << merged.line.first_error();
+    ASSERT_EQ(merged.pairs.size(), 10U);
+    const LineResult first = run_line(before + " ! appsink name=out sync=false"),
+                     second = run_line(after + " ! appsink name=out sync=false");
+    for (size_t n = 0; n < 10; ++n) {
+      const auto& image = n < 5 ? first.frames[n] : second.frames[n - 5];
+      ASSERT_EQ(2 * merged.pairs[n].steps.size(), image.size()) << n;
+      EXPECT_EQ(0, memcmp(merged.pairs[n].steps.data(), image.data(), image.size())) << n;
+    }
+  }
+}
+
 // Depth has half the rate: every second picture has none within 5 ms.
 TEST(RgbdMerge, DropsAndCountsWhatHasNoPartner) {
   const std::string slow =

@@ -45,6 +45,44 @@ TEST(RgbdSrc, PlaysTum) {
   EXPECT_EQ(played.posed, 2U);
 }
 
+// As Python prints times, numbers have as many digits as they need.
+TEST(RgbdSrc, NamesThatAreTimesComeInTheirOrder) {
+  for (const std::vector<std::string>& names :
+       {std::vector<std::string>{"1560000083.9", "1560000083.933", "1560000083.95",
+                                 "1560000083.966667", "1560000084.0", "1560000084.033"},
+        {"frame-0.05", "frame-0.1", "frame-0.15", "frame-1.0", "frame-9.5", "frame-10.05"},
+        {"1.9", "1.10", "1.11", "2.1", "2.2", "2.10"},  // shots and frames
+        {"0.90", "0.95", "1.00", "1.05", "10.00", "10.05"},
+        {"8", "9", "10", "11", "100", "101"}}) {
+    const TemporaryFolder folder;
+    std::vector<uint8_t> red;
+    for (const std::string& name : names) {
+      red.push_back(static_cast<uint8_t>(10 * (red.size() + 1)));
+      write_color(folder, "color/" + name + ".png", red.back());
+      write_depth(folder, "depth/" + name + ".png", static_cast<uint16_t>(1000));
+    }
+    expect_red(play(folder.path()), red);
+  }
+}
+
+// Two lists of stamps much denser than max-difference.
+TEST(RgbdSrc, DenseListsArePairedOneToOne) {
+  const TemporaryFolder folder;
+  write_color(folder, "c.png", 10);
+  write_depth(folder, "d.png", uint16_t{1000});
+  std::ostringstream color, depth;
+  constexpr int kLines = 20000;
+  for (int n = 0; n < kLines; ++n) {
+    color << std::fixed << std::setprecision(7) << 100 + n * 1e-7 << " c.png\n";
+    depth << std::fixed << std::setprecision(7) << 100 + n * 1e-7 << " d.png\n";
+  }
+  folder.write("rgb.txt", color.str());
+  folder.write("depth.txt", depth.str());
+  const LineResult line = run_line("rgbdsrc num-buffers=3 location=" + folder.path() +
+                                   " ! appsink name=out sync=false");
+  EXPECT_EQ(line.frames.size(), 3U) << line.first_error();
+}
+
 TEST(RgbdSrc, SettingsWinOverTheRecording) {
   const TemporaryFolder folder;
   write_tum(folder);
