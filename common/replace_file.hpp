@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Files and folders that appear whole or not at all, also after a power failure. In Python:
+// common/inverse_common/files.py.
 #pragma once
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -14,20 +18,41 @@
 
 namespace inverse {
 
-/// Writes a file that takes the place of one of its name once it is whole, with the permissions of
-/// that. Throws Error(output).
-inline void replace_file(const std::filesystem::path& target, std::string_view bytes) {
+/// Brings a file, or the names in a folder, to the disk. Throws Error(output).
+inline void sync_path(const std::filesystem::path& path) {
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int failure = descriptor < 0 ? errno : fsync(descriptor) != 0 ? errno : 0;
+  if (descriptor >= 0) close(descriptor);
+  if (failure != 0 && failure != EINVAL && failure != EROFS)  // file systems that cannot
+    throw Error(ErrorKind::output, "cannot write " + path.string() + ": " + std::strerror(failure));
+}
+
+/// The folder that a file lies in.
+inline std::filesystem::path folder_of(const std::filesystem::path& path) {
+  return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+}
+
+/// Writes a file that takes the place of one of its name once it is whole, with the permissions
+/// and, where that is allowed, the group of that. A symbolic link goes on leading to the file.
+/// Throws Error(output).
+inline void replace_file(const std::filesystem::path& path, std::string_view bytes) {
   static std::atomic<unsigned> drafts{0};  // others may save to the same file meanwhile
   std::error_code none;
-  const bool there = std::filesystem::exists(target, none);
+  const std::filesystem::path target = is_symlink(path, none) ? weakly_canonical(path, none) : path;
+  struct stat before {};
+  const bool there = stat(target.c_str(), &before) == 0;
   NewFile draft(target.string() + "." + std::to_string(getpid()) + "-" + std::to_string(drafts++) +
                 ".new");
   try {
     draft.write(0, bytes.data(), bytes.size());
     draft.close();
-    if (there)
-      std::filesystem::permissions(draft.path(),
-                                   std::filesystem::status(target, none).permissions(), none);
+    if (there &&
+        (chown(draft.path().c_str(), static_cast<uid_t>(-1), before.st_gid) != 0 ||
+         chmod(draft.path().c_str(), before.st_mode & 07777) != 0) &&
+        errno != EPERM)
+      throw Error(ErrorKind::output,
+                  "cannot write " + target.string() + ": " + std::strerror(errno));
+    sync_path(draft.path());
     if (std::rename(draft.path().c_str(), target.c_str()) != 0)
       throw Error(ErrorKind::output,
                   "cannot write " + target.string() + ": " + std::strerror(errno));
@@ -35,6 +60,30 @@ inline void replace_file(const std::filesystem::path& target, std::string_view b
     std::remove(draft.path().c_str());
     throw;
   }
+  sync_path(folder_of(target));
+}
+
+/// Gives a complete folder the name of another one, which has the draft's name afterwards, if there
+/// is one. Throws Error(output).
+inline void replace_folder(const std::filesystem::path& draft,
+                           const std::filesystem::path& target) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(draft))
+    if (!entry.is_symlink()) sync_path(entry.path());
+  sync_path(draft);
+  if (renameat2(AT_FDCWD, draft.c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) != 0) {
+    int failure = errno == ENOENT || errno == EINVAL || errno == ENOSYS ? 0 : errno;
+    if (failure == 0) {  // there is none, or a file system that cannot exchange
+      const std::string before = target.string() + ".before";  // perhaps since a crash
+      if (!std::filesystem::exists(target)) std::rename(before.c_str(), target.c_str());
+      const bool there = std::rename(target.c_str(), before.c_str()) == 0;
+      if (std::rename(draft.c_str(), target.c_str()) != 0) failure = errno;
+      if (there) std::rename(before.c_str(), (failure != 0 ? target : draft).c_str());
+    }
+    if (failure != 0)
+      throw Error(ErrorKind::output,
+                  "cannot write " + target.string() + ": " + std::strerror(failure));
+  }
+  sync_path(folder_of(target));
 }
 
 }  // namespace inverse

@@ -214,7 +214,7 @@ TEST_F(StageCaptureFolder, KeepsACompletePassIfTheStreamEndsInTheNextMarker) {
   EXPECT_EQ(pictures(location_ + "/camera_0"), 15u);
   EXPECT_TRUE(std::filesystem::exists(location_ + "/camera_0/lights.json"));
   EXPECT_FALSE(std::filesystem::exists(location_ + "/camera_0.partial"));
-  EXPECT_FALSE(std::filesystem::exists(location_ + "/camera_0/new"));
+  EXPECT_FALSE(std::filesystem::exists(location_ + "/camera_0.new"));
   EXPECT_TRUE(warnings().empty());
 }
 
@@ -228,7 +228,7 @@ TEST_F(StageCaptureFolder, APassThatIsCutShortIsPutBesideTheWholeOneBeforeIt) {
   EXPECT_TRUE(list("/camera_0").contains("gradient-b"));
   EXPECT_FALSE(list("/camera_0.partial").contains("gradient-b"));
   EXPECT_EQ(pictures(location_ + "/camera_0.partial"), 12u);
-  EXPECT_FALSE(std::filesystem::exists(location_ + "/camera_0/new"));
+  EXPECT_FALSE(std::filesystem::exists(location_ + "/camera_0.new"));
   expect_one(warnings(), "cut short: 12 of 15 pictures", "camera_0.partial");
 }
 
@@ -270,7 +270,7 @@ TEST_F(StageCaptureFolder, DraftsDoNotFollowLinks) {
   const std::string victim = elsewhere.write("victim", "somebody's");
   std::atomic<bool> stop{false};
   std::thread planter([&] {
-    const std::string draft = location_ + "/camera_0/new";
+    const std::string draft = location_ + "/camera_0.new";
     std::error_code none;
     while (!stop) {
       std::filesystem::create_directory_symlink(elsewhere.path(), draft, none);

@@ -14,6 +14,7 @@
 
 #include "common/error.hpp"
 #include "common/new_file.hpp"
+#include "common/replace_file.hpp"
 #include "frame_picture.hpp"
 #include "gst/base/log/log.hpp"
 #include "gst/exr/exr_stream.hpp"
@@ -74,29 +75,28 @@ std::string file_name(const LightStep& step) {
   return name;
 }
 
-/// Deletes the pictures of an earlier capture that the new one does not have, and nothing else.
-void clear_capture(const std::string& folder, const std::set<std::string>& fresh) {
-  std::error_code none;
-  for (const char* kind : {"tracking", "gradient-a", "gradient-b"})
-    if (const std::string name = std::string(kind) + ".exr"; !fresh.contains(name))
-      std::filesystem::remove(folder + "/" + name, none);
-  for (const auto& entry : std::filesystem::directory_iterator(folder + "/olat", none)) {
-    const std::string stem = entry.path().stem().string();
-    if (entry.path().extension() == ".exr" &&
-        stem.find_first_not_of("0123456789") == std::string::npos &&
-        !fresh.contains("olat/" + stem + ".exr"))
-      std::filesystem::remove(entry.path(), none);
-  }
+/// Whether a capture writes files of this name, below its folder.
+bool is_of_capture(const std::filesystem::path& name) {
+  if (name == "lights.json") return true;
+  if (name.extension() != ".exr") return false;
+  const std::string stem = name.stem().string();
+  if (name.parent_path() == "olat")
+    return stem.find_first_not_of("0123456789") == std::string::npos;
+  return name.parent_path().empty() &&
+         (stem == "tracking" || stem == "gradient-a" || stem == "gradient-b");
 }
 
-/// Also to another disk.
-void move_file(const std::string& from, const std::string& to) {
-  std::error_code failed;
-  std::filesystem::rename(from, to, failed);
-  if (!failed) return;
-  std::filesystem::remove(to);  // a link is replaced, not followed
-  std::filesystem::copy_file(from, to);
-  std::filesystem::remove(from);
+/// Moves what is in the folder of an earlier capture and is none of its files to the new one.
+void move_others(const std::filesystem::path& before, const std::filesystem::path& now) {
+  namespace fs = std::filesystem;
+  for (const fs::path& folder : {fs::path(), fs::path("olat")}) {
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator(before / folder, none)) {
+      const fs::path name = folder / entry.path().filename();
+      if (name != "olat" && !is_of_capture(name) && !fs::exists(now / name))
+        fs::rename(entry.path(), now / name);
+    }
+  }
 }
 
 /// How many pictures a whole capture has.
@@ -252,15 +252,19 @@ GstFlowReturn OlatAssembler::send(const Held& held, const cv::Mat& displacement)
   return FrameAssembler::take(buffer, &held.label);
 }
 
-/// A folder for each camera.
+/// A folder for each camera, which may be a link to one on another disk.
 std::string OlatAssembler::folder() const {
-  return location_ + "/camera_" + std::to_string(camera_);
+  const std::string path = location_ + "/camera_" + std::to_string(camera_);
+  std::error_code none;
+  return std::filesystem::is_symlink(path, none)
+             ? std::filesystem::weakly_canonical(path, none).string()
+             : path;
 }
 
 /// Others may write to the location: a link where the draft will be is not followed.
 void OlatAssembler::make_draft() const {
   std::error_code failed;
-  std::filesystem::create_directories(folder(), failed);
+  std::filesystem::create_directories(location_, failed);
   for (const std::string& path : {draft(), draft() + "/olat"})
     if (!failed && !std::filesystem::create_directory(path, failed) && !failed)
       failed = std::make_error_code(std::errc::file_exists);
@@ -323,13 +327,8 @@ void OlatAssembler::publish(bool ended) try {
     post_warning(log_of(element_), GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED,
                  "the capture was cut short: %zu of %zu pictures are in %s%s", got, wanted,
                  to.c_str(), beside ? ", and the one before it stays where it is" : "");
-  std::filesystem::create_directories(to + "/olat");
-  std::set<std::string> fresh;
-  for (const auto& [kind, name] : files_) fresh.insert(name);
-  for (const auto& [light, name] : olat_files_) fresh.insert(name);
-  for (const std::string& name : fresh) move_file(draft() + "/" + name, to + "/" + name);
-  move_file(draft() + "/lights.json", to + "/lights.json");
-  clear_capture(to, fresh);
+  replace_folder(draft(), to);
+  if (std::filesystem::exists(draft())) move_others(draft(), to);
 } catch (const std::filesystem::filesystem_error& error) {
   throw Error(ErrorKind::output,
               std::string("the capture cannot be put where it belongs: ") + error.what());

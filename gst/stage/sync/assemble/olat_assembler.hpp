@@ -49,7 +49,7 @@ class OlatAssembler final : public FrameAssembler {
   void publish(bool ended);
   std::string folder() const;
   /// Folder of files until all are written, on the same disk.
-  std::string draft() const { return folder() + "/new"; }
+  std::string draft() const { return folder() + ".new"; }
 
   const std::string location_;
   const uint32_t camera_;
