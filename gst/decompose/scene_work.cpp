@@ -10,6 +10,7 @@
 #include <iterator>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <set>
 #include <string>
@@ -147,7 +148,7 @@ class RememberedScene final : public SceneWork {
   bool remembers_ = false;      // this frame
   bool began_ = false;
   std::set<std::string> told_;
-  bool written_ = false;  // since the last frame
+  bool written_ = false;  // `location`, since the last frame
   std::atomic<bool> has_scene_ = false, forgets_ = false;
   mutable std::mutex mutex_;
   std::vector<std::string> wanted_;  // files
@@ -231,7 +232,10 @@ bool RememberedScene::begin(FrameContext& frame, const SceneMemory::Depth& depth
 
 void RememberedScene::load(FrameContext& frame, const std::string& path) {
   try {
-    const SceneData scene = load_scene(path);
+    // A file has 9 bytes at most for each that the limit counts: blocks move to the host, too.
+    constexpr uint64_t kFileBytes = 9;
+    const uint64_t max = kFileBytes * (uint64_t(made_with_.scene_memory_limit) << 20);
+    const SceneData scene = load_scene(path, max);
     try {
       memory_->restore(scene);
       loaded_ = read_strokes(scene.strokes).strokes;
@@ -240,6 +244,8 @@ void RememberedScene::load(FrameContext& frame, const std::string& path) {
     }
   } catch (const Error& error) {
     warn(frame, std::string("scene-load: ") + error.what() + "; the scene begins empty");
+  } catch (const std::bad_alloc&) {
+    warn(frame, "scene-load: there is no memory for scene " + path + "; the scene begins empty");
   }
 }
 
@@ -284,16 +290,26 @@ bool RememberedScene::requested() const {
 }
 
 void RememberedScene::ended(const std::string& location) {
-  if (!memory_ || std::exchange(written_, true)) return;
+  if (!memory_) return;
   std::vector<std::string> files;
   {
     const std::lock_guard lock(mutex_);
     files.swap(wanted_);
   }
-  if (!location.empty()) files.push_back(location);
+  const bool writes_location = !location.empty() && !written_;
+  if (writes_location) files.push_back(location);
   if (files.empty()) return;
   const SceneData scene = data();
-  for (const std::string& file : files) save_scene(scene, file);
+  std::string faults;
+  for (const std::string& file : files) {
+    try {
+      save_scene(scene, file);
+      written_ |= writes_location && &file == &files.back();
+    } catch (const Error& error) {
+      faults += (faults.empty() ? "" : "; ") + std::string(error.what());
+    }
+  }
+  if (!faults.empty()) throw Error(ErrorKind::output, faults);
 }
 
 void RememberedScene::warn_of(FrameContext& frame, const SceneMemory::Findings& found) {

@@ -99,7 +99,9 @@ class SceneWork {
   virtual void save(const std::string& path) = 0;
   /// Whether the next frame is needed for that, even if it came before.
   virtual bool requested() const = 0;
-  /// The stream ended: writes it to `location`, if that is not empty. Throws as save_scene.
+  /// The stream ended, or the element stops: writes the files that were asked for and, once a
+  /// stream, `location`, if that is not empty. Throws Error(output) if one of them cannot be
+  /// written.
   virtual void ended(const std::string& location) = 0;
   /// Adds fields about a completed frame of the method that had depth.
   virtual void describe(GstStructure* stats, uint64_t number) const = 0;

@@ -30,8 +30,12 @@ class Keyframes {
   std::vector<Pose> like(const Picture& picture, size_t count) const;
   size_t size() const { return frames_.size(); }
   const std::vector<Frame>& frames() const { return frames_; }
-  /// Takes the place of all.
-  void set(std::vector<Frame> frames) { frames_ = std::move(frames); }
+  /// Takes the place of all: the first `limit` of these.
+  void set(std::vector<Frame> frames) {
+    frames_ = std::move(frames);
+    if (frames_.size() > limit_)
+      frames_.erase(frames_.begin() + static_cast<std::ptrdiff_t>(limit_), frames_.end());
+  }
 
   /// Mean over cells of the differences: of ln brightness without its mean, at most 1; and of
   /// inverse depth in units of .2 per meter, at most 1; 1 where only one of them knows the depth.

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cerrno>
 #include <cmath>
@@ -22,7 +23,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "files are little endian");
 
 constexpr std::string_view kMagic = "gst-inverse scene 2\n";
-constexpr uint64_t kMaxBytes = uint64_t{64} << 30;
 
 [[noreturn]] void fail(const std::string& path, const std::string& why) {
   throw Error(ErrorKind::file, "scene " + path + " " + why);
@@ -123,12 +123,16 @@ void save_scene(const SceneData& scene, const std::string& path) {
   replace_file(path, ends_with(path, ".ply") ? ply_of(mesh_of(scene.volume)) : text_of(scene));
 }
 
-SceneData load_scene(const std::string& path) {
-  std::string fault;
-  const std::string bytes = read_file(path, kMaxBytes, fault);
+SceneData load_scene(const std::string& path, uint64_t max) {
+  const OpenFile file(path);
+  std::string fault = file.fault();
+  std::array<char, kMagic.size()> magic{};
+  if (fault.empty() && (file.read(0, magic.data(), magic.size()) < magic.size() ||
+                        std::string_view(magic.data(), magic.size()) != kMagic))
+    fault = "is no scene that this version reads; save one with save-scene";
+  const std::string bytes = fault.empty() ? read_file(file, max, fault) : std::string();
   if (!fault.empty()) fail(path, fault);
-  if (!std::string_view(bytes).starts_with(kMagic))
-    fail(path, "is no scene that this version reads; save one with save-scene");
+  if (!bytes.starts_with(kMagic)) fail(path, "changed while it was read; load it again");
   std::string_view content = std::string_view(bytes).substr(kMagic.size());
   uint64_t sum = 0;
   if (content.size() < sizeof sum) fail(path, "ends too early; it was not copied whole");
@@ -155,9 +159,12 @@ SceneData load_scene(const std::string& path) {
     Keyframes::Frame frame{.picture = {}, .pose = reader.get<Pose>()};
     frame.picture.brightness = reader.list<std::vector<float>>();
     frame.picture.depth = reader.list<std::vector<float>>();
+    const auto finite = [](const auto& values) {
+      return std::ranges::all_of(values, [](float v) { return std::isfinite(v); });
+    };
     if (frame.picture.brightness.size() != frame.picture.depth.size() ||
-        !std::ranges::all_of(frame.pose.rotation, [](float v) { return std::isfinite(v); }) ||
-        !std::ranges::all_of(frame.pose.place, [](float v) { return std::isfinite(v); }))
+        !finite(frame.picture.brightness) || !finite(frame.picture.depth) ||
+        !finite(frame.pose.rotation) || !finite(frame.pose.place))
       fail(path, "contradicts itself; save it again");
     scene.keyframes.push_back(std::move(frame));
   }

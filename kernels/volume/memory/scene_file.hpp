@@ -21,7 +21,8 @@ void save_scene(const SceneData& scene, const std::string& path);
 /// Throws Error(output) if `save_scene` would not take the name, or its folder takes no files.
 void check_scene_target(const std::string& path);
 
-/// Reads such a file. Throws Error(file) if it is missing, damaged or of another version.
-SceneData load_scene(const std::string& path);
+/// Reads such a file. Throws Error(file) if it is missing, damaged, of another version, or larger
+/// than `max` bytes.
+SceneData load_scene(const std::string& path, uint64_t max);
 
 }  // namespace inverse

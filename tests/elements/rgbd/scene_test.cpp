@@ -334,6 +334,50 @@ TEST(Scene, IsSavedOnRequest) {
   EXPECT_GT(std::filesystem::file_size(folder / "room.ply"), 100'000U);
 }
 
+// After the end of the stream no frame comes; the element writes it when it stops.
+TEST(Scene, IsSavedOnRequestAfterTheEnd) {
+  const TemporaryFolder folder;
+  static std::string path;
+  static gboolean asked;
+  path = folder / "room.ply";
+  asked = FALSE;
+  const LineResult line =
+      run_line(std::string("rgbdtestsrc is-live=false samples=1 num-buffers=6 ! ") + kSize +
+                   " ! intrinsicdecomp name=decomposer scene-location=" + folder / "end.scene" +
+                   " ! " + kShown,
+               240, [&](GstElement* pipeline) {
+                 GstElement* decomposer = find_element(pipeline, "decomposer");
+                 GstPad* pad = gst_element_get_static_pad(find_element(pipeline, "out"), "sink");
+                 gst_pad_add_probe(
+                     pad, GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM,
+                     [](GstPad*, GstPadProbeInfo* info, gpointer element) {
+                       if (GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info)) == GST_EVENT_EOS)
+                         g_signal_emit_by_name(element, "save-scene", path.c_str(), &asked);
+                       return GST_PAD_PROBE_OK;
+                     },
+                     decomposer, nullptr);
+                 gst_object_unref(pad);
+               });
+  EXPECT_EQ(line.frames.size(), 6U) << line.first_error();
+  EXPECT_TRUE(asked);
+  EXPECT_GT(std::filesystem::file_size(path), 10'000U);
+  EXPECT_GT(std::filesystem::file_size(folder / "end.scene"), 10'000U);
+}
+
+TEST(Scene, AHugeFileThatIsNoSceneIsNotRead) {
+  const TemporaryFolder folder;
+  for (const std::string begin : {"", "gst-inverse scene 2\n"}) {
+    const std::string path = folder.write("huge.scene", begin);
+    std::filesystem::resize_file(path, uint64_t{20} << 30);  // without blocks on the disk
+    const Found bad = with_file("num-buffers=4", "scene-load=" + path);
+    EXPECT_EQ(bad.line.frames.size(), 4U) << bad.line.first_error();
+    ASSERT_EQ(bad.line.warnings.size(), 1U);
+    EXPECT_NE(bad.line.warnings[0].find(begin.empty() ? "no scene" : "larger than"),
+              std::string::npos)
+        << bad.line.warnings[0];
+  }
+}
+
 // So that the file is there before the stream ends.
 TEST(Scene, IsSavedOnRequestWhenThePictureRepeats) {
   constexpr int kFrames = 120;

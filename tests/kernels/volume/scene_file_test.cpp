@@ -14,6 +14,8 @@
 namespace inverse::testing {
 namespace {
 
+SceneData load(const std::string& path) { return load_scene(path, uint64_t{1} << 30); }
+
 constexpr Volume::Params kParams{.voxel = 0.02F, .blocks = 8192};
 
 std::string content_of(const std::string& path) {
@@ -76,7 +78,7 @@ TEST_F(SceneFileTest, FilesAreReadBackOrRefused) {
     scene.keyframes.push_back({{{1, 2, float(i)}, {0, 1, 2}}, {{0, 0, 0, 1}, {float(i), 2, 3, 0}}});
   const std::string path = folder.path() + "/room.scene";
   save_scene(scene, path);
-  const SceneData read = load_scene(path);
+  const SceneData read = load(path);
   EXPECT_EQ(read.volume.keys, scene.volume.keys);
   EXPECT_EQ(read.volume.voxels, scene.volume.voxels);
   EXPECT_EQ(read.volume.colors, scene.volume.colors);
@@ -85,15 +87,15 @@ TEST_F(SceneFileTest, FilesAreReadBackOrRefused) {
   EXPECT_EQ(read.keyframes[2].pose.place, scene.keyframes[2].pose.place);
   EXPECT_EQ(read.strokes, scene.strokes);
 
-  EXPECT_THROW(load_scene(folder.path() + "/missing.scene"), Error);
-  EXPECT_THROW(load_scene(folder.path()), Error);
+  EXPECT_THROW(load(folder.path() + "/missing.scene"), Error);
+  EXPECT_THROW(load(folder.path()), Error);
   EXPECT_THROW(save_scene(scene, folder.path() + "/room.obj"), Error);
   EXPECT_THROW(save_scene(scene, folder.path() + "/no/room.scene"), Error);
   const std::string good = content_of(path);
   const auto refused = [&](const std::string& bytes) {
     std::ofstream(path, std::ios::binary) << bytes;
     try {
-      load_scene(path);
+      load(path);
       return std::string("taken");
     } catch (const Error& error) {
       return std::string(error.what());
@@ -111,11 +113,11 @@ TEST_F(SceneFileTest, FilesAreReadBackOrRefused) {
   SceneData wrong = scene;
   wrong.volume.keys[1] = wrong.volume.keys[0];
   save_scene(wrong, path);
-  EXPECT_THROW(load_scene(path), Error);
+  EXPECT_THROW(load(path), Error);
   wrong = scene;
   wrong.volume.voxels.pop_back();
   save_scene(wrong, path);
-  EXPECT_THROW(load_scene(path), Error);
+  EXPECT_THROW(load(path), Error);
   SceneMemory memory(device, {160, 120}, {.volume = kParams});
   EXPECT_THROW(memory.restore(scene), Error) << "keyframes of three cells";
 }
