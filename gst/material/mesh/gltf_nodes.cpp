@@ -2,6 +2,7 @@
 #include "gltf_nodes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <unordered_map>
@@ -15,6 +16,9 @@ namespace {
 using nlohmann::json;
 
 constexpr int kDeepest = 1000;  // nodes below each other
+/// Extensions by which positions are stored in another way, which the reader takes for plain ones.
+constexpr std::array kPacked{"KHR_mesh_quantization", "EXT_meshopt_compression",
+                             "KHR_draco_mesh_compression", "EXT_mesh_gpu_instancing"};
 
 /// The JSON of a file: all of it, or the first chunk of a binary one.
 std::string_view json_of(std::string_view file) {
@@ -56,6 +60,13 @@ std::string gltf_nodes_fault(std::string_view content) {
   std::string fault;
   const json file = parse_json<json>(json_of(content), fault);
   if (!fault.empty()) return fault;
+  if (const auto required = file.is_object() ? file.find("extensionsRequired") : file.end();
+      required != file.end() && required->is_array())
+    for (const json& name : *required)
+      if (name.is_string() && std::ranges::count(kPacked, name.get<std::string>()) > 0)
+        return "requires the glTF extension " + name.get<std::string>() +
+               ", which is not read: store it without, with \"gltfpack -noq\" or Blender for "
+               "example";
   if (!file.is_object() || !file.contains("nodes") || !file["nodes"].is_structured()) return "";
   const auto children = children_of(file["nodes"]);
   std::vector<int> parents(children.size(), 0);

@@ -38,6 +38,8 @@ std::string checked(const std::string& path) {
   std::string why;
   std::string content = read_mesh(path, why);
   if (!why.empty()) fail(path, why);
+  // Marks of text of some editors, at which Assimp's reader of OBJ stops.
+  if (content.starts_with("\xef\xbb\xbf")) content.erase(0, 3);
   const std::string extension = extension_of(path);
   if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end())
     fail(path, "is not named as an OBJ, PLY or glTF file (.obj, .ply, .gltf, .glb)");

@@ -178,6 +178,9 @@ std::string ply_length_fault(std::string_view file) {
   for (const Element& element : header.elements) {
     const std::string of =
         "of " + std::to_string(element.count) + " elements \"" + element.name + "\"";
+    if (element.name == "tristrips" && element.count > 0)
+      return "has strips of triangles, of which Assimp leaves some out: store faces, with Blender "
+             "or MeshLab for example";
     if (element.count < 0) return "is damaged: its header declares " + of.substr(3);
     if (element.properties.empty()) continue;
     if (const int64_t there = skip(*values, element); there < element.count)

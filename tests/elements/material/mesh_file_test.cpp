@@ -164,6 +164,39 @@ TEST_F(MeshFile, PlyAndGltf) {
   for (const auto& n : square.normals) EXPECT_NEAR(n[2], 1, 1e-5);
 }
 
+TEST_F(MeshFile, AMarkOfTextIsPassedOver) {
+  const std::string plain = "v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\n";
+  std::string warning;
+  const Mesh mesh = load_mesh(folder_.write("plain.obj", plain), warning),
+             marked = load_mesh(folder_.write("marked.obj", "\xef\xbb\xbf" + plain), warning);
+  EXPECT_EQ(marked.positions, mesh.positions);
+  EXPECT_EQ(marked.indices, mesh.indices);
+}
+
+TEST_F(MeshFile, WhatWouldBeReadInPartIsRefused) {
+  const auto fault = [&](const std::string& name, const std::string& content) {
+    std::string warning;
+    try {
+      load_mesh(folder_.write(name, content), warning);
+      return std::string("taken");
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+  };
+  EXPECT_NE(fault("strips.ply",
+                  "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+                  "property float z\nelement tristrips 1\nproperty list int int vertex_indices\n"
+                  "end_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0.3\n4 0 1 2 3\n")
+                .find("strips of triangles"),
+            std::string::npos);
+  for (const char* extension : {"KHR_mesh_quantization", "EXT_meshopt_compression"})
+    EXPECT_NE(fault("packed.gltf", std::string(R"({"asset":{"version":"2.0"},"nodes":[],)") +
+                                       R"("extensionsRequired":["KHR_texture_transform",")" +
+                                       extension + "\"]}")
+                  .find(std::string("requires the glTF extension ") + extension),
+              std::string::npos);
+}
+
 TEST_F(MeshFile, InvalidFilesAreErrorsWithTheirCause) {
   expect_contains(error("/nowhere/a.obj"), "No such file");
   expect_contains(error("/tmp"), "is no file");
