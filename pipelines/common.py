@@ -13,6 +13,11 @@ def split(words, chain):
     return words[:words.index("--")], " ".join(words[words.index("--") + 1:]) or chain
 
 
+def quoted(text):
+    """A value for a launch line."""
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
 def port(text):
     """The number of a TCP port, 0: any that is free; a type of argparse."""
     if not text.isdecimal() or int(text) > 65535:
@@ -27,9 +32,9 @@ def source_of(program, given, after_camera="", after_file=""):
     if given.startswith("/dev/video"):
         if not os.path.exists(given):
             sys.exit(f"{program}: there is no camera {given}")
-        return f"v4l2src device={given} ! decodebin{after_camera}"
+        return f"v4l2src device={quoted(given)} ! decodebin{after_camera}"
     if "://" not in given:
         if not os.path.isfile(given):
             sys.exit(f"{program}: there is no file {given}")
         given = pathlib.Path(os.path.abspath(given)).as_uri()
-    return f"uridecodebin uri={given} caps=video/x-raw(ANY) expose-all-streams=false{after_file}"
+    return f"uridecodebin uri={quoted(given)} caps=video/x-raw(ANY) expose-all-streams=false{after_file}"

@@ -43,7 +43,7 @@ Address resolve(const std::string& text, uint16_t port) {
                 "\"" + text + "\": the port is a number up to 65535, as in 192.168.1.20:5568");
   addrinfo hints{};
   hints.ai_socktype = SOCK_DGRAM;
-  hints.ai_flags = AI_NUMERICSERV | (parts.host.empty() ? AI_PASSIVE : 0);
+  hints.ai_flags = AI_NUMERICSERV;  // without a host: this machine alone
   hints.ai_family = parts.host.empty() ? AF_INET : AF_UNSPEC;
   addrinfo* found = nullptr;
   const int status = getaddrinfo(parts.host.empty() ? nullptr : parts.host.c_str(),

@@ -7,11 +7,13 @@ import json
 import os
 import pathlib
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+import urllib.error
 import urllib.request
 
 try:
@@ -97,7 +99,7 @@ class Web(unittest.TestCase):
     def open(self, server):
         """A page of the server that plays, and what it told then."""
         uri = server.stdout.readline().strip()
-        self.assertRegex(uri, "^http://127.0.0.1:[0-9]+$")
+        self.assertRegex(uri, "^http://127.0.0.1:[0-9]+/#[A-Za-z0-9_-]{22}$")
         folder = tempfile.mkdtemp()
         self.addCleanup(shutil.rmtree, folder, ignore_errors=True)
         browser = Browser(folder, uri)
@@ -125,12 +127,41 @@ class Web(unittest.TestCase):
     def test_a_second_page_takes_over(self):
         server = self.serve()
         first, _ = self.open(server)
-        uri = first.evaluate("location.href")
-        with urllib.request.urlopen(uri + "offer", timeout=LIMIT) as reply:
-            offer = json.load(reply)
+        uri, _, key = first.evaluate("location.href").partition("#")
+        offer = json.loads(self.post(uri + "offer", Authorization=f"Bearer {key}"))
         self.assertIn("VP8/90000", offer["sdp"])
         self.assertEqual(offer["controls"][0]["name"], "show")
         self.assertIsNone(server.poll())
+
+    @staticmethod
+    def post(uri, data=b"", **headers):
+        with urllib.request.urlopen(urllib.request.Request(uri, data, headers, method="POST"), timeout=LIMIT) as reply:
+            return reply.read()
+
+    def test_strangers_get_nothing(self):
+        server = self.serve()
+        uri, _, key = server.stdout.readline().strip().partition("#")
+        self.addCleanup(server.kill)
+        right = {"Authorization": f"Bearer {key}"}
+        for headers, status in (({}, 403), ({"Authorization": "Bearer x"}, 403), ({**right, "Host": "evil.example"}, 403),
+                                ({**right, "Host": "evil.example:" + uri.split(":")[2].strip("/")}, 403),
+                                ({**right, "Origin": "http://evil.example"}, 403), ({**right, "Origin": "null"}, 403),
+                                ({**right, "Content-Length": "-1"}, 413), ({**right, "Content-Length": "9" * 12}, 413)):
+            with self.subTest(headers), self.assertRaises(urllib.error.HTTPError) as refused:
+                self.post(uri + "offer", **headers)
+            self.assertEqual(refused.exception.code, status)
+            refused.exception.close()
+        with self.assertRaises(urllib.error.HTTPError) as refused:
+            urllib.request.urlopen(uri + "offer", timeout=LIMIT)  # a picture or a link of another page
+        self.assertEqual(refused.exception.code, 404)
+        refused.exception.close()
+        # Connections that send nothing take no more than their share, and not for long.
+        address = "127.0.0.1", int(uri.split(":")[2].strip("/"))
+        idle = [socket.create_connection(address, timeout=LIMIT) for _ in range(40)]
+        for connection in idle:
+            self.addCleanup(connection.close)
+        self.assertEqual([connection.recv(1) for connection in idle], [b""] * len(idle))
+        self.assertIn("v=0", json.loads(self.post(uri + "offer", **right))["sdp"])
 
     def test_what_is_wrong(self):
         for words, source, text in ((["--controls", "nosuch"], None, "has no nosuch"), (["--controls", "strokes"], None, "strokes is no number and no choice"), (["/none.mp4"], "", "there is no file /none.mp4"),

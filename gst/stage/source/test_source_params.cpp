@@ -27,8 +27,8 @@ const PropertyTable<TestSourceParams>& test_source_properties() {
               "Folder of OLAT images to play instead of the head: lights.json and olat/NNN.exr",
               kReady),
       text<P>("listen", &P::listen,
-              "Host:port of sACN packets that set the lights, such as :5568; empty = the program's "
-              "steps do",
+              "Address:port at which sACN packets set the lights: 0.0.0.0:5568 from the network, "
+              ":5568 from this machine; empty = the program's steps do",
               kReady),
       text<P>("listen-source", &P::listen_source,
               "With listen: the only sACN sources to accept, addresses or CIDs with commas "
