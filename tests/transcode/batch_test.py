@@ -8,7 +8,7 @@ import signal
 import subprocess
 import unittest
 
-from case import SOUND, VIDEO, Case, streams_of
+from case import Case, Gst, LIMIT, SOUND, VIDEO, streams_of
 
 
 class Batch(Case):
@@ -63,6 +63,53 @@ class Batch(Case):
         self.run_it("--batch", "png", "--chunk", "1.5", "--divide-shots", "-o", "frames", "--to", "png", "long.mkv", "--", "identity")
         self.work("png")
         self.assertEqual(len(os.listdir(self.path("frames"))), 120)
+
+    def times_of(self, name):
+        """Of the video packets of a file, in order, ns."""
+        pipeline, times = Gst.parse_launch("filesrc name=in ! matroskademux name=d d.video_0 ! fakesink name=out signal-handoffs=true sync=false"), []
+        pipeline.get_by_name("in").set_property("location", self.path(name))
+        pipeline.get_by_name("out").connect("handoff", lambda _, buffer, pad: times.append(buffer.pts))
+        pipeline.set_state(Gst.State.PLAYING)
+        pipeline.get_bus().timed_pop_filtered(LIMIT * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR)
+        pipeline.set_state(Gst.State.NULL)
+        return sorted(times)
+
+    def test_chunks_have_the_times_of_the_whole(self):
+        """Of files that begin late, whose sound is longer or begins first, and of containers with an index in pieces."""
+        video = "videotestsrc num-buffers=90 {} ! video/x-raw,format=I420,width=160,height=120,framerate=30/1 ! "
+        vp8, h264 = "vp8enc deadline=1 keyframe-max-dist=10 ! queue ! mux. ", "openh264enc gop-size=10 ! h264parse ! queue ! mux. "
+        sound = "audiotestsrc num-buffers={} ! audio/x-raw,rate=48000,channels=2 ! opusenc ! queue ! mux. "
+        late = "timestamp-offset=1300000000"
+        for name, line in (
+                ("tail.mkv", video.format("") + vp8 + sound.format(280) + "matroskamux name=mux"),
+                ("late.mkv", video.format(late) + vp8 + sound.format(220) + "matroskamux name=mux"),
+                ("late-alone.mkv", video.format(late) + vp8 + "matroskamux name=mux"),
+                ("tail.mp4", video.format("") + h264 + sound.format(280) + "mp4mux name=mux"),
+                ("late.mp4", video.format(late) + h264 + sound.format(220) + "mp4mux name=mux"),
+                ("fragments.mp4", video.format("") + h264 + sound.format(140) + "mp4mux name=mux fragment-duration=700")):
+            if name.endswith("mp4") and not (Gst.ElementFactory.find("openh264enc") and Gst.ElementFactory.find("mp4mux")):
+                continue
+            self.make(name, line)
+            self.run_it("-o", f"whole {name}.mkv", name, "--", "identity")
+            for seconds in ("0.5", "0.7", "1.3"):
+                with self.subTest((name, seconds)):
+                    batch, out = f"b {name} {seconds}", f"out {name} {seconds}.mkv"
+                    said = self.run_it("--batch", batch, "--chunk", seconds, "--divide-shots", "--overlap", "4", "-o", out, name, "--", "identity")
+                    self.assertEqual("not divided" in said, name == "fragments.mp4", said)
+                    self.work(batch)
+                    self.assertEqual(self.times_of(out), self.times_of(f"whole {name}.mkv"))
+
+    def test_a_record_that_cannot_be_read_is_not_done(self):
+        """As a power failure may leave it."""
+        self.clip()
+        self.run_it("--batch", "b", "-o", "out.mkv", "clip.mkv", "--", "identity")
+        self.work("b")
+        for text in ("", "{", "[]", "{}"):
+            with open(self.path("b/done/0"), "w", encoding="ascii") as file:
+                file.write(text)
+            self.assertIn("1 waiting", self.run_it("--batch", "b", "--status", status=1))
+        self.run_it("--batch", "b", "--task", "0")
+        self.assertIn("1 done", self.run_it("--batch", "b", "--status"))
 
     def test_chunks_begin_at_cuts(self):
         # Three shots of 40 frames, at 30 a second.

@@ -18,10 +18,14 @@ try:
     import gi
 
     gi.require_version("Gst", "1.0")
-    from gi.repository import Gst
+    gi.require_version("GstVideo", "1.0")
+    from gi.repository import Gst, GstVideo  # noqa: F401
 except (ImportError, ValueError) as problem:
     print(f"GStreamer for Python is missing ({problem}): install python3-gi, gir1.2-gst-plugins-base-1.0")
     sys.exit(SKIPPED)
+sys.path.insert(0, str(ROOT / "common"))
+from inverse_common.gst import structure_of  # noqa: E402
+
 Gst.init(None)
 
 VIDEO = "videotestsrc num-buffers={frames} ! video/x-raw,format={form},width=160,height=120,framerate=30/1 ! "
@@ -36,7 +40,7 @@ class Stream:
 
     @property
     def name(self):
-        return self.caps.get_structure(0).get_name()
+        return structure_of(self.caps).get_name()
 
 
 def streams_of(path):

@@ -7,7 +7,7 @@ import sys
 import unittest
 import zlib
 
-from case import ROOT, SKIPPED, Case, streams_of
+from case import ROOT, SKIPPED, Case, streams_of, structure_of
 
 sys.path.insert(0, str(ROOT / "transcode"))
 try:
@@ -23,7 +23,7 @@ SIZE = 40, 56  # rows, columns
 IDENTITY = ["--", "identity"]
 
 
-def write_exr(path, channels, data=None, shown=None):
+def write_exr(path, channels, data=None, shown=None, aspect=1):
     """`channels`: arrays of half or single floats by name; windows: left, top, width, height. Not compressed."""
     height, width = next(iter(channels.values())).shape
     left, top, wide, high = data or (0, 0, width, height)
@@ -33,7 +33,7 @@ def write_exr(path, channels, data=None, shown=None):
     attributes = (("channels", "chlist", listed), ("compression", "compression", b"\0"),
                   ("dataWindow", "box2i", struct.pack("<4i", left, top, left + wide - 1, top + high - 1)),
                   ("displayWindow", "box2i", struct.pack("<4i", x, y, x + w - 1, y + h - 1)), ("lineOrder", "lineOrder", b"\0"),
-                  ("pixelAspectRatio", "float", struct.pack("<f", 1)), ("screenWindowCenter", "v2f", bytes(8)),
+                  ("pixelAspectRatio", "float", struct.pack("<f", aspect)), ("screenWindowCenter", "v2f", bytes(8)),
                   ("screenWindowWidth", "float", struct.pack("<f", 1)))
     head = struct.pack("<ii", 20000630, 2)
     for name, kind, value in attributes:
@@ -178,6 +178,18 @@ class Pictures(Case):
             with self.subTest(words):
                 self.assertIn(text, self.run_it(*words, *IDENTITY, status=status))
 
+    def test_pixels_that_are_not_square(self):
+        for name, aspect, ratio in (("two", 2, (2, 1)), ("anamorphic", 1.5, (3, 2)), ("tall", 0.6667, (2, 3))):
+            os.makedirs(self.path(name))
+            write_exr(self.path(f"{name}/1.exr"), rgb(numpy.full((56, 80, 3), 0.5)), aspect=aspect)
+            self.run_it(f"{name}/%d.exr", "-o", f"{name}.mkv", *IDENTITY)
+            (video,), _ = streams_of(self.path(f"{name}.mkv"))
+            known, above, below = structure_of(video.caps).get_fraction("pixel-aspect-ratio")
+            self.assertAlmostEqual(above / below if known else 1, ratio[0] / ratio[1], 2)
+            self.run_it(f"{name}/%d.exr", "-o", f"{name}-exr", "--to", "exr", *IDENTITY)
+            self.assertAlmostEqual(float(pictures.pixel_aspect(self.path(f"{name}-exr/000000.exr"))), ratio[0] / ratio[1], 3)
+        self.assertIn("a shape of 2:1", self.run_it("two/%d.exr", "-o", "two-png", "--to", "png", *IDENTITY))
+
     def test_exr_to_sdr(self):
         frames = self.shot(count=2)
         said = self.run_it("shot/%04d.exr", "-o", "png", "--to", "png", "--", "intrinsicdecomp", "show=input")
@@ -198,7 +210,7 @@ class Pictures(Case):
         for name, curve, elements in (("sdr", "1:4:7:1", ["intrinsicdecomp"]), ("hdr", "1:4:14:1", ["identity"])):
             self.run_it("shot/%04d.exr", "-o", f"{name}.mkv", "--", *elements)
             (video,), _ = streams_of(self.path(f"{name}.mkv"))
-            form = video.caps.get_structure(0)
+            form = structure_of(video.caps)
             self.assertEqual(form.get_uint("bit-depth-luma").value, 10)
             self.assertEqual(form.get_string("colorimetry").split(":")[2], curve.split(":")[2])
 
@@ -225,7 +237,7 @@ class Pictures(Case):
                     self.assertLessEqual(different.max(), 1)
         self.run_it("color%d.png", "-o", "out.mkv", *IDENTITY)
         (video,), _ = streams_of(self.path("out.mkv"))
-        self.assertEqual(video.caps.get_structure(0).get_uint("bit-depth-luma").value, 10)
+        self.assertEqual(structure_of(video.caps).get_uint("bit-depth-luma").value, 10)
 
     def test_more_bits_of_8(self):
         self.clip(frames=2)

@@ -2,7 +2,7 @@
 """Frames of videos in memory, for the benchmarks of inverse-transcode."""
 import numpy
 
-from case import Gst
+from case import Gst, structure_of
 
 
 def frames(path, layer):
@@ -13,7 +13,7 @@ def frames(path, layer):
     pipeline.set_state(Gst.State.PLAYING)
     try:
         while sample := pipeline.get_by_name("out").emit("pull-sample"):
-            size, buffer = sample.get_caps().get_structure(0), sample.get_buffer()
+            size, buffer = structure_of(sample.get_caps()), sample.get_buffer()
             data = numpy.frombuffer(buffer.extract_dup(0, buffer.get_size()), numpy.uint8)
             yield buffer.pts, data.reshape(size.get_value("height"), size.get_value("width"), 4)[:, :, :3]
     finally:

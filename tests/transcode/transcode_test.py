@@ -9,11 +9,12 @@ import struct
 import subprocess
 import sys
 import unittest
+import unittest.mock
 
-from case import LIMIT, ROOT, VIDEO, Case, Gst, streams_of
+from case import LIMIT, ROOT, SOUND, VIDEO, Case, Gst, GstVideo, streams_of, structure_of
 
 sys.path.insert(0, str(ROOT / "transcode"))
-from inverse_transcode import matroska  # noqa: E402
+from inverse_transcode import formats, matroska  # noqa: E402
 from inverse_transcode.plan import Settings, Task  # noqa: E402
 
 
@@ -64,7 +65,7 @@ class Transcode(Case):
         self.clip(form="I420_10LE", codec=deep, frames=6)
         self.run_it("clip.mkv", "-o", "out.mkv")
         (video,), _ = streams_of(self.path("out.mkv"))
-        self.assertEqual(video.caps.get_structure(0).get_uint("bit-depth-luma").value, 10)
+        self.assertEqual(structure_of(video.caps).get_uint("bit-depth-luma").value, 10)
 
     def test_subtitles_and_title_are_kept(self):
         self.need("capssetter")
@@ -97,7 +98,7 @@ class Transcode(Case):
         self.assertEqual(streams_of(clip)[1]["image-orientation"], "rotate-90")
         self.run_it("clip.mp4", "-o", "out.mkv", "--", "identity")
         (video,), tags = streams_of(self.path("out.mkv"))
-        size = video.caps.get_structure(0)
+        size = structure_of(video.caps)
         self.assertEqual((size.get_int("width").value, size.get_int("height").value), (120, 160))
         self.assertIn(tags.get("image-orientation", "rotate-0"), "rotate-0")
 
@@ -128,7 +129,7 @@ class Transcode(Case):
         self.run_it("frames/%06d.png", "-o", "back.mkv", "--rate", "24000/1001", "--", "identity")
         (video,), _ = streams_of(self.path("back.mkv"))
         self.assertEqual(video.packets, 12)
-        rate = video.caps.get_structure(0).get_fraction("framerate")
+        rate = structure_of(video.caps).get_fraction("framerate")
         self.assertEqual((rate.value_numerator, rate.value_denominator), (24000, 1001))
         # Into the folder that is there, only if asked.
         words = ["clip.mkv", "-o", "frames", "--to", "jpg", "--layers", "reflectance,shading"]
@@ -153,10 +154,194 @@ class Transcode(Case):
         self.assertEqual(self.run_it("--version"), f"inverse-transcode {wanted}\n")
 
     def test_a_cut_file_is_a_warning(self):
+        """Whatever encodes it: some encoders shift all times."""
         self.clip(frames=120, codec="jpegenc")
         with open(self.path("clip.mkv"), "r+b") as file:
             file.truncate(os.path.getsize(self.path("clip.mkv")) // 2)
-        self.assertIn("it may be damaged", self.run_it("clip.mkv", "-o", "out.mkv", "--", "identity"))
+        for words in (["out.mkv"], ["out.mp4"], ["out.mov"], ["h264.mkv", "--video", "h264"], ["ffv1.mkv", "--video", "ffv1"], ["vp9.mkv", "--video", "vp9"],
+                      ["h265.mp4", "--video", "h265"], ["prores.mov", "--video", "prores"], ["av1.mkv", "--video", "av1"]):
+            with self.subTest(words):
+                try:
+                    formats.video_encoder(words[2] if words[1:] else formats.CONTAINERS[words[0][4:]].video)
+                except formats.FormatError:
+                    continue  # is not installed
+                self.assertIn("it may be damaged", self.run_it("clip.mkv", "-o", *words, "--", "identity"))
+
+    def pictures(self, *lines, folder="in"):
+        """Numbered PNG pictures, one of each line."""
+        os.makedirs(self.path(folder))
+        for number, line in enumerate(lines):
+            self.make(f"{folder}/{number:04}.png", f"videotestsrc num-buffers=1 {line} ! pngenc")
+        return f"{folder}/%04d.png"
+
+    @staticmethod
+    def frames_of(path):
+        """(caps, bytes) of the decoded frames of a file, in the format that they have in it."""
+        pipeline, frames = Gst.parse_launch("filesrc name=in ! decodebin ! fakesink name=out signal-handoffs=true sync=false"), []
+        pipeline.get_by_name("in").set_property("location", path)
+        pipeline.get_by_name("out").connect("handoff", lambda _, buffer, pad: frames.append(
+            (structure_of(pad.get_current_caps()), buffer.extract_dup(0, buffer.get_size()))))
+        pipeline.set_state(Gst.State.PLAYING)
+        message = pipeline.get_bus().timed_pop_filtered(LIMIT * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR)
+        pipeline.set_state(Gst.State.NULL)
+        assert message and message.type == Gst.MessageType.EOS, path
+        return frames
+
+    def test_pictures_that_change_their_format_or_size(self):
+        """Become what the first one is, where a muxer takes one format and size; a folder of pictures keeps them."""
+        color, gray = "pattern=smpte ! video/x-raw,format=RGB,width=160,height=120", "pattern=ball ! video/x-raw,format=GRAY8,width=160,height=120"
+        large = "pattern=ball ! video/x-raw,format=RGB,width=208,height=160"
+        for name, lines in (("gray", (color, gray, color)), ("size", (color, large, color)), ("first", (gray, color))):
+            pattern = self.pictures(*lines, folder=name)
+            for words in (["mkv"], ["webm"], ["mp4"], ["mkv", "--video", "ffv1"], ["mkv", "--video", "mjpeg"]):
+                with self.subTest((name, words)):
+                    said = self.run_it(pattern, "-o", f"out.{words[0]}", "--again", *words[1:], "--", "identity")
+                    frames = self.frames_of(self.path(f"out.{words[0]}"))
+                    self.assertEqual(len(frames), len(lines))
+                    self.assertEqual({(caps.get_value("width"), caps.get_value("height")) for caps, _ in frames}, {(160, 120)})
+                    self.assertEqual("change from 160x120 to 208x160" in said, name == "size", said)
+        self.run_it("size/%04d.png", "-o", "kept", "--to", "png", "--", "identity")
+        (caps, _), = self.frames_of(self.path("kept/000001.png"))
+        self.assertEqual(caps.get_value("width"), 208)
+
+    def test_without_loss_is_without_loss(self):
+        """Colors and alpha of RGB pictures through ffv1."""
+        self.need("avenc_ffv1")
+        for form in ("RGB", "RGBA", "GRAY8"):
+            with self.subTest(form):
+                line = f"pattern=smpte ! video/x-raw,format={form},width=64,height=48"
+                said = self.run_it(self.pictures(line, folder=form), "-o", f"{form}.mkv", "--video", "ffv1", "--", "identity")
+                self.assertNotIn("warning", said)
+                (before, one), = self.frames_of(self.path(f"{form}/0000.png"))
+                (after, other), = self.frames_of(self.path(f"{form}.mkv"))
+                order, other_order = before.get_value("format"), after.get_value("format")
+                if form == "GRAY8":
+                    self.assertEqual((other_order, other), ("GRAY8", one))
+                    continue
+                places = [other_order.index(c) for c in order.replace("x", "")]
+                pixels = [tuple(other[4 * k + place] for place in places) for k in range(64 * 48)]
+                self.assertEqual(pixels, [tuple(one[len(order) * k:len(order) * (k + 1)]) for k in range(64 * 48)])
+
+    def test_what_a_codec_does_not_hold_is_told(self):
+        rgba = self.pictures("! video/x-raw,format=RGBA,width=160,height=120", folder="rgba")
+        for words, texts in ((["vp8"], ("transparency is left out, since vp8", "color of 4:2:0, the input 4:4:4 (RGB)")),
+                             (["mjpeg"], ("transparency is left out, since mjpeg",))):
+            said = self.run_it(rgba, "-o", "out.mkv", "--again", "--video", *words, "--", "identity")
+            for text in texts:
+                self.assertEqual(said.count(text), 1, said)
+        self.clip("deep.mkv", form="I420_10LE", codec="vp9enc deadline=1 cpu-used=8", frames=6)
+        self.assertIn("vp8 has 8 bits a sample, the input 10", self.run_it("deep.mkv", "-o", "out.mkv", "--again", "--video", "vp8", "--", "identity"))
+        self.clip()
+        self.assertNotIn("warning", self.run_it("clip.mkv", "-o", "out.mkv", "--again"))
+
+    def test_interlaced_video_of_more_than_8_bits(self):
+        self.need("avenc_ffv1")
+        for form, depth in (("I420", 8), ("I420_10LE", 10), ("I422_10LE", 10)):
+            with self.subTest(form):
+                self.make("fields.mkv", f"videotestsrc num-buffers=6 ! video/x-raw,format={form},width=160,height=120,framerate=25/1,"
+                          "interlace-mode=interleaved,field-order=top-field-first ! avenc_ffv1 ! matroskamux")
+                self.run_it("fields.mkv", "-o", "out.mkv", "--again", "--video", "ffv1", "--", "intrinsicdecomp", "show=input")
+                frames = self.frames_of(self.path("out.mkv"))
+                self.assertEqual(len(frames), 6)
+                self.assertEqual(frames[0][0].get_value("interlace-mode"), "progressive")
+                self.assertGreaterEqual(GstVideo.VideoFormat.get_info(GstVideo.VideoFormat.from_string(frames[0][0].get_value("format"))).depth[0], depth)
+
+    def test_the_top_field_is_kept_exactly(self):
+        try:
+            import numpy
+            from inverse_transcode import pictures
+        except ImportError as problem:
+            self.skipTest(str(problem))
+        pixels = numpy.arange(5 * 2 * 4, dtype="<u2").reshape(5, 2, 4) * 1600
+        for height in (5, 4, 1):
+            part = pixels[:height]
+            made = numpy.frombuffer(pictures.FieldEncoder.encode(unittest.mock.Mock(mixed=False), part, None), "<u2").reshape(part.shape)
+            self.assertTrue((made[0::2] == part[0::2]).all())
+            for row in range(1, height, 2):
+                below = part[row + 1] if row + 1 < height else part[row - 1]
+                self.assertTrue((made[row] == (part[row - 1].astype(int) + below + 1) // 2).all())
+
+    def test_streams_that_nothing_decodes_are_left_out(self):
+        clip = self.clip(sound="opusenc")
+        with open(clip, "rb") as file:
+            content = file.read()
+        self.assertEqual(content.count(b"A_OPUS"), 1)
+        with open(self.path("odd.mkv"), "wb") as file:
+            file.write(content.replace(b"A_OPUS", b"A_ODDS"))
+        for words in ([], ["--audio", "none"], ["--audio", "opus"]):
+            with self.subTest(words):
+                said = self.run_it("odd.mkv", "-o", "out.mkv", "--again", *words, "--", "identity")
+                self.assertIn("a stream is left out", said)
+                self.assertEqual([s.name for s in streams_of(self.path("out.mkv"))[0]], ["video/x-vp8"])
+        with open(self.path("odd.mkv"), "wb") as file:
+            file.write(content.replace(b"V_VP8", b"V_ODD"))
+        self.assertIn("a plugin is missing", self.run_it("odd.mkv", "-o", "out.mkv", "--again", status=1))
+
+    def test_styled_subtitles_are_copied(self):
+        head = b"[Script Info]\nScriptType: v4.00+\n[V4+ Styles]\n[Events]\n"
+        pipeline = Gst.parse_launch(VIDEO.format(frames=30, form="I420") + "vp8enc deadline=1 ! queue ! mux. appsrc name=words format=time ! mux.subtitle_0 "
+                                    f"matroskamux name=mux ! filesink location={self.path('clip.mkv')}")
+        words = pipeline.get_by_name("words")
+        caps = Gst.Caps.from_string("application/x-ass")
+        caps.set_value("codec_data", Gst.Buffer.new_wrapped(head))
+        words.set_property("caps", caps)
+        line = Gst.Buffer.new_wrapped(b"0,0,Default,,0,0,0,,{\\i1}Words{\\i0}")
+        line.pts, line.duration = 100 * Gst.MSECOND, 200 * Gst.MSECOND
+        words.emit("push-buffer", line)
+        words.emit("end-of-stream")
+        pipeline.set_state(Gst.State.PLAYING)
+        pipeline.get_bus().timed_pop_filtered(LIMIT * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR)
+        pipeline.set_state(Gst.State.NULL)
+        self.run_it("clip.mkv", "-o", "out.mkv", "--", "identity")
+        with open(self.path("out.mkv"), "rb") as file:
+            content = file.read()
+        for text in (b"S_TEXT/ASS", b"{\\i1}Words", head):
+            self.assertIn(text, content)
+
+    def test_attachments_are_told_of(self):
+        with open(self.clip(), "rb") as file:
+            content = file.read()
+        field = lambda name, data: name + struct.pack(">Q", 1 << 56 | len(data)) + data  # noqa: E731 (an element of EBML)
+        font = field(b"\x61\xa7", field(b"\x46\x6e", b"letters.ttf") + field(b"\x46\x60", b"font/ttf") + field(b"\x46\x5c", b"no font") +
+                     field(b"\x46\xae", b"\x01"))
+        place = content.index(b"\x18\x53\x80\x67") + 4
+        added = field(b"\x19\x41\xa4\x69", font)
+        # Before the first cluster, so that it is read without a seek.
+        cluster = content.index(b"\x1f\x43\xb6\x75")
+        size = struct.unpack(">Q", content[place:place + 8])[0]
+        with open(self.path("fonts.mkv"), "wb") as file:
+            file.write(content[:place] + struct.pack(">Q", size + len(added)) + content[place + 8:cluster] + added + content[cluster:])
+        self.assertIn("attached is left out, as GStreamer writes none: letters.ttf", self.run_it("fonts.mkv", "-o", "out.mkv", "--", "identity"))
+
+    def test_jpeg_pictures_are_turned_as_they_say(self):
+        os.makedirs(self.path("in"))
+        exif = lambda way: b"Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0" + bytes([way]) + b"\0\0\0\0\0\0"  # noqa: E731
+        for number, way in enumerate((6, 6, 1)):
+            path = self.make(f"in/{number:04}.jpg", "videotestsrc num-buffers=1 ! video/x-raw,width=96,height=64 ! jpegenc")
+            with open(path, "rb") as file:
+                content = file.read()
+            segment = exif(way)
+            with open(path, "wb") as file:
+                file.write(content[:2] + b"\xff\xe1" + struct.pack(">H", len(segment) + 2) + segment + content[2:])
+        self.assertIn("is to be turned otherwise", self.run_it("in/%04d.jpg", "-o", "out", "--to", "png", "--", "identity", status=1))
+        os.unlink(self.path("in/0002.jpg"))
+        self.run_it("in/%04d.jpg", "-o", "out", "--to", "png", "--", "identity")
+        self.run_it("in/0000.jpg", "-o", "out.mkv", "--", "identity")
+        for path in ("out/000001.png", "out.mkv"):
+            caps = self.frames_of(self.path(path))[0][0]
+            self.assertEqual((caps.get_value("width"), caps.get_value("height")), (64, 96))
+
+    def test_lists_of_streams_are_no_videos(self):
+        with open(self.path("list.mkv"), "w", encoding="ascii") as file:
+            file.write("#EXTM3U\n#EXT-X-TARGETDURATION:2\n#EXTINF:2,\nhttp://127.0.0.1:9/x.ts\n")
+        self.assertIn("it is a list of streams", self.run_it("list.mkv", "-o", "out.mkv", status=1))
+
+    def test_the_muxer_waits_for_slow_video(self):
+        """Raw sound is there at once, its video much later."""
+        self.clip(frames=4, sound="audio/x-raw,format=S16LE")
+        for _ in range(6):
+            self.run_it("clip.mkv", "-o", "out.mkv", "--again", "--", "identity ! queue ! identity sleep-time=50000")
+            self.assertEqual(sorted(s.name for s in streams_of(self.path("out.mkv"))[0]), ["audio/x-raw", "video/x-vp8"])
 
     def test_any_names(self):
         name = "a clip, 100 % \u00fc & #1?\nof two lines.mkv"

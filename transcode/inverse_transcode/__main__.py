@@ -14,6 +14,8 @@ import gi
 gi.require_version("Gst", "1.0")
 from gi.repository import GLib, Gst  # noqa: E402
 
+from inverse_common import files  # noqa: E402
+
 from . import formats, slurm  # noqa: E402
 from .batch import Batch, BatchError, make  # noqa: E402
 from .lines import tell, warn  # noqa: E402
@@ -175,10 +177,7 @@ def count(results):
 
 def write_report(path, settings, results):
     report = {"version": formats.version(), "settings": vars(settings), "counts": count(results), "files": results}
-    part = path + ".part"
-    with open(part, "w", encoding="utf-8") as written:
-        json.dump(report, written, indent=1)
-    os.replace(part, path)
+    files.write(path, json.dumps(report, indent=1))
 
 
 def print_status(results, quiet):

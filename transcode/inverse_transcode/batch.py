@@ -19,10 +19,12 @@ import shutil
 import socket
 import sys
 
+from inverse_common import files
+from inverse_common.probe import ProbeError
+
 from . import chunk, formats
 from .pipeline import uri_of
 from .plan import Settings, Task, is_pattern, numbered, picture
-from .probe import ProbeError
 from .run import Runner
 
 SAMPLES, SAMPLE_BYTES = 16, 1 << 16
@@ -49,21 +51,6 @@ def identity(path):
     return {"size": sum(sizes), "sample_sha256": digest.hexdigest()}
 
 
-def _write(path, text, mode=0o666):
-    """Writes a file that appears whole."""
-    part = f"{path}.{socket.gethostname()}.{os.getpid()}"
-    umask = os.umask(0)
-    os.umask(umask)
-    try:
-        with open(part, "wb") as written:
-            written.write(os.fsencode(text))
-            os.fchmod(written.fileno(), mode & ~umask)
-        os.replace(part, path)
-    finally:
-        if os.path.exists(part):
-            os.unlink(part)
-
-
 def _digest(manifest):
     content = {key: value for key, value in manifest.items() if key != "digest"}
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
@@ -75,6 +62,10 @@ def _chunks(task, division, warn):
         return None
     if is_pattern(task.input) or os.path.splitext(task.input)[1][1:].lower() not in chunk.SEEKABLE:
         warn(f"{task.input}: not divided; files that are end in {', '.join(chunk.SEEKABLE)}")
+        return None
+    if chunk.is_fragmented(task.input):
+        warn(f"{task.input}: not divided, since frames of a fragmented MP4 get other times after a seek; copy it to another form first, as by "
+             "ffmpeg -i IN.mp4 -c copy OUT.mkv")
         return None
     chunks = chunk.divide(uri_of(task.input), **division)
     return chunks if len(chunks) > 1 else None
@@ -113,11 +104,11 @@ def make(folder, settings, tasks, division, warn):
     manifest["digest"] = _digest(manifest)
     for name in ("done", "failed", "running", "parts", "logs"):
         os.makedirs(os.path.join(folder, name), exist_ok=True)
-    _write(os.path.join(folder, "run"), _run_script(folder), 0o777)
-    _write(os.path.join(folder, "Makefile"), _makefile(listed))
+    files.write(os.path.join(folder, "run"), _run_script(folder), 0o777)
+    files.write(os.path.join(folder, "Makefile"), _makefile(listed))
     for name, numbers in zip(("tasks", "joins"), _lists(listed)):
-        _write(os.path.join(folder, name), "".join(f"{n}\n" for n in numbers))
-    _write(path, json.dumps(manifest, indent=1), 0o444)
+        files.write(os.path.join(folder, name), "".join(f"{n}\n" for n in numbers))
+    files.write(path, json.dumps(manifest, indent=1), 0o444)
     return Batch(folder)
 
 
@@ -165,16 +156,18 @@ class Batch:
         return os.path.join(self.folder, *map(str, names))
 
     def _result(self, number, kind):
+        """None if there is none that can be read: a power failure may leave an empty file."""
         try:
             with open(self._path(kind, number), encoding="ascii") as read:
-                return json.load(read)
-        except FileNotFoundError:
+                result = json.load(read)
+            return result if isinstance(result, dict) and isinstance(result.get("status"), str) else None
+        except (FileNotFoundError, ValueError):
             return None
 
     def is_done(self, number):
         """Whether its result is there."""
         task = self.tasks[number]
-        return os.path.exists(self._path("done", number)) and ("chunk" in task or os.path.exists(task["output"]))
+        return bool(self._result(number, "done")) and ("chunk" in task or os.path.exists(task["output"]))
 
     def state(self, number):
         """What became of a task, as in a report: of `status` also "running", "ended" (without a result) and "waiting"."""
@@ -183,7 +176,7 @@ class Batch:
             return {**base, **self._result(number, "done"), "task": number}
         try:
             with open(self._path("running", number), encoding="ascii") as lock:
-                begun = json.loads(lock.read() or "null")
+                begun = _begun(lock.read())
                 if begun:
                     return {**base, "begun": begun, "status": "ended" if _lock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB) else "running"}
         except FileNotFoundError:
@@ -230,7 +223,7 @@ class Batch:
         task = self.tasks[number]
         base = {"input": task["input"], "output": task["output"], "status": "failed"}
         parts = task.get("parts", [])
-        waiting = [n for n in parts if not os.path.exists(self._path("done", n))]
+        waiting = [n for n in parts if not self._result(n, "done")]
         gone = [n for n in parts if n not in waiting and not os.path.isdir(self._path("parts", n))]
         for part in gone:
             os.unlink(self._path("done", part))
@@ -247,13 +240,22 @@ class Batch:
     def _end(self, number, result, lock):
         kind, other = ("done", "failed") if result["status"] == "done" else ("failed", "done")
         result = {**result, "host": _host()}
-        _write(self._path(kind, number), json.dumps(result))
+        files.write(self._path(kind, number), json.dumps(result))
         if os.path.exists(self._path(other, number)):
             os.unlink(self._path(other, number))
         lock.truncate(0)
         if kind == "done":
             for part in self.tasks[number].get("parts", []):
                 shutil.rmtree(self._path("parts", part), ignore_errors=True)
+
+
+def _begun(text):
+    """What `_begin` noted; None if that is nothing that can be read."""
+    try:
+        begun = json.loads(text or "null")
+    except ValueError:
+        return None
+    return begun if isinstance(begun, dict) and isinstance(begun.get("host"), str) else None
 
 
 def _lock(file, kind):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Chunks of a long file: where it is divided, how one is decoded, and how the encoded ones are joined. Times are stream times in ns."""
 import os
+import struct
 import subprocess
 from dataclasses import dataclass
 
@@ -8,9 +9,14 @@ import gi
 
 gi.require_version("Gst", "1.0")
 from gi.repository import GLib, Gst  # noqa: E402
+from inverse_common.gst import structure_of  # noqa: E402
+from inverse_common.probe import probe  # noqa: E402
 
-from .probe import probe  # noqa: E402
 
+# A demuxer may begin its segment where a seek goes to, and decoders move the frame that is shown then to its start: one that is dropped.
+SEEK_BEFORE = Gst.SECOND // 2
+ONE_SEGMENT = ("mkv", "webm")  # whose times do not jump, once streams that begin later have begun
+FIRST_PACKETS = 16  # by which they have
 SEEKABLE = ("mp4", "m4v", "mov", "mkv", "webm")  # whose frames have the same times after a seek
 
 
@@ -22,36 +28,46 @@ class Chunk:
     end: int | None
     lead: int
 
-    def seek(self, pad, ready, failed):
-        """Makes what comes from a parser's pad begin with the last key frame before `lead`. `ready`: called to link the pad, which no data
-        has left then; `failed`: if there is no such frame."""
-        if self.lead <= 0:
+    def seek(self, pad, path, ready, failed):
+        """Makes what comes from a parser's pad, of the file at `path`, begin with the last key frame before `lead`. `ready`: called to link the
+        pad, which no data has left then; `failed`: if there is no such frame."""
+        target = self.lead - SEEK_BEFORE
+        if target <= 0:
             ready()
             return
-        state = {"asked": False}
+        state = {"asked": False, "packets": 0, "shift": 0}
 
         def ask():
+            segment = pad.get_sticky_event(Gst.EventType.SEGMENT, 0)
+            if segment:
+                segment = segment.parse_segment()
+                state["shift"] = segment.start - segment.time
             flags = Gst.SeekFlags.FLUSH | Gst.SeekFlags.KEY_UNIT | Gst.SeekFlags.SNAP_BEFORE
-            event = Gst.Event.new_seek(1.0, Gst.Format.TIME, flags, Gst.SeekType.SET, self.lead, Gst.SeekType.NONE, 0)
+            event = Gst.Event.new_seek(1.0, Gst.Format.TIME, flags, Gst.SeekType.SET, target, Gst.SeekType.NONE, 0)
             if not pad.send_event(event):
                 failed("it has no index to seek in: a file like this is not divided")
             return GLib.SOURCE_REMOVE
 
         def before(_, info):
             if info.type & Gst.PadProbeType.BUFFER or info.get_event().type == Gst.EventType.EOS:
-                if not state["asked"]:
+                state["packets"] += 1
+                ended = bool(info.type & Gst.PadProbeType.EVENT_DOWNSTREAM)
+                if not state["asked"] and (ended or state["packets"] > FIRST_PACKETS):
                     state["asked"] = True
                     GLib.idle_add(ask)
                 return Gst.PadProbeReturn.DROP
             if info.get_event().type == Gst.EventType.FLUSH_STOP:
+                if path.lower().endswith(ONE_SEGMENT):
+                    pad.add_probe(Gst.PadProbeType.EVENT_DOWNSTREAM, lambda pad, info: _shift(pad, info, state["shift"]))
                 ready()
                 return Gst.PadProbeReturn.REMOVE
             return Gst.PadProbeReturn.OK
 
         pad.add_probe(Gst.PadProbeType.BUFFER | Gst.PadProbeType.EVENT_DOWNSTREAM | Gst.PadProbeType.EVENT_FLUSH, before)
 
-    def cut(self, pad):
-        """Leaves out what comes before `lead`, and ends a stream of frames at `end`."""
+    def cut(self, pad, guarded):
+        """Leaves out what comes before `lead`, and ends a stream of frames at `end`. `guarded`: makes a function of one that reports what it
+        throws; a probe that throws drops frames."""
         def enter(_, info):
             time = _stream_time(pad, info.get_buffer())
             if self.end is not None and time >= self.end:
@@ -59,18 +75,52 @@ class Chunk:
                 return Gst.PadProbeReturn.DROP
             return Gst.PadProbeReturn.DROP if time < self.lead else Gst.PadProbeReturn.OK
 
-        pad.add_probe(Gst.PadProbeType.BUFFER, enter)
+        pad.add_probe(Gst.PadProbeType.BUFFER, guarded(enter))
 
-    def drop_lead(self, pad):
+    def drop_lead(self, pad, guarded):
         """Leaves out what the elements made of frames before `start`."""
         if self.start > 0:
-            pad.add_probe(Gst.PadProbeType.BUFFER, lambda _, info: Gst.PadProbeReturn.DROP
-                          if _stream_time(pad, info.get_buffer()) < self.start else Gst.PadProbeReturn.OK)
+            pad.add_probe(Gst.PadProbeType.BUFFER, guarded(lambda _, info: Gst.PadProbeReturn.DROP
+                          if _stream_time(pad, info.get_buffer()) < self.start else Gst.PadProbeReturn.OK))
+
+
+def is_fragmented(path):
+    """Whether a file is an MP4 whose index is divided (moof). After a seek, qtdemux gives frames of such a file other times."""
+    with open(path, "rb") as file:
+        while len(head := file.read(16)) >= 8:
+            size, kind = struct.unpack(">I4s", head[:8])
+            if kind == b"moof":
+                return True
+            if size == 1 and len(head) == 16:
+                size, = struct.unpack(">Q", head[8:])
+            if size < 8 or not kind.isalnum():
+                return False
+            file.seek(size - len(head), os.SEEK_CUR)
+    return False
+
+
+def _shift(pad, info, shift):
+    """Gives a segment the stream times that it has without a seek: matroskademux counts from the first frame after one, and mostly from 0
+    without.
+    `shift`: of times in the file against these."""
+    event = info.get_event()
+    if event.type != Gst.EventType.SEGMENT:
+        return Gst.PadProbeReturn.OK
+    segment = event.parse_segment().copy()
+    if segment.start - segment.time == shift:
+        return Gst.PadProbeReturn.OK
+    segment.start = max(segment.start, shift)
+    segment.time = segment.start - shift
+    pad.push_event(Gst.Event.new_segment(segment))
+    return Gst.PadProbeReturn.DROP
 
 
 def _stream_time(pad, buffer):
+    if buffer.pts == Gst.CLOCK_TIME_NONE:
+        return 0
     segment = pad.get_sticky_event(Gst.EventType.SEGMENT, 0).parse_segment()
-    return segment.to_stream_time(Gst.Format.TIME, buffer.pts) if buffer.pts != Gst.CLOCK_TIME_NONE else 0
+    sign, time = segment.to_stream_time_full(Gst.Format.TIME, buffer.pts)  # also of what is before the segment
+    return time if sign > 0 else -time
 
 
 def divide(uri, seconds, overlap, shots):
@@ -109,7 +159,7 @@ def _first_cut(uri, begin, end):
 
     def seen(pad, info):
         if info.type & Gst.PadProbeType.EVENT_DOWNSTREAM:
-            structure = info.get_event().get_structure()
+            structure = structure_of(info.get_event())
             state["cut"] = state["cut"] or structure is not None and structure.get_name() == "GstForceKeyUnit"
             return Gst.PadProbeReturn.OK
         time = _stream_time(pad, info.get_buffer())
@@ -146,7 +196,7 @@ def keep_plain(pad):
 
     def pass_on(_, info):
         event = info.get_event()
-        if event.type == Gst.EventType.STREAM_START and event.get_structure().has_field("stream"):
+        if event.type == Gst.EventType.STREAM_START and structure_of(event).has_field("stream"):
             pad.send_event(Gst.Event.new_stream_start(event.parse_stream_start()))
         elif event.type == Gst.EventType.STREAM_START or event.type in kept:
             return Gst.PadProbeReturn.OK

@@ -9,6 +9,9 @@ import gi
 gi.require_version("Gst", "1.0")
 gi.require_version("GstVideo", "1.0")
 from gi.repository import Gst, GstVideo  # noqa: E402
+from inverse_common.media import formats_of  # noqa: E402
+
+from . import losses  # noqa: E402
 
 
 class FormatError(Exception):
@@ -184,15 +187,20 @@ def check_fit(ending, kind, codec, encoder):
         raise FormatError(f"{ending} does not take the {kind} codec {codec}; it takes {', '.join(codecs)}")
 
 
-def deep_formats(encoder, most_bits):
-    """Of what `encoder`, a part of a launch line, takes: the formats of more than 8 and up to `most_bits` bits, as a filter before it; "" if
-    there are none."""
-    templates = Gst.ElementFactory.find(encoder.split()[0]).get_static_pad_templates()
-    named = " ".join(t.get_caps().to_string() for t in templates if t.direction == Gst.PadDirection.SINK)
-    known = {name: GstVideo.VideoFormat.from_string(name) for name in re.findall(r"\b[A-Z][A-Z0-9_]+\b", named)}
-    deep = [name for name, form in known.items()
-            if form != GstVideo.VideoFormat.UNKNOWN and 8 < GstVideo.VideoFormat.get_info(form).depth[0] <= most_bits]
-    return f"video/x-raw,format=(string){{{','.join(deep)}}} ! " if deep else ""
+LOSSLESS = ("ffv1", "png")
+_WITH_ALPHA = ("prores",)
+
+
+def kept_formats(codec, encoder, kind, most_bits):
+    """A filter before `encoder`, a part of a launch line, by which it keeps of pictures of a Kind what the codec is meant to keep: all, alpha
+    and bits, or bits; up to `most_bits` a sample. "" if any format does."""
+    known = [name for name in formats_of(encoder.split()[0])
+             if GstVideo.VideoFormat.get_info(GstVideo.VideoFormat.from_string(name)).depth[0] <= most_bits]
+    if codec in LOSSLESS or kind.alpha and codec in _WITH_ALPHA:
+        chosen = losses.faithful(known, kind)
+    else:
+        chosen = [name for name in known if GstVideo.VideoFormat.get_info(GstVideo.VideoFormat.from_string(name)).depth[0] > 8] if kind.bits > 8 else []
+    return f"video/x-raw,format=(string){{{','.join(chosen)}}} ! " if chosen else ""
 
 
 def audio_encoder(codec):

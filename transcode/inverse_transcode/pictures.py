@@ -3,6 +3,7 @@
 (ImfCRgbaFile.h: red, green, blue and alpha as half floats), and PNG of 16 bits. Frames of EXR are RGB of 16 bits on the PQ curve: 1 is
 white, up to PEAK, in steps finer than those of a half float."""
 import ctypes
+import fractions
 import functools
 import os
 import struct
@@ -14,6 +15,8 @@ import numpy
 gi.require_version("Gst", "1.0")
 gi.require_version("GstVideo", "1.0")
 from gi.repository import Gst, GstVideo  # noqa: E402
+
+from inverse_common.gst import without  # noqa: E402
 
 from .formats import FormatError  # noqa: E402
 
@@ -48,7 +51,7 @@ def openexr():
         ("OpenInputFile", pointer, text), ("CloseInputFile", number, pointer), ("InputHeader", pointer, pointer), ("InputChannels", number, pointer),
         ("InputSetFrameBuffer", number, pointer, pointer, ctypes.c_size_t, ctypes.c_size_t), ("InputReadPixels", number, pointer, number, number),
         ("HeaderDisplayWindow", None, pointer, *[pointer] * 4), ("HeaderDataWindow", None, pointer, *[pointer] * 4),
-        ("NewHeader", pointer), ("DeleteHeader", None, pointer), ("HeaderSetCompression", None, pointer, number),
+        ("NewHeader", pointer), ("DeleteHeader", None, pointer), ("HeaderSetCompression", None, pointer, number), ("HeaderSetPixelAspectRatio", None, pointer, ctypes.c_float),
         ("HeaderSetDisplayWindow", None, pointer, *[number] * 4), ("HeaderSetDataWindow", None, pointer, *[number] * 4),
         ("OpenOutputFile", pointer, text, pointer, number), ("CloseOutputFile", number, pointer),
         ("OutputSetFrameBuffer", number, pointer, pointer, ctypes.c_size_t, ctypes.c_size_t), ("OutputWritePixels", number, pointer, number),
@@ -77,6 +80,13 @@ def _channel_names(listed):
         name, _, listed = listed.partition(b"\0")
         yield name.decode(errors="replace")
         listed = listed[16:]
+
+
+def pixel_aspect(path):
+    """Of the pixels of an EXR file: width / height."""
+    stored = _attributes(path).get(b"pixelAspectRatio", b"")
+    value = struct.unpack("<f", stored)[0] if len(stored) == 4 else 1
+    return fractions.Fraction(value).limit_denominator(1000) if 0.001 <= value <= 1000 else fractions.Fraction(1)
 
 
 def has_other_primaries(path):
@@ -156,8 +166,9 @@ class ExrSource:
         self.step = [int(n) for n in rate.split("/")]
         self.element = Gst.ElementFactory.make("appsrc")
         height, width, _ = self.first.shape
+        aspect = pixel_aspect(paths[0])
         self.element.set_property("format", Gst.Format.TIME)
-        self.element.set_property("caps", Gst.Caps.from_string(f"{FRAMES},width={width},height={height},framerate={rate},pixel-aspect-ratio=1/1"))
+        self.element.set_property("caps", Gst.Caps.from_string(f"{FRAMES},width={width},height={height},framerate={rate},pixel-aspect-ratio={aspect.numerator}/{aspect.denominator}"))
         self.element.connect("need-data", self._push)
 
     def _push(self, *_):
@@ -218,10 +229,11 @@ class ExrEncoder:
         if info.colorimetry.primaries in _WIDE:
             raise FormatError(f"EXR is written with primaries of BT.709, not {info.colorimetry.primaries.value_nick}: end the elements with one of "
                               "gst-inverse, which converts them")
+        self.aspect = info.par_n / info.par_d
         self.light = (_linear(info) * 2.0 ** stops).clip(max=65504).astype("<f2").view("<u2")
         self.alpha = (numpy.arange(1 << 16) / 65535).astype("<f2").view("<u2")
 
-    def encode(self, pixels):
+    def encode(self, pixels, _buffer=None):
         """The file of a frame. Throws FormatError, OSError."""
         height, width, _ = pixels.shape
         halfs = numpy.empty(pixels.shape, "<u2")
@@ -232,6 +244,7 @@ class ExrEncoder:
             for set_window in (library.ImfHeaderSetDisplayWindow, library.ImfHeaderSetDataWindow):
                 set_window(header, 0, 0, width - 1, height - 1)
             library.ImfHeaderSetCompression(header, _ZIP)
+            library.ImfHeaderSetPixelAspectRatio(header, self.aspect)
             file = library.ImfOpenOutputFile(f"/proc/self/fd/{memory}".encode(), header, channels)
             done = file and library.ImfOutputSetFrameBuffer(file, halfs.ctypes.data, 1, width) and library.ImfOutputWritePixels(file, height)
             if not (file and library.ImfCloseOutputFile(file) and done):
@@ -251,7 +264,7 @@ class Png16Encoder:
         pass
 
     @staticmethod
-    def encode(pixels):
+    def encode(pixels, _buffer=None):
         """The file of a frame."""
         if pixels.shape[2] == 4 and (pixels[..., 3] == 65535).all():
             pixels = pixels[..., :3]
@@ -278,10 +291,35 @@ class PngMender:
         self.file = f"video/x-raw,format={'RGBA64_LE' if alpha else 'ARGB64'},colorimetry=sRGB"
 
     @staticmethod
-    def encode(pixels):
+    def encode(pixels, _buffer=None):
         """A frame as it should be."""
         samples = pixels.ravel()
         return samples[1:].tobytes() + samples[-4:-3].tobytes()
+
+
+class FieldEncoder:
+    """The top field of interlaced frames: lines of the other one become means of those around them, as by `deinterlace fields=top`."""
+
+    frames = "video/x-raw,format=AYUV64"
+
+    def __init__(self, info, _):
+        self.mixed = info.interlace_mode == GstVideo.VideoInterlaceMode.MIXED
+
+    @staticmethod
+    def caps(given):
+        """Of what `encode` makes."""
+        made = without(given, "field-order")
+        made.set_value("interlace-mode", "progressive")
+        return made
+
+    def encode(self, pixels, buffer):
+        """A frame without the lines of its bottom field."""
+        if self.mixed and not buffer.has_flags(GstVideo.VideoBufferFlags.INTERLACED):
+            return pixels.tobytes()
+        top, whole = pixels[0::2].astype(numpy.uint32), pixels.copy()
+        below = numpy.concatenate([top[1:], top[-1:]])[:len(pixels[1::2])]
+        whole[1::2] = (top[:len(below)] + below + 1) // 2
+        return whole.tobytes()
 
 
 @functools.cache
@@ -298,7 +336,7 @@ def pngdec_is_late():
     return list(found[1:]) == [1, 2, 3, 4, 5, 6, 7]
 
 
-CODECS = {"exr": ExrEncoder, "png16": Png16Encoder, "png16 in": PngMender}
+CODECS = {"exr": ExrEncoder, "png16": Png16Encoder, "png16 in": PngMender, "fields": FieldEncoder}
 
 
 def pixels_of(info, buffer):
@@ -321,13 +359,16 @@ def connect(take, give, codec, setting, failed):
             if state.get("caps") is None or not state["caps"].is_equal(sample.get_caps()):
                 state["caps"], state["info"] = sample.get_caps(), GstVideo.VideoInfo.new_from_caps(sample.get_caps())
                 state["encoder"] = CODECS[codec](state["info"], setting)
-            packet = Gst.Buffer.new_wrapped(state["encoder"].encode(pixels_of(state["info"], buffer)))
+            packet = Gst.Buffer.new_wrapped(state["encoder"].encode(pixels_of(state["info"], buffer), buffer))
         except Exception as error:  # a thread of GStreamer would ignore it
             failed(_cause(error))
             return Gst.FlowReturn.ERROR
         packet.pts, packet.dts, packet.duration = buffer.pts, buffer.dts, buffer.duration
         info = state["info"]
-        caps = Gst.Caps.from_string(f"{state['encoder'].file},width={info.width},height={info.height},framerate={info.fps_n}/{info.fps_d}")
+        if hasattr(state["encoder"], "caps"):
+            caps = state["encoder"].caps(state["caps"])
+        else:
+            caps = Gst.Caps.from_string(f"{state['encoder'].file},width={info.width},height={info.height},framerate={info.fps_n}/{info.fps_d}")
         return give.emit("push-sample", Gst.Sample.new(packet, caps, sample.get_segment(), None))
 
     take.connect("new-sample", encode)

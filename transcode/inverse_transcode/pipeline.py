@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The GStreamer pipeline that transcodes one file."""
 import collections
+import dataclasses
 import os
 import pathlib
+import re
 import shlex
 
 import gi
@@ -10,11 +12,13 @@ import gi
 gi.require_version("Gst", "1.0")
 gi.require_version("GstVideo", "1.0")
 from gi.repository import GLib, Gst, GstVideo  # noqa: E402
+from inverse_common.gst import structure_of, without  # noqa: E402
+from inverse_common.media import deinterlaces  # noqa: E402
+from inverse_common.probe import DIRECTIONS, Probe, jpeg_orientation, probe  # noqa: E402
 
-from . import formats  # noqa: E402
+from . import formats, losses  # noqa: E402
 from .chunk import Chunk, join, keep_plain, stream  # noqa: E402
 from .plan import is_exr, is_pattern, numbered, pattern_parts, picture  # noqa: E402
-from .probe import Probe, probe  # noqa: E402
 
 # Streams of which muxers want another form of the same packets, and what it is.
 _FORMS = {
@@ -25,6 +29,8 @@ _FORMS = {
 _PICTURES = {"png": "image/png", "jpg": "image/jpeg", "jpeg": "image/jpeg"}  # sequences that are read
 
 _HDR = (GstVideo.VideoTransferFunction.SMPTE2084, GstVideo.VideoTransferFunction.ARIB_STD_B67)
+_STYLED = ("application/x-ass", "application/x-ssa")  # subtitles
+FIELDS = "fields"  # in the names of the elements that deinterlace
 SMALL = 64  # pixels a side, which every encoder takes
 _NO_LIGHT = ("reflectance", "mask", "clusters")  # layers that have no exposure
 
@@ -53,6 +59,9 @@ class Transcode:
         self.chunk = Chunk(**task["chunk"]) if task["chunk"] else None
         self.small = ""  # what to do about an error if pictures are so small that it may be due to that
         self.exr = None  # the source of EXR pictures
+        self.formats = {}  # by pads of it
+        self.direction, self.size = "identity", None  # how pictures are turned; of the first one
+        self.gates = []  # what holds other streams back until the muxer knows the format of the video: (pad, probe)
         self.clipped = collections.Counter()  # pixels that the elements output too bright for the result
         self.probe, source = self._source(task)
         if self.chunk and self.chunk.end:
@@ -61,6 +70,10 @@ class Transcode:
             formats.audio_encoder(task["audio"])
         if self.probe.placed and not self.chunk:
             self.warnings.append("the place where it was recorded is left out: GStreamer writes none")
+        if not self.chunk:
+            self.warnings += [f"a stream is left out, of which nothing is known here: {missing}" for missing in self.probe.missing]
+        if self.probe.attached and not self.chunk:
+            self.warnings.append(f"what is attached is left out, as GStreamer writes none: {', '.join(self.probe.attached)}")
         self.pipeline = Gst.Pipeline.new()
         self.part, self.mux = part, None
         if self.container.muxer and not self.chunk:
@@ -79,7 +92,8 @@ class Transcode:
             parse = Gst.ElementFactory.make("parsebin")
             self.pipeline.add(parse)
             source.link(parse)
-            # All pads are added before data flows through one of them.
+            if self.task["container"] == "mkv":  # which takes them as they are; else they become plain text
+                parse.connect("autoplug-continue", lambda _, __, caps: structure_of(caps).get_name() not in _STYLED)
             parse.connect("pad-added", self._guarded(lambda _, pad: self._link(pad)))
         self.pipeline.get_bus().add_signal_watch()
         self.pipeline.get_bus().connect("message", self._message)
@@ -88,10 +102,12 @@ class Transcode:
         path = task["input"]
         if not is_pattern(path):
             uri = uri_of(path)
-            return probe(uri), Gst.Element.make_from_uri(Gst.URIType.SRC, uri, None)
+            found = probe(uri)
+            self.direction = "auto" if found.turned else DIRECTIONS[jpeg_orientation(path) - 1]
+            return found, Gst.Element.make_from_uri(Gst.URIType.SRC, uri, None)
         numbers = numbered(path)
         above, below = (int(n) for n in task["rate"].split("/"))
-        found = Probe(len(numbers) * below / above, False, True)
+        found = Probe(len(numbers) * below / above, still=True)
         if is_exr(path):
             files = [picture(path, number) for number in numbers]
             self.exr = formats.own_pictures(exr=True).ExrSource(files, task["rate"], task["exposure"], self._fail)
@@ -99,6 +115,7 @@ class Transcode:
         ending = os.path.splitext(path)[1][1:].lower()
         if ending not in _PICTURES:
             raise TranscodeError(f"pictures that end in {ending!r} are not read; those in {', '.join(_PICTURES)}, exr are")
+        self.direction = self._direction_of([picture(path, number) for number in numbers])
         source = Gst.ElementFactory.make("multifilesrc")
         head, digits, tail = (part.replace("%", "%%") if isinstance(part, str) else part for part in pattern_parts(path))
         location = os.path.join(os.path.dirname(path).replace("%", "%%"), f"{head}%0{digits}d{tail}" if digits else f"{head}%d{tail}")
@@ -106,6 +123,15 @@ class Transcode:
             source.set_property(name, value)
         source.set_property("caps", Gst.Caps.from_string(f"{_PICTURES[ending]},framerate={task['rate']}"))
         return found, source
+
+    @staticmethod
+    def _direction_of(files):
+        """How all pictures of a sequence are to be turned."""
+        first, *others = found = [jpeg_orientation(file) for file in files]
+        if any(other != first for other in others):
+            file = files[next(k for k, other in enumerate(found) if other != first)]
+            raise TranscodeError(f"{file} is to be turned otherwise than {files[0]}: turn the pictures first, as by exiftran -ai *.jpg")
+        return DIRECTIONS[first - 1]
 
     def start(self):
         self.pipeline.set_state(Gst.State.PLAYING)
@@ -170,7 +196,7 @@ class Transcode:
             error, _ = message.parse_warning()
             self._warn(f"{message.src.get_name()}: {error.message}")
         elif message.type == Gst.MessageType.EOS:
-            if self.frames == 0:
+            if self.frames == 0 and not self.chunk:  # a chunk may have none: video may begin late, or end before sound does
                 self.error = self.error or f"not one frame came out of the chain{self.small}"
             self.loop.quit()
 
@@ -205,19 +231,26 @@ class Transcode:
             self.small = (f"; its pictures are {info.width}x{info.height}, which may be too small for {codec}: enlarge them by ending the elements "
                           f"with videoscale ! video/x-raw,width={SMALL},height={SMALL}, or choose --video ffv1, or --to png")
         before = "videoconvert"
-        if info.interlace_mode != GstVideo.VideoInterlaceMode.PROGRESSIVE:
-            before += " ! deinterlace fields=top"
-        if self.probe.turned:
-            before += " ! videoflip video-direction=auto ! videoconvert"
+        fields = info.interlace_mode != GstVideo.VideoInterlaceMode.PROGRESSIVE
+        if fields:
+            before += " ! deinterlace fields=top" if deinterlaces(info.finfo) else f" ! {formats.own_line('fields', FIELDS)} ! videoconvert ! video/x-raw,format={info.finfo.name}"
+        if self.direction != "identity":
+            before += f" ! videoflip video-direction={self.direction} ! videoconvert"
         demand, chain = self._demand(info, codec), f"{before} ! {task['chain']} !"
         encoders = [formats.video_encoder(codec, task["hardware"], task["video_options"], k) for k in range(len(self.video_pads))]
         # Pictures of 16 bits: players take 10.
         most_bits = 10 if info.finfo.depth[0] > 12 and codec != "ffv1" else 16
-        kept = formats.deep_formats(encoders[0], most_bits) if deep and codec not in formats.OWN_CODECS else ""
+        kind = losses.kind_of(info.finfo)
+        kept = formats.kept_formats(codec, encoders[0], dataclasses.replace(kind, bits=kind.bits if deep else 8), most_bits) if codec not in formats.OWN_CODECS else ""
         # A muxer may wait for one layer's packets while it has another's.
         packets = " ! queue max-size-buffers=0 max-size-bytes=0 max-size-time=0" if len(encoders) > 1 else ""
-        encode = [f"queue name=encode{k} max-size-buffers=4 max-size-bytes=0 max-size-time=0 ! videoconvert ! {kept}{encoder}{packets} "
-                  f"! identity name=end{k}" for k, encoder in enumerate(encoders)]
+        # A muxer takes pictures of one size and format: all are made as the first ones are. It orders packets by running time, which jumps
+        # where a file has several edits.
+        same = codec not in formats.OWN_CODECS and bool(self.container.muxer)
+        line = "" if self.chunk else "identity single-segment=true ! "
+        encode = [f"queue name=encode{k} max-size-buffers=4 max-size-bytes=0 max-size-time=0 ! {line}videoconvert ! "
+                  f"{f'videoscale name=scale{k} add-borders=true ! ' if same else ''}{kept}capsfilter name=same{k} ! "
+                  f"{encoder}{packets} ! identity name=end{k}" for k, encoder in enumerate(encoders)]
         if task["layers"]:
             # On the curve of EXR there is room for the layers as they are.
             scales = "reflectance-scale=1 shading-scale=1 mirror-scale=1" if codec == "exr" else ""
@@ -231,15 +264,18 @@ class Transcode:
             raise TranscodeError(f"the elements must have one beginning and one end: {task['chain']}")
         ends = {pad.get_target().get_parent_element().get_name(): pad for pad in found.srcpads}  # which are in any order
         ends = [ends[f"end{k}"] for k in range(len(self.video_pads))]
-        ends[0].add_probe(Gst.PadProbeType.BUFFER, self._count)
+        ends[0].add_probe(Gst.PadProbeType.BUFFER, self._guarded(self._count))
         if encoders[0].startswith("openh264enc"):
-            found.get_by_name("encode0").get_static_pad("sink").add_probe(Gst.PadProbeType.BUFFER, self._watch_size)
+            found.get_by_name("encode0").get_static_pad("sink").add_probe(Gst.PadProbeType.BUFFER, self._guarded(self._watch_size))
+        if "frames" + FIELDS in before:
+            self._own(found, FIELDS, "fields", None)
         for k in range(len(self.video_pads)):
+            self._watch_format(found, k, kind, codec)
             pad = found.get_by_name(f"encode{k}").get_static_pad("sink")
             if self.chunk:
-                self.chunk.drop_lead(pad)
+                self.chunk.drop_lead(pad, self._guarded)
             if k == 0:
-                pad.add_probe(Gst.PadProbeType.BUFFER, self._count_made)
+                pad.add_probe(Gst.PadProbeType.BUFFER, self._guarded(self._count_made))
             if self.exr or not self.container.muxer:
                 self._watch_light(pad, "colorimetry" in demand, shows[k])
             if codec in formats.OWN_CODECS:
@@ -290,11 +326,49 @@ class Transcode:
                     self.clipped[where, f"{pictures.PEAK:.3g} times white" if hdr else "white"] += int((light == 65535).any(-1).sum())
             return Gst.PadProbeReturn.OK
 
-        pad.add_probe(Gst.PadProbeType.BUFFER, seen)
+        pad.add_probe(Gst.PadProbeType.BUFFER, self._guarded(seen))
+
+    def _watch_format(self, found, place, kind, codec):
+        """Tells what the encoder does not hold of pictures of a Kind and, before a muxer, keeps the format and the size of the first one."""
+        same, scale, state = found.get_by_name(f"same{place}"), found.get_by_name(f"scale{place}"), {"first": True}
+
+        def sized(_, data):  # the first one is not scaled, not even to a size that the encoder takes
+            event = data.get_event()
+            if event.type == Gst.EventType.CAPS and state["first"]:
+                size = structure_of(event.parse_caps())
+                same.set_property("caps", Gst.Caps.from_string(f"video/x-raw(ANY),width={size.get_value('width')},height={size.get_value('height')}"))
+            return Gst.PadProbeReturn.OK
+
+        def seen(pad, _):  # a frame: caps before it may change once more, by a tag that turns it
+            caps = pad.get_current_caps()
+            info = GstVideo.VideoInfo.new_from_caps(caps)
+            if place == 0 and info:
+                for text in losses.lost(kind, losses.kind_of(info.finfo), codec):
+                    self._warn(text)
+                if not self.container.muxer and info.par_n != info.par_d and codec != "exr":
+                    self._warn(f"{self.task['container']} does not say that its pixels have a shape of {info.par_n}:{info.par_d}: a player shows them square")
+            state["first"] = False
+            if scale:
+                same.set_property("caps", without(caps, "framerate"))
+            return Gst.PadProbeReturn.REMOVE
+
+        if scale:
+            scale.get_static_pad("sink").add_probe(Gst.PadProbeType.EVENT_DOWNSTREAM, self._guarded(sized))
+        same.get_static_pad("src").add_probe(Gst.PadProbeType.BUFFER, self._guarded(seen))
+
+    def _watch_sizes(self, pad, info):
+        """Tells where decoded pictures change their size, if they go to a muxer."""
+        event = info.get_event()
+        if event.type == Gst.EventType.CAPS:
+            size = tuple(structure_of(event.parse_caps()).get_value(name) for name in ("width", "height"))
+            if self.size and size != self.size and self.container.muxer:
+                self._warn(f"its pictures change from {self.size[0]}x{self.size[1]} to {size[0]}x{size[1]} after {self.time:.1f} s: they are scaled to the first size")
+            self.size = self.size or size
+        return Gst.PadProbeReturn.OK
 
     def _watch_size(self, pad, _):
         """Warns of openh264enc, which leaves out the last column or row of an odd number."""
-        width, height = (pad.get_current_caps().get_structure(0).get_value(name) for name in ("width", "height"))
+        width, height = (structure_of(pad.get_current_caps()).get_value(name) for name in ("width", "height"))
         if width % 2 or height % 2:
             self.warnings.append(f"h264 has {width // 2 * 2}x{height // 2 * 2} pixels of {width}x{height}, as openh264enc takes even numbers: end the "
                                  "elements with videoscale and caps of an even size, or choose another codec")
@@ -304,11 +378,13 @@ class Transcode:
         self.made += 1
         return Gst.PadProbeReturn.OK
 
-    def _count(self, _, info):
+    def _count(self, pad, info):
         buffer = info.get_buffer()
         self.frames += 1
-        if buffer.pts != Gst.CLOCK_TIME_NONE:
-            self.time = max(self.time, buffer.pts / Gst.SECOND)
+        segment = pad.get_sticky_event(Gst.EventType.SEGMENT, 0).parse_segment()
+        time = segment.to_running_time(Gst.Format.TIME, buffer.pts) if buffer.pts != Gst.CLOCK_TIME_NONE else Gst.CLOCK_TIME_NONE
+        if time != Gst.CLOCK_TIME_NONE:  # encoders shift what they output
+            self.time = max(self.time, time / Gst.SECOND)
         return Gst.PadProbeReturn.OK
 
     def _mux_pad(self, caps):
@@ -318,7 +394,7 @@ class Transcode:
         for template in self.mux.get_factory().get_static_pad_templates():
             if template.direction == Gst.PadDirection.SINK and template.static_caps.get().can_intersect(caps):
                 pad = self.mux.request_pad_simple(template.name_template)
-                pad.add_probe(Gst.PadProbeType.BUFFER, self._cut)
+                pad.add_probe(Gst.PadProbeType.BUFFER, self._guarded(self._cut))
                 self._describe(pad)
                 return pad
         return None
@@ -339,7 +415,7 @@ class Transcode:
                 pad.send_event(Gst.Event.new_tag(tags))
             return Gst.PadProbeReturn.REMOVE
 
-        pad.add_probe(Gst.PadProbeType.BUFFER, first)
+        pad.add_probe(Gst.PadProbeType.BUFFER, self._guarded(first))
 
     def _add(self, description):
         found = self._bin(description)
@@ -349,13 +425,15 @@ class Transcode:
     def _link(self, pad):
         name = self._name(pad)
         if self.mux and self.task["container"] not in formats.MATROSKA:
-            pad.add_probe(Gst.PadProbeType.EVENT_DOWNSTREAM, self._see_chapters)
+            pad.add_probe(Gst.PadProbeType.EVENT_DOWNSTREAM, self._guarded(self._see_chapters))
         if not self.video_pads and name.startswith("image/" if self.probe.still else "video/"):
             self._link_video(pad)
         elif self.chunk:
             self._drop(pad)
         elif name.startswith("audio/"):
             self._link_sound(pad)
+        elif name.endswith("/x-unknown"):
+            self._drop(pad)
         else:
             self._link_other(pad)
 
@@ -380,7 +458,27 @@ class Transcode:
         for name, value in (("max-size-buffers", 0), ("max-size-time", 0), ("max-size-bytes", most_bytes)):
             queue.set_property(name, value)
         self.pipeline.add(queue)
+        if self.gates is not None and not most_bytes:
+            # A muxer that got packets begins with the streams whose format it knows then, and takes no other.
+            pad = queue.get_static_pad("src")
+            self.gates.append((pad, pad.add_probe(Gst.PadProbeType.BLOCK_DOWNSTREAM, lambda *_: Gst.PadProbeReturn.OK)))
         return queue
+
+    def _see_formats(self, pad, info):
+        """Opens the gates once each video pad of the muxer has caps. Later ones that only describe colors otherwise are left out: muxers take
+        one description."""
+        if info.get_event().type != Gst.EventType.CAPS:
+            return Gst.PadProbeReturn.OK
+        before, caps = self.formats.get(pad), info.get_event().parse_caps().to_string()
+        now = re.sub(r", (colorimetry|chroma-site|framerate|streamheader)=\([a-z]+\)(< [^>]*>|[^,;]*)", "", caps)
+        if before:
+            return Gst.PadProbeReturn.DROP if now == before else Gst.PadProbeReturn.OK
+        self.formats[pad] = now
+        if len(self.formats) == len(self.video_pads):
+            gates, self.gates = self.gates, None
+            for gate, block in gates or []:
+                gate.remove_probe(block)
+        return Gst.PadProbeReturn.OK
 
     def _link_video(self, pad):
         # The pads now, since the muxer begins with those that it has; what goes there, once the format of the frames is known.
@@ -389,12 +487,13 @@ class Transcode:
                                    self._stream(index) if self.chunk else self._pictures(layer))
             if self.mux:
                 self._describe(self.video_pads[-1], layer)
+                self.video_pads[-1].add_probe(Gst.PadProbeType.EVENT_DOWNSTREAM, self._guarded(self._see_formats))
         if self.task["parts"]:
             pad.add_probe(Gst.PadProbeType.DATA_DOWNSTREAM, self._guarded(self._instead))
             return
         decode = self._guarded(lambda: self._decode(pad, self._decoded, 32 << 20))
         if self.chunk:
-            self.chunk.seek(pad, decode, self._fail)
+            self.chunk.seek(pad, self.task["input"], decode, self._fail)
         else:
             decode()
 
@@ -410,8 +509,8 @@ class Transcode:
             self._join(queue.get_static_pad("src"), target, f"{self.task['container']} does not take the video of its parts")
             if index == 0:
                 self.head = target
-                target.add_probe(Gst.PadProbeType.BUFFER, self._count)
-            target.add_probe(Gst.PadProbeType.BUFFER, self._cut)
+                target.add_probe(Gst.PadProbeType.BUFFER, self._guarded(self._count))
+            target.add_probe(Gst.PadProbeType.BUFFER, self._guarded(self._cut))
             queue.sync_state_with_parent()
             self.readers.append(join(self.pipeline, self.task["parts"], index, queue.get_static_pad("sink")))
 
@@ -444,7 +543,7 @@ class Transcode:
 
     def _decoded(self, source):
         caps = source.get_current_caps()
-        if is_pattern(self.task["input"]) and caps.get_structure(0).get_string("format") == "ARGB64" and \
+        if is_pattern(self.task["input"]) and structure_of(caps).get_string("format") == "ARGB64" and \
                 formats.own_pictures(exr=False).pngdec_is_late():
             mend = self._add(formats.own_line("png16 in"))
             first = picture(self.task["input"], numbered(self.task["input"])[0])
@@ -458,18 +557,28 @@ class Transcode:
             self._join(end, target, f"{self.task['container']} does not take the video codec {codec}")
         video.sync_state_with_parent()
         self.head = video.sinkpads[0]
-        self.head.add_probe(Gst.PadProbeType.BUFFER, self._cut)
+        self.head.add_probe(Gst.PadProbeType.BUFFER, self._guarded(self._cut))
+        self.head.add_probe(Gst.PadProbeType.EVENT_DOWNSTREAM, self._guarded(self._watch_sizes))
         if self.chunk:
-            self.chunk.cut(self.head)
+            self.chunk.cut(self.head, self._guarded)
         self._join(source, self.head, "its frames cannot be brought to the elements")
 
+    @staticmethod
+    def _decodable(caps):
+        decoders = Gst.ElementFactory.list_get_elements(Gst.ELEMENT_FACTORY_TYPE_DECODER, Gst.Rank.MARGINAL)
+        return structure_of(caps).get_name() == "audio/x-raw" or bool(Gst.ElementFactory.list_filter(decoders, caps, Gst.PadDirection.SINK, False))
+
     def _link_sound(self, pad):
-        if self.task["audio"] == "none":
+        name = self._name(pad)
+        if self.task["audio"] == "none" or name.endswith("/x-unknown"):  # of which the probe has told
             self._drop(pad)
         elif not self.mux:
             self._link_other(pad)
         elif self.task["audio"] == "copy" and self._copy(pad):
             return
+        elif not self._decodable(self._caps(pad)):
+            self.warnings.append(f"{self.task['container']} takes no {name}, and nothing here decodes it: it is left out")
+            self._drop(pad)
         else:
             codec = self.task["audio"] if self.task["audio"] != "copy" else self.container.audio
             if self.task["audio"] == "copy":
@@ -497,7 +606,7 @@ class Transcode:
         return pad.get_current_caps() or pad.get_stream() and pad.get_stream().get_caps() or pad.query_caps()
 
     def _name(self, pad):
-        return self._caps(pad).get_structure(0).get_name()
+        return structure_of(self._caps(pad)).get_name()
 
     def _copy(self, pad):
         """Copies packets, in another form where the container wants that; False if it does not take them."""

@@ -4,6 +4,8 @@ import os
 import re
 from dataclasses import asdict, dataclass, field
 
+from inverse_common import media
+
 from .formats import SEQUENCES, is_element, is_layer
 
 PICTURES = re.compile(r"%0?\d*d")  # in the name of an input: numbered pictures
@@ -105,7 +107,9 @@ def _problem(path):
         return "it is no file"
     if not os.access(path, os.R_OK):
         return "it cannot be read"
-    return "it is empty" if os.path.getsize(path) == 0 else ""
+    if os.path.getsize(path) == 0:
+        return "it is empty"
+    return f"it {media.LIST_ADVICE}" if media.is_list(path) else ""
 
 
 def _result_folder(folder):

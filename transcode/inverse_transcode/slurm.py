@@ -5,6 +5,9 @@ import re
 import shlex
 import shutil
 import subprocess
+import time
+
+from inverse_common import files
 
 from .batch import BatchError
 
@@ -22,9 +25,9 @@ def _array(batch, name, numbers, words):
     """Submits tasks, several to an element of the array where they are more than an array takes. Returns the number of the job."""
     each = -(-len(numbers) // _array_size())
     lines = [" ".join(map(str, numbers[k:k + each])) for k in range(0, len(numbers), each)]
-    listed = os.path.join(batch.folder, f"slurm-{name}.txt")
-    with open(listed, "w", encoding="ascii") as written:
-        written.write("\n".join(lines) + "\n")
+    # One for each submission: elements of an earlier one read theirs when they start.
+    listed = os.path.join(batch.folder, f"slurm-{name}-{time.strftime('%Y%m%d-%H%M%S')}-{os.getpid()}.txt")
+    files.write(listed, "\n".join(lines) + "\n")
     script = f'exec {shlex.quote(os.path.join(batch.folder, "run"))} $(sed -n "${{SLURM_ARRAY_TASK_ID}}p" {shlex.quote(listed)})'
     log = os.path.join(batch.folder, "logs").replace("\\", "\\\\").replace("%", "%%") + "/%A_%a.log"
     told = subprocess.run(["sbatch", "--parsable", "--requeue", "--open-mode=append", f"--job-name=inverse-{name}", f"--output={log}",

@@ -1,15 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Transcodes one file: `python3 -m inverse_transcode.worker`, the task as a line of JSON on its input, what happens as lines of JSON on
 its output. It stops as if the file ended there if its input is closed or SIGTERM comes. A result gets its name once it is complete."""
-import fcntl
-import glob
-import hashlib
 import json
 import os
-import shutil
 import signal
 import sys
-import tempfile
 import time
 
 import gi
@@ -17,10 +12,13 @@ import gi
 gi.require_version("Gst", "1.0")
 from gi.repository import GLib, Gst  # noqa: E402
 
+from inverse_common.files import settle  # noqa: E402
+from inverse_common.probe import ProbeError  # noqa: E402
+
 from .formats import MATROSKA, SEQUENCES, FormatError  # noqa: E402
 from .matroska import mend_tags  # noqa: E402
+from .part import Part  # noqa: E402
 from .pipeline import Transcode, TranscodeError  # noqa: E402
-from .probe import ProbeError  # noqa: E402
 
 CLOSING_SECONDS = 30
 TICK_SECONDS = 0.5  # between reports
@@ -40,70 +38,16 @@ def partial_name(output):
     return f"{stem}.partial{ending}"
 
 
-def remove(path):
-    shutil.rmtree(path) if os.path.isdir(path) else os.unlink(path)
-
-
-def new_part(output, folder_wanted):
-    """A file or a folder for what is not complete, locked while it is written, and its descriptor.
-    Those that a killed worker left are removed."""
-    folder, name = os.path.split(os.path.abspath(output))
-    os.makedirs(folder, exist_ok=True)
-    prefix = f".{hashlib.sha256(os.fsencode(name)).hexdigest()[:16]}."
-    for left in glob.glob(os.path.join(glob.escape(folder), glob.escape(prefix) + "*.part")):
-        try:
-            old = os.open(left, os.O_RDONLY)
-        except FileNotFoundError:
-            continue
-        try:
-            fcntl.flock(old, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            remove(left)
-        except BlockingIOError:
-            pass  # it is being written
-        finally:
-            os.close(old)
-    umask = os.umask(0)
-    os.umask(umask)
-    if folder_wanted:
-        part = tempfile.mkdtemp(prefix=prefix, suffix=".part", dir=folder)
-        handle = os.open(part, os.O_RDONLY)
-    else:
-        handle, part = tempfile.mkstemp(prefix=prefix, suffix=".part", dir=folder)
-    os.fchmod(handle, (0o777 if folder_wanted else 0o666) & ~umask)
-    fcntl.flock(handle, fcntl.LOCK_EX)
-    return part, handle
-
-
-def settle(path, target):
-    """Gives what is complete its name, once it is on the disk."""
-    if os.path.isdir(path):
-        os.sync()
-        if os.path.isdir(target):  # what it has was looked at before (plan.py)
-            old = path + ".part"
-            os.rename(target, old)
-            try:
-                os.rename(path, target)
-            except OSError:
-                os.rename(old, target)
-                raise
-            shutil.rmtree(old)
-            return
-    else:
-        with open(path, "rb") as written:
-            os.fsync(written.fileno())
-    os.replace(path, target)
-
-
 def work(task):
     """Returns the last words of the worker."""
     output = os.path.realpath(task["output"])
     try:
-        part, handle = new_part(output, task["container"] in SEQUENCES or task["chunk"])
+        part = Part(output, task["container"] in SEQUENCES or task["chunk"])
     except OSError as error:
         return {"status": "failed", "error": f"cannot write to {os.path.dirname(task['output']) or '.'}: {error.strerror}"}
     loop, started = GLib.MainLoop(), time.monotonic()
     try:
-        run = Transcode(task, part, loop)
+        run = Transcode(task, part.path, loop)
 
         def late():
             run.error = run.error or f"it could not be closed within {CLOSING_SECONDS} s"
@@ -122,7 +66,7 @@ def work(task):
             say(frames=run.frames, time=run.time, seconds=run.probe.seconds)
             frames, work = run.made + run.frames, time.process_time()
             still["ticks"] += 1
-            if frames != still["frames"] or work - still["work"] > STILL_SECONDS / 100:
+            if frames != still["frames"] or work - still["work"] > STILL_SECONDS / 20:  # telling takes a hundredth
                 still.update(frames=frames, work=work, ticks=0)
             elif still["ticks"] > STILL_SECONDS / TICK_SECONDS:
                 run.error = run.error or f"nothing has moved for {STILL_SECONDS} s, {run.made} frames out of the elements, {run.frames} out of the encoder"
@@ -150,8 +94,8 @@ def work(task):
             return {"status": "failed", "error": run.error, **words}
         target = partial_name(output) if run.stopping else output
         if task["container"] in MATROSKA and not task["chunk"]:
-            mend_tags(part)
-        settle(part, target)
+            mend_tags(part.path)
+        settle(part.path, target)
         return {"status": "stopped" if run.stopping else "done", "written": target, **words}
     except (FormatError, ProbeError, TranscodeError) as error:
         return {"status": "failed", "error": str(error)}
@@ -160,9 +104,7 @@ def work(task):
     except Exception as error:  # so that it is told
         return {"status": "failed", "error": f"{type(error).__name__}: {error}"}
     finally:
-        if os.path.exists(part):
-            remove(part)
-        os.close(handle)
+        part.close()
 
 
 def main():

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Rules for files of video that all programs follow."""
+import re
+
+import gi
+
+gi.require_version("Gst", "1.0")
+gi.require_version("GstBase", "1.0")
+gi.require_version("GstVideo", "1.0")
+from gi.repository import GLib, Gst, GstBase, GstVideo  # noqa: E402
+
+from .gst import structure_of  # noqa: E402
+
+HEAD = 1 << 16  # bytes that tell what a file is
+# What is no video itself, but names others, on this machine or elsewhere.
+_LISTS = ("application/x-hls", "application/dash+xml", "application/vnd.ms-sstr+xml", "application/sdp", "text/uri-list")
+
+
+def is_list(path):
+    """Whether a file only names streams, on other hosts perhaps, that GStreamer would open. Throws OSError."""
+    with open(path, "rb") as file:
+        head = file.read(HEAD)
+    try:
+        caps, _ = GstBase.type_find_helper_for_data(None, head) if head else (None, 0)
+    except (GLib.Error, TypeError):
+        return False
+    return bool(caps) and structure_of(caps).get_name() in _LISTS
+
+
+LIST_ADVICE = "is a list of streams, which may be on other hosts: open one of them by its address, if you trust it"
+
+
+def formats_of(element):
+    """Names of the formats of raw video that an element takes, other than those that it only passes on."""
+    found = []
+    for template in Gst.ElementFactory.find(element).get_static_pad_templates():
+        caps = template.get_caps()
+        if template.direction == Gst.PadDirection.SINK and not caps.is_any():
+            plain = [structure_of(caps, k).to_string() for k in range(caps.get_size()) if not caps.get_features(k).is_any()]
+            found += re.findall(r"\b[A-Z][A-Za-z0-9_]+\b", " ".join(plain))
+    return [name for name in dict.fromkeys(found) if GstVideo.VideoFormat.from_string(name) != GstVideo.VideoFormat.UNKNOWN]
+
+
+def deinterlaces(finfo):
+    """Whether `deinterlace` of this GStreamer does so for a format; that of 1.22 passes more than 8 bits on as they are."""
+    return finfo.name in formats_of("deinterlace")
+
+
+def deinterlace_line():
+    """Makes full frames of interlaced video of any format, at its frame rate: in a format that `deinterlace` takes, of 8 bits where it takes no
+    other."""
+    return f"videoconvert ! video/x-raw,format=(string){{{','.join(formats_of('deinterlace'))}}} ! deinterlace fields=top"
+
+
+def upright(line, direction):
+    """A line of video, turned in a direction of videoflip ("auto": by the video's tag)."""
+    return line if direction == "identity" else f"{line} ! videoconvert ! videoflip video-direction={direction}"

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What is written before it is complete: hidden, beside the result, under a lock."""
+import fcntl
+import glob
+import hashlib
+import os
+import shutil
+import socket
+import tempfile
+
+from inverse_common import files
+
+
+def remove(path):
+    """Removes a file or a folder, if it is there."""
+    try:
+        shutil.rmtree(path) if os.path.isdir(path) else os.unlink(path)
+    except FileNotFoundError:
+        pass
+
+
+class Part:
+    """A file or a folder at `path` for a result that is not complete. Its lock, a file of its own beside it, is held until `close`, and
+    ends with the process on whichever host: locks of folders do not leave a host where NFS keeps files. Throws OSError."""
+
+    def __init__(self, output, folder_wanted):
+        folder, name = os.path.split(os.path.abspath(output))
+        os.makedirs(folder, exist_ok=True)
+        files.restore(output)
+        prefix = f".{hashlib.sha256(os.fsencode(name)).hexdigest()[:16]}."
+        _remove_left(os.path.join(folder, prefix))
+        self._lock, self._lock_path = _new_lock(folder, f"{prefix}{socket.gethostname()[:32]}-{os.getpid()}-")
+        self.path = self._lock_path.removesuffix(".lock") + ".part"
+        if folder_wanted:
+            os.mkdir(self.path)
+        else:
+            os.close(os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
+
+    def close(self):
+        """Removes what did not get its name, then the lock."""
+        remove(self.path)
+        remove(self._lock_path)
+        os.close(self._lock)
+
+
+def _new_lock(folder, prefix):
+    while True:
+        handle, path = tempfile.mkstemp(prefix=prefix, suffix=".lock", dir=folder)
+        if _locked(handle) and os.path.exists(path):
+            return handle, path
+        os.close(handle)  # another process took it for one that was left, before it was locked
+
+
+def _locked(handle):
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        return True
+    except OSError:
+        return False
+
+
+def _remove_left(prefix):
+    """Removes what killed processes left: whose lock nobody holds. What cannot be locked stays."""
+    for lock in glob.glob(glob.escape(prefix) + "*.lock"):
+        try:
+            handle = os.open(lock, os.O_RDWR)  # NFS locks nothing that is only read
+        except OSError:
+            continue
+        try:
+            if _locked(handle):
+                remove(lock.removesuffix(".lock") + ".part")
+                remove(lock)
+        except OSError:
+            pass  # of another user
+        finally:
+            os.close(handle)
