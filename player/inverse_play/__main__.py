@@ -5,6 +5,7 @@ import sys
 from gi.repository import GLib, Gst
 
 from . import arguments, elements, launch_line, source
+from .messages import Trouble
 
 
 def fail(text, status=1):
@@ -28,7 +29,19 @@ def _gtk():
     return Gtk
 
 
-def _show(made, options):
+def _begin(window, made, options, demands):
+    if not window.session.may_open(options.project, demands):
+        window.session.troubles.append(Trouble(f"{options.project} was not opened."))
+        window.quit()
+        return GLib.SOURCE_REMOVE
+    if made.source:
+        window.session.open(made.source)
+    if not options.close_at_end:
+        window.offer_unsaved()
+    return GLib.SOURCE_REMOVE
+
+
+def _show(made, options, demands):
     gtk = _gtk()
     from .session import Session
     from .ui import style
@@ -36,12 +49,11 @@ def _show(made, options):
     style.apply()
     window = Window(lambda sink, second: Session(sink, second, made), options.folder)
     window.exit_at_end = options.close_at_end
-    window.session.record_at_start = options.record
+    window.session.record_at_start, window.session.overwrite = options.record, options.overwrite
     for signal in (2, 15):  # Ctrl-C, kill
         GLib.unix_signal_add(GLib.PRIORITY_DEFAULT, signal, window.quit)
     window.show()
-    if made.source:
-        GLib.idle_add(lambda: window.session.open(made.source))
+    GLib.idle_add(_begin, window, made, options, demands)
     gtk.main()
     for trouble in window.session.troubles:
         print(f"inverse-play: {trouble.text} {trouble.advice}".rstrip(), file=sys.stderr)
@@ -53,7 +65,7 @@ def main():
     Gst.init(None)
     options = arguments.parser().parse_args()
     try:
-        made = arguments.project_of(options)
+        made, demands = arguments.project_of(options), arguments.demands_of(options)
         if options.launch_line:
             if not made.source:
                 fail("--launch-line needs a SOURCE", 2)
@@ -61,7 +73,7 @@ def main():
             return 0
     except (elements.ElementError, source.SourceError, OSError) as error:
         fail(error)
-    return _show(made, options)
+    return _show(made, options, demands)
 
 
 if __name__ == "__main__":

@@ -18,7 +18,9 @@ def parser():
                                    description="Shows and edits the layers of a video while it plays.",
                                    formatter_class=argparse.RawDescriptionHelpFormatter)
     made.add_argument("source", metavar="SOURCE", nargs="?", help="what to play")
-    made.add_argument("--project", metavar="FILE", help="load a project that was saved")
+    made.add_argument("--project", metavar="FILE", help="load a project that was saved; asks before it runs elements, "
+                      "opens connections or writes files")
+    made.add_argument("--allow", action="store_true", help="let the project do so without a question")
     made.add_argument("--decomposer", metavar="ELEMENT", help="decompose by it (intrinsicdecomp)")
     made.add_argument("--edit", metavar="EDITOR", action="append", default=[],
                       help='add an editor, as in "intrinsicrecolor key=0xffc03020"; several are a chain')
@@ -26,11 +28,20 @@ def parser():
     made.add_argument("--split", metavar="SHARE", type=float,
                       help="show the original at the left, up to this share of the width: 0 to 1")
     made.add_argument("--record", metavar="FILE", help="record from the first frame on: .mkv, .webm or .mp4")
+    made.add_argument("--overwrite", action="store_true", help="let --record replace a file")
     made.add_argument("--close-at-end", action="store_true", help="close the window after the last frame")
     made.add_argument("--folder", metavar="FOLDER", help="where recordings and snapshots go, instead of your own")
     made.add_argument("--launch-line", action="store_true", help="print the line for gst-launch-1.0, and end")
     made.add_argument("--version", action="version", version=f"inverse-play {elements.version()}")
     return made
+
+
+def demands_of(options):
+    """What the project file that was named demands, less what other arguments take the place of. Raises as `project_of`."""
+    if not options.project or options.allow:
+        return []
+    loaded = project.load(options.project)
+    return project.demands(dataclasses.replace(loaded, source="") if options.source else loaded)
 
 
 def project_of(options):

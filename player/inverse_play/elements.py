@@ -4,6 +4,7 @@ import dataclasses
 import functools
 
 from gi.repository import GObject, Gst
+from inverse_common.gst import enum_values
 
 LAYERS = "meta:InverseLayers"
 BASE_PROPERTIES = {"name", "parent", "qos", "stats", "async-handling", "message-forward"}
@@ -95,6 +96,7 @@ class Property:
     maximum: float = 0
     choices: tuple = ()  # (nick, meaning)
     live: bool = True  # takes effect while playing; otherwise the element is made anew
+    effect: str = ""  # what a text does beyond the picture: "runs" elements, "writes" a file
 
 
 NUMBERS = {"gint": "int", "guint": "int", "gint64": "int", "guint64": "int", "gfloat": "float", "gdouble": "float"}
@@ -127,12 +129,19 @@ def _describe(spec):
             return Property(name, "color", blurb, _color_text(spec.default_value), live=live)
         return _number(spec, NUMBERS[type_name], live)
     if spec.value_type.is_a(GObject.TYPE_ENUM):
-        values = spec.enum_class.__enum_values__.values()
+        values, default = enum_values(spec)
         choices = tuple((v.value_nick, v.value_name) for v in values)
-        return Property(name, "enum", blurb, spec.default_value.value_nick, choices=choices, live=live)
+        return Property(name, "enum", blurb, default.value_nick, choices=choices, live=live)
     if type_name == "gchararray":
-        return Property(name, "file" if _is_file(name, blurb) else "text", blurb, spec.default_value or "", live=live)
+        return Property(name, "file" if _is_file(name, blurb) else "text", blurb, spec.default_value or "", live=live,
+                        effect=_effect(blurb))
     return None
+
+
+def _effect(blurb):
+    if blurb.startswith("Elements that"):
+        return "runs"
+    return "writes" if "written" in blurb or "to write" in blurb else ""
 
 
 @functools.cache
@@ -147,6 +156,12 @@ def properties(factory):
             if described:
                 found[spec.name] = described
     return found
+
+
+def is_own(factory):
+    """Whether an element is one of gst-inverse, whose properties' effects are known."""
+    found = Gst.ElementFactory.find(factory)
+    return bool(found) and (found.get_plugin_name() or "").startswith("inverse")
 
 
 def property_of(factory, name):
@@ -180,7 +195,7 @@ def checked(factory, name, value):
     described = property_of(factory, name)
     try:
         return _converted(described, value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ElementError(f"{name} of {factory} cannot be {value!r}: {described.blurb}") from None
 
 
@@ -196,7 +211,13 @@ def _converted(described, value):
         return number if described.minimum <= number <= described.maximum else _refuse()
     if described.kind == "enum":
         return value if value in (nick for nick, _ in described.choices) else _refuse()
-    return _only(str, value)
+    return text_of(value)
+
+
+def text_of(value):
+    """A text that GStreamer takes; raises ValueError for others."""
+    _only(str, value).encode()  # no lone surrogates
+    return value if "\0" not in value else _refuse()
 
 
 def _only(kind, value):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Plays a source through a project's elements: states, seeks, the end, and what goes wrong."""
 from gi.repository import GLib, Gst, GstVideo
+from inverse_common.gst import structure_of
 
 from . import messages, source
 from .chain import discard
@@ -37,6 +38,16 @@ class Playback:
         self.close()
         self.source = opened
         self._pipeline = _parse(opened)
+        self._pipeline.get_bus().add_signal_watch()
+        try:
+            self._assemble(opened, project)
+        except BaseException:
+            self.close()
+            raise
+        self._set_state(PLAYING)
+        self._pipeline.set_state(Gst.State.PLAYING)
+
+    def _assemble(self, opened, project):
         self.sink = self._make_sink()
         self.sink.set_property("sync", not opened.live)
         self._pipeline.add(self.sink)
@@ -47,11 +58,7 @@ class Playback:
         self.stage = Stage(self._pipeline, entry, self.sink, project, self._on_property)
         self.sink.get_static_pad("sink").add_probe(Gst.PadProbeType.BUFFER, self._on_buffer)
         self.stage.mouse_pad.add_probe(Gst.PadProbeType.EVENT_UPSTREAM, self._on_event)
-        bus = self._pipeline.get_bus()
-        bus.add_signal_watch()
-        bus.connect("message", self._on_message)
-        self._set_state(PLAYING)
-        self._pipeline.set_state(Gst.State.PLAYING)
+        self._pipeline.get_bus().connect("message", self._on_message)
 
     def close(self):
         """Stops and releases everything."""
@@ -82,7 +89,7 @@ class Playback:
     def frame_rate(self):
         """Frames a second that the source has; 0 if unknown."""
         caps = self._entry.get_current_caps() if self._entry else None
-        found, rate, of = caps.get_structure(0).get_fraction("framerate") if caps else (False, 0, 1)
+        found, rate, of = structure_of(caps).get_fraction("framerate") if caps else (False, 0, 1)
         return rate / of if found else 0.0
 
     def _set_state(self, state):
@@ -188,7 +195,7 @@ class Playback:
             time = segment.parse_segment().to_stream_time(Gst.Format.TIME, buffer.pts)
             if time != Gst.CLOCK_TIME_NONE:
                 self.position = time / Gst.SECOND
-        caps = pad.get_current_caps().get_structure(0)
+        caps = structure_of(pad.get_current_caps())
         self.width, self.height = caps.get_value("width"), caps.get_value("height")
         return Gst.PadProbeReturn.OK
 
@@ -196,7 +203,7 @@ class Playback:
         event = info.get_event()
         if event.type != Gst.EventType.NAVIGATION:
             return Gst.PadProbeReturn.OK
-        fields = event.get_structure()
+        fields = structure_of(event)
         kind = fields.get_string("event") or ""
         if not kind.startswith("mouse-button") and kind != "mouse-move":
             return Gst.PadProbeReturn.OK
@@ -218,7 +225,7 @@ class Playback:
         self._pipeline.recalculate_latency()
 
     def _on_element(self, message):
-        structure = message.get_structure()
+        structure = structure_of(message)
         if structure:
             self.presses += structure.has_name("inverse-touch-began")
             self._listener.on_event(structure)

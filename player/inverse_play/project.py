@@ -2,12 +2,13 @@
 """What was done to a video, as plain data: it is saved, loaded, undone, and written as a launch line."""
 import dataclasses
 import json
-import os
-import tempfile
+import shlex
+
+from inverse_common import files
 
 from . import elements
 from .elements import ElementError
-from .source import unreadable
+from .source import kind_of, unreadable
 
 VERSION = 1
 
@@ -94,9 +95,10 @@ def to_data(project):
             "compose": _element_data(project.compose, False), "split": project.split}
 
 
-def _read_element(name, data, what):
+def _read_element(name, data, known, what):
     if not isinstance(data, dict) or not isinstance(data.get("element"), str):
         raise ElementError(f'{what} must be an object with "element" and "properties"')
+    _check_kind(data["element"], known, what)  # no other element is made
     properties, on = data.get("properties", {}), data.get("on", True)
     if not isinstance(properties, dict) or not isinstance(on, bool):
         raise ElementError(f'"properties" of {what} must be an object, "on" true or false')
@@ -111,32 +113,33 @@ def from_data(data):
     if not isinstance(data, dict) or data.get("version") != VERSION:
         raise ElementError(f'a project is a JSON object with "version": {VERSION}')
     source, split, editors = data.get("source", ""), data.get("split"), data.get("editors", [])
-    if not isinstance(source, str) or not isinstance(editors, list):
-        raise ElementError('"source" must be a text, "editors" a list')
+    try:
+        elements.text_of(source)
+    except ValueError:
+        raise ElementError('"source" must be a text') from None
+    if not isinstance(editors, list):
+        raise ElementError('"editors" must be a list')
     if split is not None and not (isinstance(split, (int, float)) and 0 <= split <= 1):
         raise ElementError('"split" must be a number from 0 to 1, or null')
     default = Project()
     project = Project(source=source, split=split)
-    for name in ("decomposer", "compose"):
+    for name, known in (("decomposer", elements.decomposers()), ("compose", [default.compose.factory])):
         if name in data:
-            project = project.with_element(_read_element(name, data[name], f'"{name}"'))
-    _check_kind(project.decomposer, elements.decomposers(), "decomposer")
-    _check_kind(project.compose, [default.compose.factory], "compose")
+            project = project.with_element(_read_element(name, data[name], known, f'"{name}"'))
     return _with_editors(project, editors)
 
 
 def _with_editors(project, editors):
     for place, data in enumerate(editors):
-        editor = _read_element("", data, f"editor {place + 1}")
-        _check_kind(editor, elements.editors(), f"editor {place + 1}")
+        editor = _read_element("", data, elements.editors(), f"editor {place + 1}")
         editor = dataclasses.replace(editor, name=project.new_name(editor.factory))
         project = project.with_editors(project.editors + (editor,))
     return project
 
 
-def _check_kind(element, known, what):
-    if element.factory not in known:
-        raise ElementError(f"{element.factory} cannot be used as {what}; this installation has {', '.join(known)}")
+def _check_kind(factory, known, what):
+    if factory not in known:
+        raise ElementError(f"{factory} cannot be used as {what}; this installation has {', '.join(known)}")
 
 
 def load(path):
@@ -147,7 +150,7 @@ def load(path):
     with open(path, encoding="utf-8") as file:
         try:
             data = json.load(file)
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise ElementError(f"{path} is no project file: {error}") from None
     try:
         return from_data(data)
@@ -155,31 +158,46 @@ def load(path):
         raise ElementError(f"{path}: {error}") from None
 
 
+def demands(project):
+    """What a project does when it is opened that a picture does not need, a line each, as a person is asked about it: it runs elements, opens
+    connections or writes files. Empty for one that does none of this."""
+    found = []
+    kind = kind_of(project.source) if project.source else ""
+    if kind == "line":
+        found.append(f"runs the launch line {project.source}")
+    elif kind == "uri":
+        found.append(f"opens {project.source}")
+    for element in project.elements():
+        for name, value in element.properties.items():
+            described = elements.property_of(element.factory, name)
+            effect = described.effect or ("" if elements.is_own(element.factory) or not isinstance(value, str) else "sets")
+            words = {"runs": f"runs the elements {value}", "writes": f"writes the file {value}",
+                     "sets": f"sets {name} of {element.factory} to {value}"}
+            if effect and value:
+                found.append(words[effect])
+    return found
+
+
 def save(project, path):
     """Writes a project file; the one before stays whole until the new one is. Raises OSError."""
-    folder = os.path.dirname(os.path.abspath(path))
-    with tempfile.NamedTemporaryFile("w", dir=folder, encoding="utf-8", delete=False) as file:
-        try:
-            json.dump(to_data(project), file, indent=2)
-            file.write("\n")
-            file.close()
-            os.chmod(file.name, 0o666 & ~_umask())
-            os.replace(file.name, path)
-        except BaseException:
-            os.unlink(file.name)
-            raise
+    files.write(path, json.dumps(to_data(project), indent=2) + "\n")
 
 
-def _umask():
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+def _words(text):
+    """Those of a launch line: quotes keep spaces in one."""
+    try:
+        words = shlex.split(text)
+    except ValueError as error:
+        raise ElementError(f"{text} is no editor: {error}") from None
+    if not words:
+        raise ElementError("an editor is an element with its settings, such as intrinsicrecolor key=0xffc03020")
+    return words
 
 
 def parse_editor(text, project):
     """The project with one more editor, from a piece of a launch line: "intrinsicrecolor key=0xffc03020"."""
-    factory, *settings = text.split()
-    _check_kind(Element("", factory), elements.editors(), "editor")
+    factory, *settings = _words(text)
+    _check_kind(factory, elements.editors(), "editor")
     editor = Element(project.new_name(factory), factory)
     for setting in settings:
         name, equals, value = setting.partition("=")

@@ -3,14 +3,17 @@
 import os
 
 from gi.repository import GLib, Gst
+from inverse_common import files
 
 # (encoder with settings, muxers that take it); the first one that is installed is used.
 VP8 = "vp8enc deadline=1 cpu-used=8 threads=4 end-usage=cq cq-level=10 target-bitrate=20000000 keyframe-max-dist=60"
 ENCODERS = ((VP8, ("matroskamux", "webmmux")),
-            ("x264enc speed-preset=veryfast quantizer=18 pass=qual", ("matroskamux", "mp4mux")),
-            ("openh264enc bitrate=20000000", ("matroskamux", "mp4mux")),
+            ("x264enc speed-preset=veryfast quantizer=18 pass=qual ! h264parse", ("matroskamux", "mp4mux")),
+            ("openh264enc bitrate=20000000 ! h264parse", ("matroskamux", "mp4mux")),
             ("jpegenc quality=92", ("matroskamux",)))
 MUXERS = {".mkv": "matroskamux", ".webm": "webmmux", ".mp4": "mp4mux"}
+# So that what was written before a crash can be played.
+SETTINGS = {"mp4mux": "fragment-mode=first-moov-then-finalise fragment-duration=1000"}
 MAX_WAITING = 4  # frames that wait for the encoder
 LONGEST_GAP = Gst.SECOND
 COPY_ALL = (Gst.BufferCopyFlags.FLAGS | Gst.BufferCopyFlags.TIMESTAMPS | Gst.BufferCopyFlags.META |
@@ -28,16 +31,39 @@ def line_for(path):
     if not muxer:
         raise RecorderError(f"{path} ends in none of {', '.join(MUXERS)}; choose another name")
     for encoder, muxers in ENCODERS:
-        if muxer in muxers and all(Gst.ElementFactory.find(e) for e in (encoder.split()[0], muxer)):
-            return f"queue max-size-buffers={MAX_WAITING} ! videoconvert ! {encoder} ! {muxer} ! filesink name=file"
+        if muxer in muxers and all(Gst.ElementFactory.find(part.split()[0]) for part in (*encoder.split(" ! "), muxer)):
+            return f"queue max-size-buffers={MAX_WAITING} ! videoconvert ! {encoder} ! {muxer} {SETTINGS.get(muxer, '')} ! filesink name=file"
     raise RecorderError(f"no encoder for {ending} is installed; install gstreamer1.0-plugins-good, or record .mkv")
+
+
+def _draft(path, overwrite, source):
+    """The file that a recording is written to before it has its name; `path` itself if that is a device or a pipe."""
+    if os.path.exists(path):
+        if source and os.path.exists(source) and os.path.samefile(source, path):
+            raise RecorderError(f"{path} is the video that is played; choose another name")
+        if not os.path.isfile(path):
+            return path
+        if not overwrite:
+            raise RecorderError(f"{path} exists; choose another name, or add --overwrite")
+    stem, ending = os.path.splitext(path)
+    count = 0
+    while True:
+        draft = f"{stem}.part{count or ''}{ending}"  # a recording that a crash ended stays
+        try:
+            os.close(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
+            return draft
+        except FileExistsError:
+            count += 1
+        except OSError as error:
+            raise RecorderError(f"{path} cannot be written ({error.strerror}); choose another folder") from None
 
 
 class Recorder:
     """Records from the first frame after it was made until `stop`. Times are those of playing: a pause leaves no
-    gap, and a seek goes on where the recording was."""
+    gap, and a seek goes on where the recording was. The file gets its name at `stop`, STEM.part.ENDING until then.
+    `overwrite`: what has that name now is replaced then. `source`: the file that is played, which is never replaced."""
 
-    def __init__(self, path, pad, on_failure):
+    def __init__(self, path, pad, on_failure, overwrite=False, source=None):
         self.path, self.failure, self.frames = path, None, 0
         self._broken = False  # so that the file cannot be finished
         self._on_failure = on_failure
@@ -46,7 +72,8 @@ class Recorder:
         self._pipeline = Gst.parse_launch(f"appsrc name=in format=time block=true max-bytes=0 "
                                           f"max-buffers={MAX_WAITING} ! {line_for(path)}")
         self._in = self._pipeline.get_by_name("in")
-        self._pipeline.get_by_name("file").set_property("location", path)
+        self._draft = _draft(path, overwrite, source)
+        self._pipeline.get_by_name("file").set_property("location", self._draft)
         bus = self._pipeline.get_bus()
         bus.add_signal_watch()
         bus.connect("message::error", self._on_error)
@@ -54,6 +81,7 @@ class Recorder:
             error = bus.pop_filtered(Gst.MessageType.ERROR)
             self._pipeline.set_state(Gst.State.NULL)
             bus.remove_signal_watch()
+            self._discard()
             raise RecorderError(_reason(error, path))
         kinds = Gst.PadProbeType.BUFFER | Gst.PadProbeType.EVENT_DOWNSTREAM
         self._probe = pad.add_probe(kinds, self._on_data)
@@ -114,9 +142,28 @@ class Recorder:
                 self.failure = self.failure or _reason(done, self.path)
         self._pipeline.set_state(Gst.State.NULL)
         bus.remove_signal_watch()
-        if self.frames == 0 and not self.failure:
-            self.failure = f"no frame came while {self.path} was recorded; it is empty"
+        if self.frames == 0:
+            self.failure = self.failure or f"no frame came while {self.path} was to be recorded; nothing is written"
+            self._discard()
+        else:
+            self._settle()
         return self.failure is None
+
+    def _discard(self):
+        if self._draft != self.path:
+            os.unlink(self._draft)
+
+    def _settle(self):
+        """Gives the file its name. A recording that failed does not replace a file."""
+        if self._draft == self.path:
+            return
+        if self.failure and os.path.exists(self.path):
+            self.failure += f". What was recorded is in {self._draft}"
+            return
+        try:
+            files.settle(self._draft, self.path)
+        except OSError as error:
+            self.failure = self.failure or f"{self._draft} cannot get the name {self.path}: {error.strerror}"
 
 
 def _reason(message, path):

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What a person does: changes of the project that can be undone, recording, snapshots, files. Knows no window."""
 import dataclasses
+import os
 
 from gi.repository import GLib, Gst, GstVideo
+from inverse_common import files
 
-from . import elements, launch_line, layers, project, scene, selection, source
+from . import autosave, elements, launch_line, layers, project, scene, selection, source, trust
+from .autosave import Autosave
 from .history import History
 from .messages import Trouble
 from .playback import CLOSED, FAILED, PLAYING, Playback
@@ -25,7 +28,10 @@ class Session:
         self.troubles = []  # all that were fatal
         self.recorder = None
         self._mouse, self._tap = ("off", "decomposer"), None
-        self.record_at_start = None
+        self.record_at_start, self.overwrite = None, False
+        self._project_path = None  # of the file that it was loaded from or saved to
+        self.saved, self.autosave = first, Autosave()  # the project as it was saved last, and what is not saved
+        self.ask = lambda name, demands: False  # whether the user allows what a project demands
 
     @property
     def project(self):
@@ -109,7 +115,19 @@ class Session:
     # The project.
     def _add(self, label, changed, key=None):
         self.history.add(label, changed, key)
+        self._keep()
         self.observer()
+
+    def _keep(self):
+        """Keeps what is not saved for another run of the program."""
+        edits = dataclasses.replace(self.project, source=self.saved.source)
+        try:
+            if edits == self.saved:
+                self.autosave.saved()
+            else:
+                self.autosave.keep(self._kept())
+        except OSError as error:
+            self._not_written("The copy of the unsaved edits", error)
 
     def change(self, label, changed, key=None):
         """Does what makes the project `changed`."""
@@ -259,6 +277,7 @@ class Session:
         """Takes the last action back; returns its label."""
         label = self.history.undo()
         if label:
+            self._keep()
             self._show()
         return label
 
@@ -266,6 +285,7 @@ class Session:
         """Does it again; returns its label."""
         label = self.history.redo()
         if label:
+            self._keep()
             self._show()
         return label
 
@@ -278,19 +298,61 @@ class Session:
             reason = f"{path} cannot be read: {error.strerror}" if isinstance(error, OSError) else str(error)
             self.on_trouble(Trouble(f"{reason}.", fatal=False))
             return
+        if self.may_open(path, project.demands(loaded)):
+            self._project_path = os.path.abspath(path)
+            self._take(loaded, "Load project", loaded)
+
+    def load_unsaved(self, path):
+        """Goes on with edits that an earlier run of the program left (autosave.left)."""
+        try:
+            loaded = autosave.read(path)
+        except (OSError, elements.ElementError) as error:
+            self.on_trouble(Trouble(f"{path} cannot be read: {error}.", fatal=False))
+            return
+        self._take(loaded, "Go on with unsaved edits", self.saved)
+        autosave.discard(path)
+
+    def _take(self, loaded, label, saved):
         before = self.project.source
         loaded = dataclasses.replace(loaded, source=loaded.source or before)
-        self.change("Load project", loaded)
+        self.saved = saved
+        self.change(label, loaded)
+        self._keep()
         if loaded.source != before or self.playback.state in (CLOSED, FAILED):
             self.open(loaded.source)
+
+    def may_open(self, name, demands):
+        """Whether a project may do what it demands: if that was allowed before, or is now."""
+        if trust.is_allowed(demands):
+            return True
+        if not self.ask(os.path.basename(name), demands):
+            self.report(Trouble(f"{name} was not opened: it {'; it '.join(demands)}.", fatal=False))
+            return False
+        try:
+            trust.allow(demands)
+        except OSError:
+            pass  # then it is asked again
+        return True
 
     def save(self, path):
         """Saves a project file. Whether that worked."""
         try:
             project.save(self._kept(), path)
-            return True
         except OSError as error:
             return self._not_written(path, error)
+        self.saved, self._project_path = self.project, os.path.abspath(path)
+        self._keep()
+        return True
+
+    def project_place(self):
+        """Where the project would be saved: (name, folder), those of its file or of the video; the folder None: anywhere."""
+        if self._project_path:
+            folder, name = os.path.split(self._project_path)
+            return name, folder
+        source = self.project.source
+        if os.path.exists(source):
+            return f"{os.path.splitext(os.path.basename(source))[0]}.json", os.path.dirname(os.path.abspath(source))
+        return "project.json", None
 
     def launch_line(self):
         """What is shown, as a command for a shell."""
@@ -309,8 +371,7 @@ class Session:
 
     def _write(self, path, content):
         try:
-            with open(path, "wb") as file:
-                file.write(content)
+            files.write(path, content)
             return True
         except OSError as error:
             return self._not_written(path, error)
@@ -338,7 +399,8 @@ class Session:
         if not self.playback.stage:
             return False
         try:
-            self.recorder = Recorder(path, self.playback.stage.picture_pad, self._on_recorder_failed)
+            self.recorder = Recorder(path, self.playback.stage.picture_pad, self._on_recorder_failed, self.overwrite,
+                                     self.project.source)
         except RecorderError as error:
             self.on_trouble(Trouble(str(error)))
             return False

@@ -3,7 +3,10 @@
 import dataclasses
 import os
 
-from gi.repository import Gio, GLib, Gst, GstPbutils
+from gi.repository import Gio, GLib, Gst
+from inverse_common import media
+from inverse_common.media import deinterlace_line, upright
+from inverse_common.probe import DIRECTIONS, ProbeError, jpeg_orientation, probe
 
 TEST_LINE = "videotestsrc is-live=true ! video/x-raw,width=640,height=480,framerate=30/1"
 ROOM_LINE = "rgbdtestsrc samples=1 ! video/x-raw,width=640,height=480,framerate=15/1"
@@ -47,8 +50,6 @@ def _libcamera(text):
 
 def _uri(text):
     protocol = text.partition(":")[0]
-    if protocol == "file":
-        return _file(Gio.File.new_for_uri(text).get_path() or "")
     if not Gst.uri_protocol_is_supported(Gst.URIType.SRC, protocol):
         raise SourceError(f'nothing installed here opens "{protocol}://"; install gstreamer1.0-plugins-good '
                           "for http://, https:// and rtsp://")
@@ -83,32 +84,44 @@ def _recording(path):
     return Source(path, os.path.basename(path), f"rgbdsrc location={quoted(path)}")
 
 
-def _with_depth(path):
-    """How rgbdmerge plays a file with depth, gray of 16 bits, in a second stream; None for other files."""
-    try:
-        found = GstPbutils.Discoverer.new(DISCOVER_SECONDS * Gst.SECOND).discover_uri(Gst.filename_to_uri(path))
-    except GLib.Error:
-        return None  # playing it says why
-    bits = [s.get_depth() for s in sorted(found.get_video_streams(), key=lambda s: s.get_stream_number())]
-    if len(bits) != 2 or bits.count(16) != 1 or not Gst.ElementFactory.find("rgbdmerge"):
-        return None
-    depth = bits.index(16)
+def _with_depth(path, depth):
+    """How rgbdmerge plays a file with depth in its video stream of that number."""
     return (f"filesrc location={quoted(path)} ! matroskademux name=demux "
             f"demux.video_{depth} ! queue ! decodebin ! video/x-raw,format=GRAY16_LE ! merge.depth "
             f"demux.video_{1 - depth} ! queue ! decodebin ! merge.sink rgbdmerge name=merge")
 
 
+def _video(path, kind):
+    """The line that decodes a file, upright and without fields."""
+    line = f"filesrc location={quoted(path)} ! decodebin"
+    if kind == "image/jpeg":
+        return upright(line, DIRECTIONS[jpeg_orientation(path) - 1])
+    if kind.startswith("image/"):
+        return line
+    try:
+        found = probe(Gst.filename_to_uri(path), DISCOVER_SECONDS)
+    except ProbeError:
+        return line  # playing it says why
+    if kind == "video/x-matroska" and found.depth_stream is not None and Gst.ElementFactory.find("rgbdmerge"):
+        return _with_depth(path, found.depth_stream)
+    if found.interlaced:
+        line += f" ! {deinterlace_line()}"
+    return upright(line, "auto" if found.turned else "identity")
+
+
 def _file(text):
+    if text.startswith("file:") and not os.path.exists(text):
+        text = Gio.File.new_for_uri(text).get_path() or ""
     path = os.path.abspath(text)
     if os.path.isdir(path):
         return _recording(path)
-    reason = unreadable(text)
+    reason = unreadable(path)
     if reason:
         raise SourceError(reason)
-    line = f"filesrc location={quoted(path)} ! decodebin"
+    if media.is_list(path):
+        raise SourceError(f"{path} {media.LIST_ADVICE}")
     kind = Gio.content_type_guess(path, None)[0] or ""
-    if kind == "video/x-matroska":
-        line = _with_depth(path) or line
+    line = _video(path, kind)
     if kind.startswith("image/"):
         # A still picture goes on as live video, so that it can be edited.
         return Source(text, os.path.basename(path), f"{line} ! imagefreeze is-live=true ! "
@@ -133,20 +146,29 @@ def _line(text):
     return Source(text, text.partition(" ")[0], text, live=_is_live(pipeline) or "v4l2src" in text)
 
 
+def kind_of(text):
+    """What a text names: "file" (also a folder), "test", "room", "camera", "libcamera", "line" (a piece of a launch line) or "uri". What exists
+    as a file is one."""
+    if os.path.isfile(text):
+        return "file"
+    if text in ("test", "room"):
+        return text
+    if text.startswith("/dev/video"):
+        return "camera"
+    if text == "libcamera" or text.startswith("libcamera:"):
+        return "libcamera"
+    if " ! " in text or (" " in text and Gst.ElementFactory.find(text.partition(" ")[0])):
+        return "line"
+    return "uri" if Gst.uri_is_valid(text) and not text.startswith("file:") else "file"
+
+
 def parse(text):
     """The Source for a file, the folder of a recording, a URI, /dev/videoN, "libcamera[:NAME]", "test", "room", or a
     piece of a launch line."""
-    if text == "test":
-        return Source(text, "Test picture", TEST_LINE, live=True)
-    if text == "room":
-        return Source(text, "Virtual room", ROOM_LINE, live=True)
-    if text.startswith("/dev/video"):
-        return _camera(text)
-    if text == "libcamera" or text.startswith("libcamera:"):
-        return _libcamera(text)
-    if " ! " in text or (" " in text and Gst.ElementFactory.find(text.partition(" ")[0])):
-        return _line(text)
-    return _uri(text) if Gst.uri_is_valid(text) else _file(text)
+    kinds = {"test": lambda _: Source(text, "Test picture", TEST_LINE, live=True),
+             "room": lambda _: Source(text, "Virtual room", ROOM_LINE, live=True),
+             "camera": _camera, "libcamera": _libcamera, "line": _line, "uri": _uri, "file": _file}
+    return kinds[kind_of(text)](text)
 
 
 def cameras():

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Reads colors of the reflectance in the middle of a chain."""
 from gi.repository import Gst
+from inverse_common.gst import structure_of
 
 LINE = ("tee name=tee tee. ! queue max-size-buffers=1 max-size-bytes=0 max-size-time=0 leaky=downstream ! "
         "intrinsiccompose show=reflectance ! videoconvert ! video/x-raw,format=RGB ! "
@@ -21,7 +22,7 @@ class Tap:
         self.element.get_by_name("last").get_static_pad("sink").add_probe(Gst.PadProbeType.BUFFER, self._on_buffer)
 
     def _on_buffer(self, pad, info):
-        self._last = info.get_buffer(), pad.get_current_caps().get_structure(0)
+        self._last = info.get_buffer(), structure_of(pad.get_current_caps())
         return Gst.PadProbeReturn.OK
 
     def color_at(self, x, y):

@@ -2,11 +2,16 @@
 """Playing, exchanging elements, recording, and what goes wrong: with a sink in place of the window."""
 import json
 import os
+import shutil
+import struct
+import subprocess
+import sys
 import unittest
 
 import support
 from gi.repository import Gst, GstVideo
-from inverse_play import playback, project
+from inverse_common.gst import structure_of
+from inverse_play import autosave, playback, project
 from inverse_play.chain import Chain
 from inverse_play.project import Project
 from inverse_play.session import Session
@@ -63,7 +68,7 @@ class Viewer:
             return None
         sample = GstVideo.video_convert_sample(sample, Gst.Caps.from_string("video/x-raw,format=RGB"), Gst.SECOND)
         buffer = sample.get_buffer()
-        return support.color((0, sample.get_caps().get_structure(0), buffer.extract_dup(0, buffer.get_size())), *at)
+        return support.color((0, structure_of(sample.get_caps()), buffer.extract_dup(0, buffer.get_size())), *at)
 
     def is_green(self, at):
         """Whether the pixel was painted green."""
@@ -349,6 +354,30 @@ class Recording(support.Case):
         self.assertGreater(support.color(frames[-1], *RED)[1], 100)
         self.assertEqual(viewer.session.troubles, [])
 
+    def test_it_is_turned_as_the_file_says(self):
+        if not Gst.ElementFactory.find("openh264enc"):
+            self.skipTest("there is no openh264enc")
+        clip = self.path("clip.mp4")
+        support.run_line("videotestsrc num-buffers=8 ! video/x-raw,width=160,height=120,framerate=10/1 ! openh264enc ! h264parse ! mp4mux ! "
+                         f"filesink location={clip}")
+        with open(clip, "r+b") as file:
+            matrix = file.read().index(b"tkhd") + 4 + 40
+            file.seek(matrix)
+            file.write(struct.pack(">9i", 0, 1 << 16, 0, -1 << 16, 0, 0, 0, 0, 1 << 30))
+        viewer = Viewer(self, every_frame=True).open(clip)
+        self.assertEqual((viewer.player.width, viewer.player.height), (120, 160))
+        self.assertIn("videoflip", viewer.session.launch_line())
+
+    def test_interlaced_video_plays(self):
+        for form in ("I420", "I420_10LE"):
+            clip = self.path(f"{form}.mkv")
+            support.run_line(f"videotestsrc num-buffers=8 pattern=ball ! video/x-raw,format={form},width=160,height=120,framerate=10/1,"
+                             f"interlace-mode=interleaved,field-order=top-field-first ! avenc_ffv1 ! matroskamux ! filesink location={clip}")
+            viewer = Viewer(self, every_frame=True).open(clip)
+            viewer.ends()
+            self.assertEqual(viewer.session.troubles, [])
+            self.assertIn("deinterlace", viewer.player.source.line)
+
     def test_a_seek_goes_on_in_the_file(self):
         viewer = Viewer(self).open(self.clip(80))
         viewer.wait(lambda: viewer.player.seekable)
@@ -369,6 +398,42 @@ class Recording(support.Case):
             viewer.wait(lambda recorder=recorder: recorder.frames > 3)
             viewer.session.close()
             self.assertEqual(len(support.read_video(self.path("out" + ending))), recorder.frames)
+
+    def test_a_recording_replaces_nothing(self):
+        clip = self.clip(60)
+        with open(clip, "rb") as file:
+            content = file.read()
+        other = self.path("other.mkv")
+        shutil.copy(clip, other)
+        viewer = Viewer(self).open(clip)
+        for path in (clip, other):
+            self.assertFalse(viewer.session.start_recording(path))
+            self.assertIn("exists" if path == other else "is played", viewer.told[-1].text)
+        viewer.session.overwrite = True
+        self.assertFalse(viewer.session.start_recording(clip))
+        os.symlink(clip, self.path("link.mkv"))
+        self.assertFalse(viewer.session.start_recording(self.path("link.mkv")))
+        self.assertTrue(viewer.session.start_recording(other))
+        viewer.wait(lambda: viewer.session.recorder is None or viewer.session.recorder.frames > 3)
+        for path in (clip, other):  # until the new one is whole
+            with open(path, "rb") as file:
+                self.assertEqual(file.read(), content)
+        viewer.session.stop_recording()
+        self.assertGreater(len(support.read_video(other)), 3)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["clip.mkv", "link.mkv", "other.mkv"])
+
+    def test_what_was_recorded_before_a_crash_plays(self):
+        for ending in (".mkv", ".mp4"):
+            if ending == ".mp4" and not (Gst.ElementFactory.find("openh264enc") or Gst.ElementFactory.find("x264enc")):
+                continue
+            viewer = Viewer(self).open("test")
+            self.assertTrue(viewer.session.start_recording(self.path("out" + ending)))
+            viewer.wait(lambda viewer=viewer: viewer.session.recorder.frames > 90)
+            support.pump(1)
+            shutil.copy(self.path("out.part" + ending), self.path("crashed" + ending))  # as the disk has it then
+            viewer.session.close()
+            self.assertGreater(support.count_frames(self.path("crashed" + ending)), 20)
+            self.assertGreater(support.count_frames(self.path("out" + ending)), 90)
 
     def test_a_full_disk_and_folders_that_are_missing(self):
         viewer = Viewer(self).open("test")
@@ -396,6 +461,34 @@ class Recording(support.Case):
 
 
 class Projects(support.Case):
+    def test_one_of_somebody_else_runs_and_writes_nothing(self):
+        """Until it is allowed, which is remembered."""
+        victim = self.path("written")
+        writes = f"tee name=t t. ! queue ! identity t. ! queue ! filesink location={victim}"
+        for number, data in enumerate((
+                {"source": f"videotestsrc num-buffers=3 ! tee name=t t. ! queue ! filesink location={victim} t. ! queue"},
+                {"source": "test", "editors": [{"element": "intrinsicedit", "properties": {"effect": writes}}]},
+                {"source": "test", "decomposer": {"element": "intrinsicdecomp", "properties": {"scene-location": victim + ".ply"}}},
+                {"source": "http://127.0.0.1:9/x.mkv"})):
+            with open(self.path("p.json"), "w", encoding="utf-8") as file:
+                json.dump({"version": 1, **data}, file)
+            viewer, asked = Viewer(self), []
+            before = viewer.session.project
+            viewer.session.load(self.path("p.json"))
+            self.assertEqual((viewer.session.project, viewer.player.state), (before, playback.CLOSED))
+            self.assertIn("p.json was not opened: it ", viewer.told[-1].text)
+            self.assertEqual(os.path.exists(victim), False)
+            if number:
+                continue
+            for _ in range(2):
+                viewer.session.ask = lambda name, demands, asked=asked: asked.append((name, demands)) or True
+                viewer.session.load(self.path("p.json"))
+                viewer.wait(lambda: os.path.exists(victim))
+                viewer.session.close()
+                os.unlink(victim)
+                viewer = Viewer(self)
+            self.assertEqual([name for name, _ in asked], ["p.json"])
+
     def test_everything_that_was_done_comes_again(self):
         path = self.clip(20)
         viewer = Viewer(self).open(path)
@@ -418,6 +511,31 @@ class Projects(support.Case):
             self.assertIn(reason, other.told[-1].text)
             self.assertNotIn("Errno", other.told[-1].text)
         self.assertEqual(other.session.project, before)
+
+    def test_unsaved_edits_outlive_a_crash(self):
+        clip = self.clip(20)
+        program = ("import os, sys; sys.path[:0] = sys.argv[1:2]; import inverse_play; from gi.repository import Gst; Gst.init(None)\n"
+                   "from inverse_play import project, session\n"
+                   "made = session.Session(None, None, project.Project(source=sys.argv[2]))\n"
+                   "made.add_editor('intrinsicrecolor', {'key': '0xff102030'}); made.add_editor('intrinsictone')\n"
+                   "made.undo() if sys.argv[3] == 'undo' else None\n"
+                   "made.save(sys.argv[4]) if sys.argv[3] == 'save' else None\n"
+                   "os.kill(os.getpid(), 9)")
+        for what, editors in (("", 2), ("undo", 1), ("save", None)):
+            done = subprocess.run([sys.executable, "-c", program, support.PLAYER, clip, what, self.path("p.json")], check=False)
+            self.assertEqual(done.returncode, -9)
+            left = autosave.left()
+            self.assertEqual(len(left), 0 if editors is None else 1)
+            if editors is None:
+                continue
+            self.assertIn("clip.mkv (", autosave.title(left[0]))
+            viewer = Viewer(self)
+            viewer.session.load_unsaved(left[0])
+            viewer.wait(lambda viewer=viewer: viewer.player.width > 0)
+            self.assertEqual((viewer.session.project.source, len(viewer.session.project.editors)), (clip, editors))
+            self.assertEqual(autosave.left(), [])  # it is unsaved in this run again
+            viewer.session.save(self.path("p.json"))
+            viewer.session.close()
 
     def test_undo_opens_the_source_before(self):
         first, second = self.clip(10, "a.mkv"), self.clip(10, "b.mkv", size=(80, 60))

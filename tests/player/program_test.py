@@ -73,7 +73,7 @@ class Program(support.Case):
             out = self.path(f"out{ends}.mkv")
             process = self.start("videotestsrc is-live=true pattern=snow ! video/x-raw,width=320,height=240",
                                  "--record", out)
-            self.wait_for_file(out, 200000)
+            self.wait_for_file(self.path(f"out{ends}.part.mkv"), 200000)
             close(process)
             _, errors = process.communicate(timeout=support.LIMIT)
             self.assertEqual(process.returncode, 0, errors)

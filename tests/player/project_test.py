@@ -4,6 +4,7 @@ import dataclasses
 import json
 import os
 import shlex
+import shutil
 import subprocess
 import sys
 import unittest
@@ -11,7 +12,7 @@ from concurrent import futures
 
 import support
 from gi.repository import Gst
-from inverse_play import arguments, elements, intros, launch_line, layers, project, scene, selection, source, tools
+from inverse_play import arguments, elements, intros, launch_line, layers, project, scene, selection, source, tools, trust
 from inverse_play.elements import ElementError
 from inverse_play.history import History
 from inverse_play.project import Element, Project
@@ -107,7 +108,13 @@ class Files(support.Case):
                   json.dumps({**good, "editors": [{"element": "intrinsiccompose"}]}),
                   json.dumps({**good, "editors": [{"element": "intrinsicrecolor", "properties": {"key": "x"}}]}),
                   json.dumps({**good, "editors": [{"element": "intrinsicrecolor", "properties": []}]}),
-                  json.dumps({**good, "decomposer": {"element": "videoconvert"}}), json.dumps({**good, "source": 3})]
+                  json.dumps({**good, "decomposer": {"element": "videoconvert"}}), json.dumps({**good, "source": 3}),
+                  json.dumps(good).replace('"on": true', '"on": 1'), "[" * 100000, '{"version": 1, "editors": ' + "[" * 100000,
+                  json.dumps({**good, "editors": [{"element": "intrinsicrecolor", "properties": {"tolerance": float("inf")}}]}),
+                  json.dumps({**good, "editors": [{"element": "intrinsicrelight", "properties": {"layer": float("inf")}}]}),
+                  json.dumps({**good, "decomposer": {"element": "intrinsicdecomp", "properties": {"strokes": "\ud800"}}}),
+                  json.dumps({**good, "decomposer": {"element": "intrinsicdecomp", "properties": {"strokes": "a\0b"}}}),
+                  json.dumps({**good, "source": "\ud800"}), json.dumps({**good, "source": "a\0b"}), json.dumps({**good, "split": float("nan")})]
         for text in broken:
             with open(self.path("p.json"), "w", encoding="utf-8") as file:
                 file.write(text)
@@ -368,6 +375,69 @@ class LaunchLine(support.Case):
         line = shlex.split(done.stdout)
         for word in ("globalintrinsic", "intrinsicdespill", "keep=0.5", "show=indirect", "autovideosink"):
             self.assertIn(word, line)
+
+
+class Trust(support.Case):
+    """What a project file may do without a question."""
+
+    def test_texts_that_run_or_write_are_known(self):
+        effects = {(factory, name): described.effect for factory in (*elements.decomposers(), *elements.editors())
+                   for name, described in elements.properties(factory).items() if described.effect}
+        scenes = {(factory, "scene-location"): "writes" for factory in elements.decomposers()
+                  if "scene-location" in elements.properties(factory)}
+        wanted = {("intrinsicedit", "effect"): "runs", ("intrinsicedit", "decomposer"): "runs", **scenes}
+        if "limematerial" in elements.decomposers():
+            wanted["limematerial", "save-environment-location"] = "writes"
+        self.assertEqual(effects, wanted)
+
+    def test_demands(self):
+        edit = Element("edit1", "intrinsicedit")
+        for made, words in (
+                (Project(source="videotestsrc ! identity"), "runs the launch line"),
+                (Project(source="videotestsrc num-buffers=1"), "runs the launch line"),
+                (Project(source="http://host/x"), "opens http://host/x"), (Project(source="rtsp://host/x"), "opens"),
+                (Project(editors=(edit.with_property("effect", "filesink location=x"),)), "runs the elements filesink"),
+                (Project(editors=(edit.with_property("decomposer", "identity"),)), "runs the elements identity"),
+                (Project().with_element(Element("decomposer", "intrinsicdecomp", {"scene-location": "/x.ply"})), "writes the file /x.ply")):
+            (demand,) = project.demands(made)
+            self.assertIn(words, demand)
+        for harmless in ("", "test", "room", "/dev/video0", "libcamera", "clip.mkv", "file:///a.mkv"):
+            self.assertEqual(project.demands(Project(source=harmless)), [], harmless)
+        self.assertEqual(project.demands(painted(key="0xffc00000")), [])
+
+    def test_what_is_allowed_is_remembered_as_a_whole(self):
+        one, other = ["runs a"], ["runs a", "runs b"]
+        self.assertTrue(trust.is_allowed([]))
+        self.assertFalse(trust.is_allowed(one))
+        trust.allow(one)
+        trust.allow(one)
+        self.assertTrue(trust.is_allowed(one))
+        self.assertFalse(trust.is_allowed(other))
+        self.assertEqual(os.stat(os.path.join(trust.folder(), "allowed")).st_mode & 0o077, 0)
+
+    def test_a_name_that_exists_as_a_file_is_a_file(self):
+        before = os.getcwd()
+        self.addCleanup(os.chdir, before)
+        os.chdir(self.folder)
+        for name in ("Stop ! Look.mkv", "videotestsrc num-buffers=1 ! filesink location=x.mkv videotestsrc", "test", "room", "libcamera", "a:b.mkv"):
+            shutil.copy(self.clip(2), name)
+            opened = source.parse(name)
+            self.assertIn("filesrc location=", opened.line)
+            self.assertFalse(opened.live)
+            os.unlink(name)
+        self.assertEqual(source.parse("test").line, source.TEST_LINE)
+
+    def test_a_list_of_streams_opens_no_connection(self):
+        for name, text in (("a.m3u8", "#EXTM3U\n#EXT-X-TARGETDURATION:2\n#EXTINF:2,\nhttp://127.0.0.1:9/x.ts\n"),
+                           ("a.mp4", "#EXTM3U\n#EXT-X-TARGETDURATION:2\n#EXTINF:2,\nhttp://127.0.0.1:9/x.ts\n"),
+                           ("a.mpd", '<?xml version="1.0" encoding="UTF-8"?>\n<MPD xmlns="urn:mpeg:dash:schema:mpd:2011" type="static" ' +
+                            'minBufferTime="PT2S" profiles="urn:mpeg:dash:profile:isoff-live:2011" mediaPresentationDuration="PT1S">' + 90 * '\n<Period></Period>' + '</MPD>\n'),
+                           ("a.sdp", "v=0\no=- 0 0 IN IP4 127.0.0.1\ns=x\nc=IN IP4 127.0.0.1\nt=0 0\nm=video 5000 RTP/AVP 96\n"),
+                           ("a.txt", "http://127.0.0.1:9/x\n")):
+            with open(self.path(name), "w", encoding="ascii") as file:
+                file.write(text)
+            with self.subTest(name), self.assertRaisesRegex(source.SourceError, "list of streams"):
+                source.parse(self.path(name))
 
 
 class CommandLine(support.Case):

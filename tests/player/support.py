@@ -28,6 +28,7 @@ def skip(reason):
 try:
     import inverse_play  # noqa: F401
     from gi.repository import GLib, Gst
+    from inverse_common.gst import structure_of
 except (ImportError, ValueError) as error:
     skip(f"GStreamer for Python is missing ({error}): install python3-gi, gir1.2-gst-plugins-base-1.0")
 Gst.init(None)
@@ -53,8 +54,10 @@ class Case(unittest.TestCase):
     """A test with a folder of its own."""
 
     def setUp(self):
-        self.folder = tempfile.mkdtemp()
+        self.folder, state = tempfile.mkdtemp(), tempfile.mkdtemp()
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        self.addCleanup(shutil.rmtree, state, ignore_errors=True)
+        os.environ["XDG_STATE_HOME"] = state  # what the program remembers between runs
 
     def path(self, name):
         """A file in the folder."""
@@ -90,17 +93,22 @@ def run_line(line):
         raise RuntimeError(f"{line}: {message.parse_error() if message else 'does not end'}")
 
 
-def read_video(path):
-    """(time in seconds, caps, bytes as RGB) of each frame of a file; raises if it cannot be read to its end."""
+def count_frames(path):
+    """How many frames of a file can be read, whether it is whole or not."""
+    return len(read_video(path, whole=False))
+
+
+def read_video(path, whole=True):
+    """(time in seconds, caps, bytes as RGB) of each frame of a file; raises if it is to be whole and cannot be read to its end."""
     pipeline = Gst.parse_launch(f"filesrc location={path} ! decodebin ! videoconvert ! video/x-raw,format=RGB ! "
                                 "fakesink name=out signal-handoffs=true sync=false")
     frames = []
     pipeline.get_by_name("out").connect("handoff", lambda _, buffer, pad: frames.append(
-        (buffer.pts / Gst.SECOND, pad.get_current_caps().get_structure(0), buffer.extract_dup(0, buffer.get_size()))))
+        (buffer.pts / Gst.SECOND, structure_of(pad.get_current_caps()), buffer.extract_dup(0, buffer.get_size()))))
     pipeline.set_state(Gst.State.PLAYING)
     message = pipeline.get_bus().timed_pop_filtered(LIMIT * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR)
     pipeline.set_state(Gst.State.NULL)
-    if message is None or message.type == Gst.MessageType.ERROR:
+    if message is None or whole and message.type == Gst.MessageType.ERROR:
         raise RuntimeError(f"{path} cannot be read")
     return frames
 

@@ -10,6 +10,7 @@ import unittest
 
 import support
 from gi.repository import Gst
+from inverse_common.gst import structure_of
 
 SIZE = (160, 120)
 RED, YELLOW = (125, 30), (34, 30)  # bars of the pattern smpte
@@ -51,7 +52,7 @@ def play(line, before=None):
     frames = [[] for _ in range(outs)]
 
     def take(_, buffer, pad, got):
-        caps = pad.get_current_caps().get_structure(0)
+        caps = structure_of(pad.get_current_caps())
         got.append((buffer.pts, caps.get_value("width"), caps.get_value("height"), buffer.extract_dup(0, buffer.get_size())))
 
     for k in range(outs):

@@ -9,6 +9,7 @@ import sys
 import unittest
 
 import support
+from inverse_common.gst import structure_of
 
 EXAMPLES = support.ROOT / "examples"
 RED, YELLOW = (125, 30), (34, 30)  # bars of the pattern smpte at 160x120
@@ -59,7 +60,7 @@ class C(Example):
     def read(self, data, width, height):
         """Frames as support.read_video returns them, of PPM pictures of that size."""
         head, rows = b"P6\n%d %d\n255\n" % (width, height), 3 * width * height
-        caps = support.Gst.Caps.from_string(f"video/x-raw,width={width},height={height}").get_structure(0)
+        caps = structure_of(support.Gst.Caps.from_string(f"video/x-raw,width={width},height={height}"))
         frames = []
         while data:
             self.assertTrue(data.startswith(head), data[:20])

@@ -27,11 +27,13 @@ def folder_to_open(parent, title):
     return _path(dialog)
 
 
-def file_to_save(parent, title, name):
+def file_to_save(parent, title, name, folder=None):
     """The path of a file to write, or None."""
     dialog = Gtk.FileChooserDialog(title=title, transient_for=parent, action=Gtk.FileChooserAction.SAVE,
                                    do_overwrite_confirmation=True)
     dialog.add_buttons("Cancel", CANCEL, "Save", OK)
+    if folder:
+        dialog.set_current_folder(folder)
     dialog.set_current_name(name)
     return _path(dialog)
 
@@ -41,6 +43,18 @@ def _path(dialog):
     path = dialog.get_filename() if dialog.run() == OK else None
     dialog.destroy()
     return path
+
+
+def may_open(parent, name, demands):
+    """Whether the user allows what a project demands (project.demands)."""
+    dialog = Gtk.MessageDialog(transient_for=parent, modal=True, message_type=Gtk.MessageType.WARNING, buttons=Gtk.ButtonsType.NONE,
+                               text=f"{name} does more than show a video")
+    dialog.format_secondary_text("It " + "\nIt ".join(demands) + "\n\nOpen it only if it is yours, or of somebody you trust.")
+    dialog.add_buttons("Do not open", CANCEL, "Open", OK)
+    dialog.set_default_response(CANCEL)
+    allowed = dialog.run() == OK
+    dialog.destroy()
+    return allowed
 
 
 def text(parent, title, about, before):

@@ -2,9 +2,9 @@
 """The window: puts its parts together, and does what keys and buttons ask for."""
 from gi.repository import Gdk, GLib, Gtk
 
-from .. import elements, layers, selection, tools
+from .. import autosave, elements, layers, selection, tools
 from ..messages import Trouble
-from ..playback import CLOSED, ENDED, FAILED
+from ..playback import CLOSED, ENDED, FAILED, PAUSED, PLAYING
 from . import dialogs, keys
 from .header import LAYER_KEYS, Header
 from .mouse import Mouse
@@ -29,11 +29,13 @@ class Window(Gtk.Window):
         self.picture = Picture(lambda split: self.session.set_split(split))
         self.session = make_session(self.picture.make_sink, self.picture.make_original_sink)
         self._folder, self.exit_at_end = folder, False
-        self._info_timer, self._tool_before = None, tools.LOOK
+        self._info_timer, self._tool_before, self._unsaved = None, tools.LOOK, None
+        self._failed = False  # whether the message that is shown is why nothing plays
         self._build()
         self.session.observer, self.session.report = self.update, self.show_trouble
+        self.session.ask = lambda name, demands: dialogs.may_open(self, name, demands)
         self.session.finished, self.session.touched = self._on_finished, self.strokes.move
-        self.session.playback.on_mouse = self.mouse.take
+        self.session.playback.on_mouse = self._on_mouse
         self._keys = keys.Keys([(t.key, f"tool-{t.name}") for t in self.all_tools()] +
                                [(key, f"add-{factory}") for factory, _, key, _ in tools.editors()])
         self.connect("key-press-event", self._on_key)
@@ -92,6 +94,7 @@ class Window(Gtk.Window):
         self._info_text.show()
         bar.get_content_area().add(self._info_text)
         self._undo, self._again = bar.add_button("Undo", 2), bar.add_button("Try again", 1)
+        self._go_on = bar.add_button("Open them", 3)
         bar.connect("response", self._on_info)
         return bar
 
@@ -122,6 +125,9 @@ class Window(Gtk.Window):
         self._show_start(playback.state == CLOSED and not session.project.source)
         self._show_split()
         self._show_strokes()
+        if self._failed and playback.state == PLAYING:  # what was wrong is over
+            self.info.hide()
+        self._failed = self._failed and playback.state != PLAYING
         if playback.source and playback.state != CLOSED:
             self.set_title(f"{playback.source.title} – inverse-play")
 
@@ -162,10 +168,12 @@ class Window(Gtk.Window):
             self._info_timer = None
         if not trouble.fatal:
             self._info_timer = GLib.timeout_add_seconds(INFO_SECONDS, self._hide_info)
+        self._failed = trouble.fatal and self.session.playback.state in (CLOSED, FAILED)
         self._info_text.set_text(f"{trouble.text} {trouble.advice}".strip())
         self.info.set_message_type(Gtk.MessageType.ERROR if trouble.fatal else Gtk.MessageType.INFO)
         self._again.set_visible(self.session.playback.state in (CLOSED, FAILED) and bool(self.session.project.source))
         self._undo.set_visible(trouble.fatal and trouble.of_edits)
+        self._go_on.hide()
         self.info.show()
 
     def note(self, text):
@@ -183,6 +191,20 @@ class Window(Gtk.Window):
             self.session.open(self.session.project.source)
         elif response == 2:
             self.session.undo()
+        elif response == 3:
+            self.session.load_unsaved(self._unsaved)
+
+    def offer_unsaved(self):
+        """Offers edits that an earlier run of the program left."""
+        for path in autosave.left():
+            what = autosave.title(path)
+            if what:
+                self._unsaved = path
+                self.show_trouble(Trouble(f"There are unsaved edits of {what}.", fatal=True))
+                self.info.set_message_type(Gtk.MessageType.QUESTION)
+                self._again.hide()
+                self._go_on.show()
+                return
 
     # Tools.
     @property
@@ -240,6 +262,11 @@ class Window(Gtk.Window):
             self._pick_up("key")
             self.note("Click on the screen to separate the foreground from it, by its color.")
 
+    def _on_mouse(self, kind, x, y, shift):
+        if kind == "mouse-button-press":
+            self.set_focus(None)  # what was typed is complete
+        return self.mouse.take(kind, x, y, shift)
+
     # Keys and buttons.
     def _on_key(self, _window, event):
         action = self._keys.action_of(event)
@@ -249,9 +276,8 @@ class Window(Gtk.Window):
         return True
 
     def _typing(self, event):
-        """Whether the key is for the control that has the keyboard."""
-        focus = self.get_focus()
-        if not focus or not focus.is_ancestor(self.panel):
+        """Whether the key is a part of a text that is typed."""
+        if not isinstance(self.get_focus(), (Gtk.Entry, Gtk.TextView)):
             return False
         special = event.state & keys.CONTROL or event.keyval == Gdk.KEY_Escape or \
             Gdk.KEY_F1 <= event.keyval <= Gdk.KEY_F12
@@ -409,7 +435,8 @@ class Window(Gtk.Window):
         if self.session.recorder:
             self.session.stop_recording()
         elif self.session.start_recording(dialogs.new_path(self._folder, ".mkv")):
-            self.note(f"Recording to {self.session.recorder.path}")
+            waits = " once the video plays" if self.session.playback.state in (PAUSED, ENDED) else ""
+            self.note(f"Recording to {self.session.recorder.path}{waits}")
         elif self.session.playback.state == CLOSED:
             self.note("Open a video first.")
 
@@ -419,7 +446,7 @@ class Window(Gtk.Window):
             self.note(f"Snapshot: {path}")
 
     def _do_save(self):
-        path = dialogs.file_to_save(self, "Save the project", "project.json")
+        path = dialogs.file_to_save(self, "Save the project", *self.session.project_place())
         if path and self.session.save(path):
             self.note(f"Saved {path}")
 
