@@ -328,11 +328,16 @@ class Session:
         if not self.ask(os.path.basename(name), demands):
             self.report(Trouble(f"{name} was not opened: it {'; it '.join(demands)}.", fatal=False))
             return False
+        self._allow(demands)
+        return True
+
+    @staticmethod
+    def _allow(demands):
         try:
-            trust.allow(demands)
+            if demands:
+                trust.allow(demands)
         except OSError:
             pass  # then it is asked again
-        return True
 
     def save(self, path):
         """Saves a project file. Whether that worked."""
@@ -340,6 +345,7 @@ class Session:
             project.save(self._kept(), path)
         except OSError as error:
             return self._not_written(path, error)
+        self._allow(project.demands(self._kept()))  # it is the user's own
         self.saved, self._project_path = self.project, os.path.abspath(path)
         self._keep()
         return True

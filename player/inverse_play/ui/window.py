@@ -18,6 +18,7 @@ from .toolbar import Toolbar
 
 SKIP_SECONDS, SPLIT_STEP, BRUSH_STEP = 5, 0.05, 1.25
 INFO_SECONDS = 8
+MOVING = {"Up", "Down", "Left", "Right", "Home", "End", "Page_Up", "Page_Down", "Tab", "ISO_Left_Tab", "space", "Return"}
 PICTURES = "image/png", "image/jpeg"  # that intrinsictexture reads
 
 
@@ -276,9 +277,12 @@ class Window(Gtk.Window):
         return True
 
     def _typing(self, event):
-        """Whether the key is a part of a text that is typed."""
-        if not isinstance(self.get_focus(), (Gtk.Entry, Gtk.TextView)):
+        """Whether the key is a part of a text that is typed, or moves the control that has the keyboard."""
+        focus = self.get_focus()
+        if not focus or not focus.is_ancestor(self.panel):
             return False
+        if not isinstance(focus, (Gtk.Entry, Gtk.TextView)):
+            return not event.state & keys.CONTROL and Gdk.keyval_name(event.keyval) in MOVING
         special = event.state & keys.CONTROL or event.keyval == Gdk.KEY_Escape or \
             Gdk.KEY_F1 <= event.keyval <= Gdk.KEY_F12
         return not special
