@@ -46,10 +46,10 @@ inline void replace_file(const std::filesystem::path& path, std::string_view byt
   try {
     draft.write(0, bytes.data(), bytes.size());
     draft.close();
-    if (there &&
-        (chown(draft.path().c_str(), static_cast<uid_t>(-1), before.st_gid) != 0 ||
-         chmod(draft.path().c_str(), before.st_mode & 07777) != 0) &&
-        errno != EPERM)
+    const bool same_group =
+        !there || chown(draft.path().c_str(), static_cast<uid_t>(-1), before.st_gid) == 0 ||
+        errno == EPERM;  // a group that this user is not in
+    if (!same_group || (there && chmod(draft.path().c_str(), before.st_mode & 07777) != 0))
       throw Error(ErrorKind::output,
                   "cannot write " + target.string() + ": " + std::strerror(errno));
     sync_path(draft.path());

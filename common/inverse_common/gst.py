@@ -19,7 +19,7 @@ def structure_of(thing, index=0):
 
 def without(caps, field):
     """Caps of one structure without a field."""
-    return Gst.Caps.from_string(re.sub(rf", {field}=\\([A-Za-z]+\\)[^,;]*", "", caps.to_string()))
+    return Gst.Caps.from_string(re.sub(rf", {field}=\([A-Za-z]+\)[^,;]*", "", caps.to_string()))
 
 
 def enum_values(spec):
