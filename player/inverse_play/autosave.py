@@ -34,7 +34,7 @@ class Autosave:
     def saved(self):
         """The project is in a file of its own, or as it was in the beginning."""
         if self._path:
-            _remove(self._path)
+            discard(self._path)
             os.close(self._lock)
             self._path = self._lock = None
 
@@ -43,31 +43,22 @@ def left():
     """Files that ended runs left, the newest first. Old ones beyond MAX_LEFT are removed."""
     found = [path for path in sorted(glob.glob(os.path.join(glob.escape(trust.folder()), "unsaved", "*.json")), reverse=True) if _is_left(path)]
     for path in found[MAX_LEFT:]:
-        _remove(path)
+        discard(path)
     return found[:MAX_LEFT]
-
-
-def read(path):
-    """The Project in such a file; raises ElementError or OSError."""
-    return project.load(path)
-
-
-def discard(path):
-    """Removes such a file."""
-    _remove(path)
 
 
 def title(path):
     """What such a file has, for people."""
     try:
-        source = read(path).source
+        source = project.load(path).source
     except (OSError, elements.ElementError):
         return None
     when = time.strftime("%d %B, %H:%M", time.localtime(os.path.getmtime(path)))
     return f"{os.path.basename(source) or 'a video'} ({when})"
 
 
-def _remove(path):
+def discard(path):
+    """Removes such a file."""
     for name in (path, path + ".lock"):
         with contextlib.suppress(OSError):
             os.unlink(name)

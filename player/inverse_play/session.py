@@ -305,7 +305,7 @@ class Session:
     def load_unsaved(self, path):
         """Goes on with edits that an earlier run of the program left (autosave.left)."""
         try:
-            loaded = autosave.read(path)
+            loaded = project.load(path)
         except (OSError, elements.ElementError) as error:
             self.on_trouble(Trouble(f"{path} cannot be read: {error}.", fatal=False))
             return

@@ -41,4 +41,3 @@ def allow(demands):
     os.makedirs(folder(), mode=0o700, exist_ok=True)
     kept = [known for known in _remembered() if known != _digest(demands)][-_MAX:]
     files.write(_path(), "\n".join([*kept, _digest(demands), ""]), mode=0o600)
-

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import gi
 
 gi.require_version("Gst", "1.0")
-gi.require_version("GstVideo", "1.0")
-from gi.repository import Gst, GstVideo  # noqa: E402
+from gi.repository import Gst  # noqa: E402
 from inverse_common.media import formats_of  # noqa: E402
 
 from . import losses  # noqa: E402
@@ -194,12 +193,12 @@ _WITH_ALPHA = ("prores",)
 def kept_formats(codec, encoder, kind, most_bits):
     """A filter before `encoder`, a part of a launch line, by which it keeps of pictures of a Kind what the codec is meant to keep: all, alpha
     and bits, or bits; up to `most_bits` a sample. "" if any format does."""
-    known = [name for name in formats_of(encoder.split()[0])
-             if GstVideo.VideoFormat.get_info(GstVideo.VideoFormat.from_string(name)).depth[0] <= most_bits]
+    bits = {name: losses.kind_named(name).bits for name in formats_of(encoder.split()[0])}
+    known = [name for name in bits if bits[name] <= most_bits]
     if codec in LOSSLESS or kind.alpha and codec in _WITH_ALPHA:
         chosen = losses.faithful(known, kind)
     else:
-        chosen = [name for name in known if GstVideo.VideoFormat.get_info(GstVideo.VideoFormat.from_string(name)).depth[0] > 8] if kind.bits > 8 else []
+        chosen = [name for name in known if bits[name] > 8] if kind.bits > 8 else []
     return f"video/x-raw,format=(string){{{','.join(chosen)}}} ! " if chosen else ""
 
 

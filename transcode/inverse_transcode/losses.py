@@ -26,6 +26,11 @@ def kind_of(finfo):
     return Kind(gray, rgb, bool(finfo.flags & _FLAGS.ALPHA), sub, finfo.depth[0])
 
 
+def kind_named(name):
+    """Of the format of that name."""
+    return kind_of(GstVideo.VideoFormat.get_info(GstVideo.VideoFormat.from_string(name)))
+
+
 def lost(before, after, codec):
     """What is lost where one Kind becomes another, in words, a text each."""
     if before.alpha and not after.alpha:
@@ -39,7 +44,7 @@ def lost(before, after, codec):
 
 def faithful(formats, kind):
     """Of the names of formats, those that lose nothing of a Kind; if there is none, those that lose least."""
-    known = {name: kind_of(GstVideo.VideoFormat.get_info(GstVideo.VideoFormat.from_string(name))) for name in formats}
+    known = {name: kind_named(name) for name in formats}
 
     def rank(name):
         found = known[name]
