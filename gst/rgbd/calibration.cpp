@@ -2,6 +2,7 @@
 #include "calibration.hpp"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
 #include "common/json.hpp"
