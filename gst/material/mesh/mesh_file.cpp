@@ -151,6 +151,32 @@ void append(Mesh& mesh, const aiMesh& part) {
   }
 }
 
+/// Cuts polygons into triangles. Assimp 5.4 drops those with an area below 1e-5, in whatever unit
+/// the file has: they are as large as floats can have them meanwhile.
+const aiScene* triangulate(Assimp::Importer& importer) {
+  const aiScene* scene = importer.GetScene();
+  std::vector<int> exponents;
+  const auto scale = [](const aiMesh& part, int exponent) {
+    for (unsigned i = 0; i < part.mNumVertices; ++i)
+      for (unsigned axis = 0; axis < 3; ++axis)
+        part.mVertices[i][axis] = std::ldexp(part.mVertices[i][axis], exponent);  // exact
+  };
+  for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
+    const aiMesh& part = *scene->mMeshes[i];
+    float largest = 0;
+    for (unsigned j = 0; j < part.mNumVertices; ++j)
+      for (unsigned axis = 0; axis < 3; ++axis)
+        largest = std::max(largest, std::abs(part.mVertices[j][axis]));
+    constexpr int kLarge = 30;  // products of four coordinates are finite
+    exponents.push_back(largest > 0 ? kLarge - std::ilogb(largest) : 0);
+    scale(part, exponents.back());
+  }
+  scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+  for (unsigned i = 0; scene && i < scene->mNumMeshes; ++i)
+    scale(*scene->mMeshes[i], -exponents[i]);
+  return scene;
+}
+
 Mesh read(const std::string& path, std::string content, std::string& warning) {
   Assimp::Importer importer;
   keep_our_formats(importer);
@@ -179,8 +205,10 @@ Mesh read(const std::string& path, std::string content, std::string& warning) {
     fail(path, "has " + std::to_string(triangles) + " triangles; at most " +
                    std::to_string(Mesh::kMaxTriangles) +
                    " can be drawn: simplify it, with Blender's Decimate for example");
-  const aiScene* scene = importer.ApplyPostProcessing(
-      aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_PreTransformVertices);
+  const aiScene* scene = triangulate(importer);
+  if (scene)
+    scene =
+        importer.ApplyPostProcessing(aiProcess_RemoveComponent | aiProcess_PreTransformVertices);
   if (scene) {
     check_corners(*scene, path);
     scene =

@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <numbers>
 #include <random>
+#include <sstream>
 
 #include "common/error.hpp"
 #include "tests/expect_error.hpp"
@@ -60,11 +61,13 @@ end_header
 )";
 
 /// A polygon of so many corners.
-std::string ring(int corners) {
+std::string ring(int corners, double radius = 1) {
   std::string obj, face = "f";
   for (int i = 0; i < corners; ++i) {
     const double angle = 2 * std::numbers::pi * i / corners;
-    obj += "v " + std::to_string(std::cos(angle)) + " " + std::to_string(std::sin(angle)) + " 0\n";
+    std::ostringstream line;
+    line << "v " << radius * std::cos(angle) << " " << radius * std::sin(angle) << " 0\n";
+    obj += line.str();
     face.append(" ").append(std::to_string(i + 1));
   }
   return obj + face + "\n";
@@ -365,6 +368,12 @@ TEST_F(MeshFile, PolygonsOfVeryManyCornersAreRefusedAtOnce) {
   expect_contains(more, "triangulate it");
   // Before Assimp cuts it up, which would take half a minute, and leave no polygon.
   expect_contains(error(written("far.obj", ring(60000))), "60000 corners");
+}
+
+// Files are in meters, millimeters or miles.
+TEST_F(MeshFile, PolygonsOfEveryUnitBecomeTriangles) {
+  for (const double radius : {1e-12, 1e-4, 0.01, 1.0, 1e9})
+    EXPECT_EQ(load(written("unit.obj", ring(64, radius))).triangles(), 62U) << radius;
 }
 
 // Corners in one place are compared with each other to find normals: of 80 000, half a minute.
