@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What tests of inverse-transcode share."""
+import glob
 import hashlib
 import os
 import pathlib
@@ -135,11 +136,11 @@ class Case(unittest.TestCase):
             if not Gst.ElementFactory.find(element):
                 self.skipTest(f"there is no {element}")
 
-    def wait_for_part(self):
+    def wait_for_part(self, folder="."):
         end = time.monotonic() + LIMIT
         while time.monotonic() < end:
-            parts = [n for n in os.listdir(self.folder) if n.endswith(".part")]
-            if parts and os.path.getsize(self.path(parts[0])) > 4000:
+            parts = glob.glob(os.path.join(self.path(folder), ".*.part"))
+            if parts and os.path.getsize(parts[0]) > 4000:
                 return
             time.sleep(0.05)
         self.fail("nothing was written")

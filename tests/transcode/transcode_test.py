@@ -411,7 +411,7 @@ class Transcode(Case):
             (["clip.mkv", "-o", "x", "--to", "exr", "--audio", "opus"], "--audio is for files with sound, not for exr", 2),
             (["clip.mkv", "-o", "x.mkv", "--bits", "16"], "--bits is for png, not for mkv", 2),
             (["clip.mkv", "--report", "none/report.json"], "the report cannot be written", 2),
-            (["clip.mkv", "-o", "x.webm", "--video", "ffv1"], "webm does not take the video codec ffv1; it takes", 2),
+            (["clip.mkv", "-o", "x.webm", "--video", "ffv1"], "it takes av1, vp8, vp9; mkv takes it", 2),
             (["clip.mkv", "-o", "x.mkv", "--overlap", "2"], "--overlap needs --chunk", 2),
             (["intrinsicdecomp", "show=shading"], "elements go after --", 1),
             (["none.mkv"], "there is no such file", 1),
@@ -435,6 +435,9 @@ class Transcode(Case):
     def test_dry_run_writes_nothing(self):
         self.clip()
         self.assertIn("clip.mkv -> out/transcode/clip.mkv", self.run_it("clip.mkv", "--dry-run"))
+        with open(self.path("broken.mp4"), "w", encoding="ascii") as file:
+            file.write("this is no video")
+        self.assertIn("broken.mp4 -> out/transcode/broken.mkv: ", self.run_it("broken.mp4", "--dry-run", status=1))
         self.assertFalse(os.path.exists(self.path("out")))
 
     def test_a_stop_leaves_a_whole_file(self):
@@ -450,6 +453,18 @@ class Transcode(Case):
         self.assertTrue(0 < video.packets < 600, video.packets)
         original = next(s for s in streams_of(self.path("clip.mkv"))[0] if s.name.startswith("audio/"))
         self.assertAlmostEqual(sound.packets / original.packets, video.packets / 600, delta=0.05)
+        # The whole result takes its place.
+        self.run_it("clip.mkv", "-o", "out.mkv", "--", "identity")
+        self.assertFalse(os.path.exists(self.path("out.partial.mkv")))
+
+    def test_what_is_stopped_is_counted(self):
+        for name in ("a.mkv", "b.mkv", "c.mkv"):
+            self.clip("in/" + name, frames=600)
+        process = self.start("in", "--out", "out", "--jobs", "1")
+        self.wait_for_part("out/in")
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=LIMIT)
+        self.assertIn("0 done, 0 already there, 0 failed, 1 stopped, 2 not started", errors)
 
     def test_a_worker_that_is_killed_leaves_nothing(self):
         self.clip(frames=600)

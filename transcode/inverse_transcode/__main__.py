@@ -15,11 +15,12 @@ gi.require_version("Gst", "1.0")
 from gi.repository import GLib, Gst  # noqa: E402
 
 from inverse_common import files  # noqa: E402
+from inverse_common.probe import ProbeError, probe  # noqa: E402
 
 from . import formats, slurm  # noqa: E402
 from .batch import Batch, BatchError, make  # noqa: E402
 from .lines import tell, warn  # noqa: E402
-from .plan import PlanError, Settings, is_exr, plan  # noqa: E402
+from .plan import PlanError, Settings, is_exr, is_pattern, numbered, picture, plan  # noqa: E402
 from .run import Runner  # noqa: E402
 
 OVERLAP = 16  # frames
@@ -170,6 +171,17 @@ def check_line(line, remedy):
         raise PlanError(f"{ignored[0].message}: {remedy}")
 
 
+def unreadable(path):
+    """Why the beginning of an input cannot be decoded, or ""."""
+    first = picture(path, numbered(path)[0]) if is_pattern(path) else path
+    try:
+        if not is_exr(path):
+            probe(Gst.filename_to_uri(first))
+    except ProbeError as error:
+        return str(error)
+    return ""
+
+
 def count(results):
     """How many there are of each status."""
     return collections.Counter(result["status"] for result in results)
@@ -261,6 +273,7 @@ def transcode_main(arguments):
     tasks = plan(arguments.inputs, arguments.output, arguments.out or "out/transcode", ending, arguments.again)
     if arguments.dry_run:
         for task in tasks:
+            task.problem = task.problem or unreadable(task.input)
             tell(f"{task.input} -> {task.output}" + (f": {task.problem}" if task.problem else ": is there" if task.done else ""))
         return 1 if any(task.problem for task in tasks) else 0
     if arguments.batch:
@@ -272,7 +285,8 @@ def transcode_main(arguments):
         write_report(arguments.report, settings, results)
     counts = count(results)
     if len(tasks) > 1 and (counts["failed"] or not arguments.quiet):
-        print(f"{counts['done']} done, {counts['present']} already there, {counts['failed']} failed", file=sys.stderr)
+        rest = "".join(f", {counts[status]} {status}" for status in ("stopped", "not started") if counts[status])
+        print(f"{counts['done']} done, {counts['present']} already there, {counts['failed']} failed{rest}", file=sys.stderr)
     if runner.stopping:
         return 130
     return 1 if counts["failed"] or counts["stopped"] else 0

@@ -183,7 +183,8 @@ def check_fit(ending, kind, codec, encoder):
     muxer = CONTAINERS[ending].muxer
     if codec and muxer and not _fits(muxer, encoder):
         codecs = _codecs_of(muxer, *((VIDEO_CODECS, video_encoder) if kind == "video" else (AUDIO_CODECS, audio_encoder)))
-        raise FormatError(f"{ending} does not take the {kind} codec {codec}; it takes {', '.join(codecs)}")
+        other = "; mkv takes it" if ending != "mkv" and _fits(CONTAINERS["mkv"].muxer, encoder) else ""
+        raise FormatError(f"{ending} does not take the {kind} codec {codec}; it takes {', '.join(codecs)}{other}")
 
 
 LOSSLESS = ("ffv1", "png")

@@ -17,7 +17,7 @@ from inverse_common.probe import ProbeError  # noqa: E402
 
 from .formats import MATROSKA, SEQUENCES, FormatError  # noqa: E402
 from .matroska import mend_tags  # noqa: E402
-from .part import Part  # noqa: E402
+from .part import Part, remove  # noqa: E402
 from .pipeline import Transcode, TranscodeError  # noqa: E402
 
 CLOSING_SECONDS = 30
@@ -96,6 +96,8 @@ def work(task):
         if task["container"] in MATROSKA and not task["chunk"]:
             mend_tags(part.path)
         settle(part.path, target)
+        if target == output and not task["chunk"]:
+            remove(partial_name(output))  # of a run before this one
         return {"status": "stopped" if run.stopping else "done", "written": target, **words}
     except (FormatError, ProbeError, TranscodeError) as error:
         return {"status": "failed", "error": str(error)}
