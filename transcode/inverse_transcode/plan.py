@@ -152,7 +152,7 @@ def _below(path, below, ending):
 
 def plan(inputs, output, folder, ending, again=False):
     """The tasks for files and folders. `output`: the file to write, for one input; else they go to `folder`, as they lie below the
-    folders named. Nothing but an earlier result is replaced. Throws PlanError."""
+    folders named. Nothing that exists is replaced but by `again`, and then no input and no folder of other files. Throws PlanError."""
     pairs, seen = [], set()
     for given in inputs:
         given = given.rstrip("/") or "/"
@@ -184,5 +184,7 @@ def plan(inputs, output, folder, ending, again=False):
         if not task.problem and not again and os.path.exists(target) and (os.path.isfile(target) or os.listdir(target)):
             newest = picture(path, numbered(path)[-1]) if is_pattern(path) else path
             task.done = os.path.getmtime(target) > os.path.getmtime(newest)
+            if not task.done:
+                task.problem = f"what is at its output is older than the input, and may be no result of it: {target}; --again replaces it"
         tasks.append(task)
     return tasks
