@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace inverse {
@@ -14,8 +15,8 @@ enum class Quality : uint8_t { low, medium, high, best };
 /// A level of work between cheap and good.
 template <typename Params>
 struct Level {
-  double cost;           ///< time of a frame in relation to the other levels, measured
-  void (*set)(Params&);  ///< the parameters that make it up
+  double cost;                       ///< time of a frame in relation to the other levels, measured
+  std::function<void(Params&)> set;  ///< the parameters that make it up
 };
 
 /// Levels of work of a method from cheap to good, measured (docs/report), and which of them each

@@ -191,7 +191,7 @@ TEST(LightProgram, ByName) {
   for (const auto& [name, text] :
        {std::pair{"/no/such.json", "the light program /no/such.json cannot be read"},
         {"/", "the light program / is no file"}})
-    testing::expect_error(ErrorKind::file, text, [&] { light_program(name); });
+    testing::expect_error(ErrorKind::file, text, [name = name] { light_program(name); });
 }
 
 TEST(LightProgram, IsTheSameWhenReadAgain) {

@@ -64,8 +64,9 @@ Stroke stroke_of(const Json& json, const std::string& name) {
   for (const auto& [key, value] : json.items()) {
     if (key == "kind") {
       has_kind = true;
-      const auto kind = std::find_if(kKinds.begin(), kKinds.end(),
-                                     [&](const Kind& known) { return value == known.name; });
+      const auto kind =
+          std::find_if(kKinds.begin(), kKinds.end(),
+                       [&value = value](const Kind& known) { return value == known.name; });
       if (kind == kKinds.end()) refuse(name + kWrongKind);
       stroke.kind = kind->kind;
     } else if (key == "color") {

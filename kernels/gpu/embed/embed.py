@@ -221,7 +221,7 @@ def main():
         f"// Generated from the shaders of {prefix}; included by one source of each library.",
         f'asm(".pushsection .rodata\\n.balign 4\\n{symbol}:\\n.incbin \\"{words.absolute()}\\"\\n.popsection");',
         f"namespace words_of_{prefix} {{",
-        f'extern "C" __attribute__((visibility("hidden"))) const uint32_t {symbol}[];', "namespace {",
+        f'extern "C" __attribute__((visibility("hidden"))) const uint32_t {symbol}[{len(blob) // 4}];', "namespace {",
         *(line.replace("words + ", f"{symbol} + ") for line in text), "}", "}",
         "namespace inverse::shaders {",
         *(line for name in names for line in (f"extern const gpu::KernelSource {name}_source;",

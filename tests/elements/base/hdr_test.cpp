@@ -110,7 +110,7 @@ TEST(Hdr, ReflectanceTimesShadingHasTheHighlights) {
     VideoHarness harness("intrinsicdecomp ! intrinsiccompose residual=none", caps, caps);
     const auto out = harness.process(frame, 3);
     ASSERT_EQ(out.size(), frame.size());
-    const auto light = [&](const std::vector<uint8_t>& bytes, int x) {
+    const auto light = [&, curve = curve](const std::vector<uint8_t>& bytes, int x) {
       const double code = get16(bytes, static_cast<size_t>(kHeight / 4 * kWidth + x)) >> 6;
       return Transfer::of(curve).decode((code - 64) / 876);
     };
