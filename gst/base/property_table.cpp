@@ -6,6 +6,8 @@
 #include <memory>
 #include <sstream>
 
+#include "tuning.hpp"
+
 namespace inverse {
 
 GType enum_type(const char* type_name, std::span<const Choice> choices) {
@@ -154,40 +156,7 @@ std::string wrong(const PropertyRow& row, const GValue* value) {
   return row.wrong ? row.wrong(value) : std::string();
 }
 
-template <typename Spec>
-std::string range(const Spec* spec) {
-  std::ostringstream text;
-  text.precision(7);
-  text << spec->minimum << "…" << spec->maximum << " (" << spec->default_value << ")";
-  return text.str();
-}
-
-std::string without_spaces_around(const std::string& text) {
-  constexpr const char* kSpaces = " \t\n";
-  const size_t first = text.find_first_not_of(kSpaces);
-  return first == std::string::npos
-             ? ""
-             : text.substr(first, text.find_last_not_of(kSpaces) + 1 - first);
-}
-
 }  // namespace
-
-std::string values_of(GParamSpec* spec) {
-  if (G_IS_PARAM_SPEC_FLOAT(spec)) return range(G_PARAM_SPEC_FLOAT(spec));
-  if (G_IS_PARAM_SPEC_DOUBLE(spec)) return range(G_PARAM_SPEC_DOUBLE(spec));
-  if (G_IS_PARAM_SPEC_INT(spec)) return range(G_PARAM_SPEC_INT(spec));
-  if (G_IS_PARAM_SPEC_UINT(spec)) return range(G_PARAM_SPEC_UINT(spec));
-  if (G_IS_PARAM_SPEC_BOOLEAN(spec))
-    return G_PARAM_SPEC_BOOLEAN(spec)->default_value ? "boolean (true)" : "boolean (false)";
-  if (G_IS_PARAM_SPEC_ENUM(spec)) {
-    const auto* s = G_PARAM_SPEC_ENUM(spec);
-    std::string values;
-    for (guint i = 0; i < s->enum_class->n_values; ++i)
-      values += (i ? ", " : "") + std::string(s->enum_class->values[i].value_nick);
-    return values + " (" + g_enum_get_value(s->enum_class, s->default_value)->value_nick + ")";
-  }
-  return "text";
-}
 
 std::optional<float> number_or_auto(const char* text, float low, float high) {
   if (text && g_ascii_strcasecmp(text, "auto") == 0) return {};
@@ -208,32 +177,6 @@ std::string text_of(const std::optional<float>& value) {
   text.precision(7);
   text << *value;
   return text.str();
-}
-
-std::vector<std::pair<std::string, std::string>> tuning_entries(const std::string& text) {
-  std::vector<std::pair<std::string, std::string>> entries;
-  for (size_t from = 0; from <= text.size();) {
-    const size_t to = std::min(text.find_first_of(":,", from), text.size());
-    const std::string entry = without_spaces_around(text.substr(from, to - from));
-    from = to + 1;
-    if (entry.empty()) continue;
-    const size_t equals = entry.find('=');
-    if (equals == std::string::npos)
-      throw Error(ErrorKind::unsupported,
-                  "\"" + entry + "\" has no value; write name=value:name=value");
-    entries.emplace_back(without_spaces_around(entry.substr(0, equals)),
-                         without_spaces_around(entry.substr(equals + 1)));
-  }
-  return entries;
-}
-
-void tuning_value(GParamSpec* spec, const std::string& text, GValue* value) {
-  g_value_init(value, G_PARAM_SPEC_VALUE_TYPE(spec));
-  // Validation changes a value that is out of range, also NaN.
-  if (gst_value_deserialize(value, text.c_str()) && !g_param_value_validate(spec, value)) return;
-  g_value_unset(value);
-  throw Error(ErrorKind::unsupported,
-              std::string(spec->name) + " takes " + values_of(spec) + ", not \"" + text + "\"");
 }
 
 GParamSpec* tuning_spec() {
@@ -345,7 +288,7 @@ void RowParameters::set_tuning(const std::string& text) {
   try {
     for (const auto& [name, written] : tuning_entries(text)) {
       const auto row = std::ranges::find_if(
-          rows_, [&](const PropertyRow& r) { return r.in_tuning && r.name == name; });
+          rows_, [&name = name](const PropertyRow& r) { return r.in_tuning && r.name == name; });
       if (row == rows_.end()) throw Error(ErrorKind::unsupported, "there is no \"" + name + "\"");
       GValue value = G_VALUE_INIT;
       tuning_value(spec_of(*row, defaults_).get(), written, &value);

@@ -226,17 +226,6 @@ std::optional<float> number_or_auto(const char* text, float low, float high);
 /// The text of a number, or "auto".
 std::string text_of(const std::optional<float>& value);
 
-/// The values that a property takes, and its default: "0…1 (0.5)".
-std::string values_of(GParamSpec* spec);
-
-/// The text of a `tuning` property, "name=value:name=value" (or with ','), as pairs in order.
-/// Throws Error(unsupported) if it is something else.
-std::vector<std::pair<std::string, std::string>> tuning_entries(const std::string& text);
-
-/// Reads `text` as a value of the property `spec` into `value`, which is unset. Throws
-/// Error(unsupported) if it is none, or out of range.
-void tuning_value(GParamSpec* spec, const std::string& text, GValue* value);
-
 /// The property `tuning`.
 GParamSpec* tuning_spec();
 

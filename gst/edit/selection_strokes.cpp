@@ -2,67 +2,11 @@
 #include "selection_strokes.hpp"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 namespace inverse {
-namespace {
 
 using namespace json_list;
-
-constexpr size_t kMaxStrokes = 64;
-constexpr float kMaxRadius = 1e4F;
-
-SelectionStroke stroke_of(const Json& json, const std::string& name) {
-  if (!json.is_object()) refuse(name + " must be an object with kind and points");
-  SelectionStroke stroke;
-  for (const auto& [key, value] : json.items()) {
-    if (key == "kind" && (value == "add" || value == "subtract")) {
-      stroke.subtract = value == "subtract";
-    } else if (key == "kind") {
-      refuse(name + " must have the kind \"add\" or \"subtract\"");
-    } else if (key == "radius") {
-      stroke.radius = number_of(value, .1F, kMaxRadius, "the radius of " + name);
-    } else if (key == "closed") {
-      if (!value.is_boolean()) refuse("closed of " + name + " must be true or false");
-      stroke.closed = value.get<bool>();
-    } else if (key == "points") {
-      stroke.points = points_of(value, name);
-    } else {
-      refuse(name + " has the field \"" + key.substr(0, 40) +
-             "\", but only kind, radius, closed and points are known");
-    }
-  }
-  if (!json.contains("kind")) refuse(name + " must have the kind \"add\" or \"subtract\"");
-  if (stroke.points.empty()) refuse(name + " must have points");
-  return stroke;
-}
-
-}  // namespace
-
-bool SelectionList::begins_with(const SelectionList& list) const {
-  return list.frame == frame && list.strokes.size() <= strokes.size() &&
-         std::equal(list.strokes.begin(), list.strokes.end(), strokes.begin());
-}
-
-SelectionList read_selection(const std::string& text) {
-  SelectionList list;
-  for (const Json& stroke : entries_of(text, "strokes", kMaxStrokes, stroke_limit(), list.frame))
-    list.strokes.push_back(stroke_of(stroke, "stroke " + std::to_string(list.strokes.size() + 1)));
-  return list;
-}
-
-std::string text_of(const SelectionList& list) {
-  OrderedJson strokes = OrderedJson::array();
-  for (const SelectionStroke& stroke : list.strokes) {
-    OrderedJson entry{{"kind", stroke.subtract ? "subtract" : "add"},
-                      {"radius", rounded(stroke.radius, 1)}};
-    if (stroke.closed) entry["closed"] = true;
-    entry["points"] = points_json(stroke.points);
-    strokes.push_back(std::move(entry));
-  }
-  return json_list::text_of(std::move(strokes), "strokes", list.frame);
-}
 
 std::vector<std::string> warnings_of(const SelectionList& list, std::span<const SeedCells> cells,
                                      Extent frame) {
@@ -119,9 +63,9 @@ void SelectionEditor::mouse(const Log& log, const MouseEvent& event, SelectMode 
   if (!finished) return;
   change(log, [&](const std::string& text) -> std::optional<std::string> {
     SelectionList list = read_selection(text);
-    if (list.strokes.size() == kMaxStrokes) {
+    if (list.strokes.size() == kMaxSelectionStrokes) {
       const Lock lock(mutex_);
-      warnings_.push_back(full(kMaxStrokes) + "; remove one to draw another");
+      warnings_.push_back(full(kMaxSelectionStrokes) + "; remove one to draw another");
       return {};
     }
     list.strokes.push_back(*finished);
@@ -133,9 +77,9 @@ void SelectionEditor::mouse(const Log& log, const MouseEvent& event, SelectMode 
 void SelectionEditor::add(const Log& log, const std::string& stroke) {
   change(log, [&](const std::string& text) {
     SelectionList list = read_selection(text);
-    if (list.strokes.size() == kMaxStrokes)
-      refuse(full(kMaxStrokes) + "; remove one to add another");
-    list.strokes.push_back(stroke_of(parsed(stroke, stroke_limit()), "the stroke"));
+    if (list.strokes.size() == kMaxSelectionStrokes)
+      refuse(full(kMaxSelectionStrokes) + "; remove one to add another");
+    list.strokes.push_back(read_selection_stroke(stroke));
     return text_of(list);
   });
 }

@@ -6,28 +6,10 @@
 #include <vector>
 
 #include "gst/base/json/list_editor.hpp"
-#include "kernels/edit/selection/object/seeds.hpp"
+#include "selection_text.hpp"
 
 namespace inverse {
 
-/// The strokes that an object is selected by, drawn on a frame of one size.
-struct SelectionList {
-  std::vector<SelectionStroke> strokes;
-  Extent frame;  ///< empty: that of the video
-
-  /// Whether these are the strokes of `list`, and perhaps more.
-  bool begins_with(const SelectionList& list) const;
-};
-
-/// Reads strokes from JSON: a list of
-///
-///     {"kind": "add" | "subtract", "radius": 6, "closed": false, "points": [[x, y], ...]}
-///
-/// in pixels of the frame, or {"frame": [width, height], "strokes": [...]} in pixels of a frame of
-/// that size. Empty text is no stroke. Throws Error(unsupported) that says what is wrong.
-SelectionList read_selection(const std::string& text);
-/// The text that `read_selection` takes, with points rounded to a tenth of a pixel.
-std::string text_of(const SelectionList& list);
 /// Warnings about strokes without effect. `cells` are those of the last strokes of the list, which
 /// were drawn on a frame of the size `frame`.
 std::vector<std::string> warnings_of(const SelectionList& list, std::span<const SeedCells> cells,
