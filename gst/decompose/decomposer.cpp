@@ -81,10 +81,6 @@ void Decomposer::process(FrameContext& frame) {
   } else {
     kept_.reset();
     method_frame_ = method_->decompose(frame);
-    GST_CAT_DEBUG_OBJECT(log().category, log().object,
-                         "frame %" G_GUINT64_FORMAT " decomposed: %s. Skipped: %s. Run: %s.",
-                         frame.number, reason, joined(method_->work(method_frame_).skipped).c_str(),
-                         joined(method_->work(method_frame_).run).c_str());
   }
   if (frame.keep_planes)
     kept_ = frame.layers;
@@ -126,6 +122,11 @@ void Decomposer::describe(GstStructure* stats, uint64_t number) const {
   const DecompositionMethod::Work work =
       frame.reused ? DecompositionMethod::Work{.skipped = {std::string("method: ") + frame.reason}}
                    : method_->work(frame.method_frame);
+  if (!frame.reused)
+    GST_CAT_DEBUG_OBJECT(log().category, log().object,
+                         "frame %" G_GUINT64_FORMAT " decomposed: %s. Skipped: %s. Run: %s.",
+                         number, frame.reason, joined(work.skipped).c_str(),
+                         joined(work.run).c_str());
   gst_structure_set(stats, "skipped", G_TYPE_STRING, joined(work.skipped).c_str(), "run",
                     G_TYPE_STRING, joined(work.run).c_str(), nullptr);
   gst_structure_set(stats, "reused", G_TYPE_BOOLEAN, frame.reused, "frames-reused", G_TYPE_UINT64,
