@@ -196,7 +196,7 @@ def checked(factory, name, value):
     try:
         return _converted(described, value)
     except (TypeError, ValueError, OverflowError):
-        raise ElementError(f"{name} of {factory} cannot be {value!r}: {described.blurb}") from None
+        raise ElementError(f"{name} of {factory} cannot be {repr(value)[:200]}: {described.blurb}") from None
 
 
 def _converted(described, value):

@@ -2,6 +2,7 @@
 """What was done to a video, as plain data: it is saved, loaded, undone, and written as a launch line."""
 import dataclasses
 import json
+import os
 import shlex
 
 from inverse_common import files
@@ -11,6 +12,8 @@ from .elements import ElementError
 from .source import kind_of, unreadable
 
 VERSION = 1
+MAX_BYTES = 16 << 20  # of a project file; a stroke takes some hundred
+MAX_EDITORS = 100
 
 
 @dataclasses.dataclass(frozen=True)
@@ -117,8 +120,8 @@ def from_data(data):
         elements.text_of(source)
     except ValueError:
         raise ElementError('"source" must be a text') from None
-    if not isinstance(editors, list):
-        raise ElementError('"editors" must be a list')
+    if not isinstance(editors, list) or len(editors) > MAX_EDITORS:
+        raise ElementError(f'"editors" must be a list of at most {MAX_EDITORS}')
     if split is not None and not (isinstance(split, (int, float)) and 0 <= split <= 1):
         raise ElementError('"split" must be a number from 0 to 1, or null')
     default = Project()
@@ -147,6 +150,8 @@ def load(path):
     reason = unreadable(path)
     if reason:
         raise ElementError(f"the project cannot be loaded: {reason}")
+    if os.path.getsize(path) > MAX_BYTES:
+        raise ElementError(f"{path} is no project file: it has more than {MAX_BYTES >> 20} MiB")
     with open(path, encoding="utf-8") as file:
         try:
             data = json.load(file)
