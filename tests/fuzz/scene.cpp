@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Remembered scenes, whose mark and checksum are put before the input: an Error, or a scene that is within its limits.
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+
+#include "common/error.hpp"
+#include "kernels/volume/memory/scene_file.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace inverse;
+  std::string text = "gst-inverse scene 2\n";
+  uint64_t sum = 0xcbf29ce484222325;  // FNV-1a
+  for (size_t i = 0; i < size; ++i) sum = (sum ^ data[i]) * 0x100000001b3;
+  text.append(reinterpret_cast<const char*>(&sum), sizeof sum);
+  text.append(reinterpret_cast<const char*>(data), size);
+  const int file = memfd_create("scene", MFD_CLOEXEC);
+  if (file < 0 || write(file, text.data(), text.size()) != static_cast<ssize_t>(text.size())) abort();
+  try {
+    const SceneData scene = load_scene("/proc/self/fd/" + std::to_string(file), 1 << 20);
+    if (scene.volume.voxels.size() != scene.volume.keys.size() * VolumeData::kBlockVoxels) abort();
+    for (const auto& frame : scene.keyframes)
+      for (const float depth : frame.picture.depth)
+        if (!std::isfinite(depth)) abort();
+  } catch (const Error&) {
+  }
+  close(file);
+  return 0;
+}
