@@ -5,6 +5,7 @@
 
 #include "gst/base/color.hpp"
 #include "gst/base/filter.hpp"
+#include "gst/base/json/json_list.hpp"
 #include "gst/edit/picker.hpp"
 #include "kernels/edit/key/key.hpp"
 
@@ -72,7 +73,8 @@ class KeyElement final : public Filter {
     compose_.reset();
     picker_.release();
     copies_ = {};
-    missing_ = reported_ = false;
+    missing_.reset();
+    reported_.reset();
   }
   void reset() override { key_->reset(); }
   std::vector<Setting> navigate(const MouseEvent& event) override {
@@ -85,15 +87,19 @@ class KeyElement final : public Filter {
     Params params = parameters_.snapshot();
     params.of_border = params.key_color == 0;
     params.key = linear_color(params.key_color);
-    if (missing_ && !std::exchange(reported_, true))
+    if (missing_ == params.key_color && std::exchange(reported_, missing_) != missing_)
       frame.warnings.push_back(
-          "no screen of this color is in the picture, so that all of it is foreground; set key to "
-          "the screen's color, or pick=true and click on it");
+          "no screen of " +
+          (params.of_border ? "the hue of the frame's border"
+                            : "the hue of " + json_list::color_text(params.key_color)) +
+          " was found, so that all of the picture is foreground; set key to the screen's color, or "
+          "pick=true and click on it, or raise tolerance if its paint is uneven");
     const uint32_t before = frame.commands.dispatches();
     picker_.record(frame, params.pick ? "key" : nullptr);
     key_->record(frame.commands, frame.layers, params);
     Copy& copy = copies_[frame.number];
     copy.measured = params.strength > 0;
+    copy.key = params.key_color;
     if (copy.measured) frame.commands.copy(key_->screen(), copy.screen, copy.screen->bytes());
     if (frame.draw) frame.picture = draw(frame, params);
     if (frame.commands.dispatches() > before) frame.commands.stage("key");
@@ -102,7 +108,7 @@ class KeyElement final : public Filter {
   void completed(uint64_t number, double) override {
     picker_.completed(number, log().object);
     const Copy& copy = copies_[number];
-    if (copy.measured && !(copy.screen->map_as<float>()[3] > 0)) missing_ = true;
+    if (copy.measured && !(copy.screen->map_as<float>()[3] > 0)) missing_ = copy.key;
   }
 
   void describe(GstStructure* stats, uint64_t number) const override {
@@ -136,10 +142,11 @@ class KeyElement final : public Filter {
   struct Copy {
     gpu::BufferPtr screen;
     bool measured = false;
+    guint key = 0;
   };
   gpu::FrameRing<Copy> copies_;
-  bool missing_ = false;   // a frame had no screen
-  bool reported_ = false;  // that
+  // Of the last frame without a screen: the key's color; and that of the last warning about one.
+  std::optional<guint> missing_, reported_;
 };
 
 }  // namespace

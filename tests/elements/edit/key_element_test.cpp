@@ -174,6 +174,8 @@ TEST_F(KeyElement, AClickSetsTheKey) {
   const auto picture = harness.process(blue, 4);
   EXPECT_NE(property<guint>(harness.find("intrinsickey"), "key"), 0xff20c040);
   EXPECT_LT(alpha_error(picture), 4);
+  for (const std::string& warning : harness.warnings())
+    EXPECT_NE(warning.find("#20c040"), std::string::npos) << "of the color before: " << warning;
 }
 
 TEST_F(KeyElement, AMaskConfinesIt) {
