@@ -82,12 +82,17 @@ class Session:
             self.report(Trouble(f"Saved {structure.get_string('location')}.", fatal=False))
 
     # The source.
-    def open(self, text):
-        """Opens a source by its name; the edits stay. What does not open is reported."""
+    @property
+    def edited(self):
+        """Whether there are edits of a video that was opened."""
+        return bool(self.project.source) and dataclasses.replace(self.project, source="") != project.Project()
+
+    def open(self, text, keep_edits=True):
+        """Opens a source by its name. What does not open is reported."""
         try:
             opened = source.parse(text)
             if opened.text != self.project.source:
-                self._add("Open", dataclasses.replace(self.project, source=opened.text))
+                self._add("Open", dataclasses.replace(self.project if keep_edits else project.Project(), source=opened.text))
             self._play(opened)
         except (source.SourceError, elements.ElementError) as error:
             self.on_trouble(Trouble(str(error)))

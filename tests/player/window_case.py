@@ -163,6 +163,20 @@ class WindowCase(support.Case):
         self.assertEqual(ended, [path], f"'{title}' has another path")
         self.focus()
 
+    def answer(self, words, response, ask):
+        """Does what asks a question with these words, and answers it."""
+        asked = []
+
+        def step():
+            for window in Gtk.Window.list_toplevels():
+                if isinstance(window, Gtk.MessageDialog) and window.get_mapped() and words in window.props.text:
+                    asked.append(True)
+                    window.response(response)
+            return not asked
+        GLib.timeout_add(50, step)
+        ask()
+        self.assertTrue(asked, f"there was no question: {words}")
+
     @staticmethod
     def dialog_steps(title, path, ended):
         """What is done while a dialog is open, in steps of 50 ms; then `ended` gets the path that it has."""

@@ -348,6 +348,21 @@ class Keys(WindowCase):
         self.key("ctrl+shift+c")
         self.wait(lambda: "intrinsicdespill" in (Gtk.Clipboard.get(Gdk.SELECTION_CLIPBOARD).wait_for_text() or ""))
 
+    def test_another_video_asks_what_becomes_of_the_edits(self):
+        first, other = self.session.project.source, self.clip(40)
+        self.key("d")
+        self.wait(lambda: self.editors)
+        edits = self.editors
+        for response, source, left in ((Gtk.ResponseType.CANCEL, first, edits), (Gtk.ResponseType.YES, other, edits)):
+            self.answer("Keep the edits", response, lambda: self.window.open(other))
+            self.assertEqual((self.session.project.source, self.editors), (source, left))
+        self.answer("Keep the edits", Gtk.ResponseType.NO, lambda: self.window.open("test"))
+        self.assertEqual((self.session.project.source, self.editors), ("test", []))
+        self.window.open(other)  # there is nothing to ask about
+        self.assertEqual(self.session.project.source, other)
+        self.key("ctrl+z", "ctrl+z")
+        self.wait(lambda: (self.session.project.source, self.editors) == (other, edits))
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -57,6 +57,18 @@ def may_open(parent, name, demands):
     return allowed
 
 
+def keep_edits(parent):
+    """Whether the edits go on with another video; None: it is not opened."""
+    dialog = Gtk.MessageDialog(transient_for=parent, modal=True, message_type=Gtk.MessageType.QUESTION, buttons=Gtk.ButtonsType.NONE,
+                               text="Keep the edits for the new video?")
+    dialog.format_secondary_text("Selections and strokes lie where they were drawn. Undo brings back the video and its edits.")
+    dialog.add_buttons("Do not open", CANCEL, "Begin anew", Gtk.ResponseType.NO, "Keep the edits", Gtk.ResponseType.YES)
+    dialog.set_default_response(Gtk.ResponseType.YES)
+    answer = {Gtk.ResponseType.YES: True, Gtk.ResponseType.NO: False}.get(dialog.run())
+    dialog.destroy()
+    return answer
+
+
 def text(parent, title, about, before):
     """A line of text, or None."""
     dialog = Gtk.Dialog(title=title, transient_for=parent, modal=True)

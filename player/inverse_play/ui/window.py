@@ -57,7 +57,7 @@ class Window(Gtk.Window):
 
     # Its parts.
     def _build(self):
-        self.header = Header(self.do, self.session.open, self.session.show_layer)
+        self.header = Header(self.do, self.open, self.session.show_layer)
         self.set_titlebar(self.header)
         self.strokes = StrokeView(self.picture.frame_place)
         self.picture.add_overlay(self.strokes)
@@ -331,21 +331,27 @@ class Window(Gtk.Window):
     def _do_end(self):
         self.session.playback.seek(max(self.session.playback.duration - 1, 0))
 
+    def open(self, text):
+        """Opens a video; asks what becomes of the edits of the one before."""
+        keep = dialogs.keep_edits(self) if self.session.edited and text != self.session.project.source else True
+        if keep is not None:
+            self.session.open(text, keep)
+
     def _do_open_file(self):
         path = dialogs.file_to_open(self, "Open a video or a picture")
         if path:
-            self.session.open(path)
+            self.open(path)
 
     def _do_open_folder(self):
         path = dialogs.folder_to_open(self, "Open the folder of a recording with depth")
         if path:
-            self.session.open(path)
+            self.open(path)
 
     def _do_open_uri(self):
         text = dialogs.text(self, "Open", "A URI, or a piece of a launch line that outputs video:",
                             self.session.project.source)
         if text:
-            self.session.open(text)
+            self.open(text)
 
     def _do_open_menu(self):
         self.header.open.set_active(True)
