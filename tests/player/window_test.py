@@ -6,6 +6,7 @@ import re
 import unittest
 
 import support
+from gi.repository import Gst
 from window_case import CYAN, RED, YELLOW, Gdk, Gtk, WindowCase, is_blue, is_green, is_near
 from inverse_play import playback
 
@@ -84,6 +85,23 @@ class Paint(WindowCase):
         self.click(*RED)
         self.wait(lambda: int(self.session.project.editors[1].get("key"), 0) & 0xffff < 0x2020)
         self.assertEqual(len(self.editors), 2)
+
+
+    def test_an_edit_says_what_it_applies_to(self):
+        self.key("m")
+        self.click(*RED)
+        self.wait(lambda: self.editors == [("intrinsicselect", True)])
+        self.window.add_editor("intrinsictone")
+        self.wait_for_note("It applies to the selected object")
+        self.assertTrue(self.session.project.element("tone1").get("use-mask"))
+        self.window.add_editor("intrinsictone")  # tone1 is selected, not the object
+        self.wait_for_note("It applies to the whole picture")
+        self.assertFalse(self.session.project.element("tone2").get("use-mask"))
+        # A preset changes what it names alone.
+        element = Gst.ElementFactory.make("intrinsictone")
+        self.window.panel.settings._load_preset(element, element.get_preset_names()[0])
+        self.assertFalse(self.session.project.element("tone2").get("use-mask"))
+        self.assertGreater(len(self.session.project.element("tone2").properties), 1)
 
 
 class Select(WindowCase):

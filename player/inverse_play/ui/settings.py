@@ -264,6 +264,8 @@ class Settings(Gtk.Grid):
         self._attach(self, label("preset"), combo)
 
     def _load_preset(self, element, name):
+        for prop in self.controls:  # what the preset does not name stays
+            elements.write(element, prop, self.described.get(prop))
         if name and element.load_preset(name):
             self._changed({prop: elements.read(element, prop) for prop in self.controls}, f"preset {name}")
 

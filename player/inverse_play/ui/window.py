@@ -235,33 +235,41 @@ class Window(Gtk.Window):
         self.choose_tool(tools.PICK, name)
 
     def add_editor(self, factory):
-        """Adds an editor behind the selected one, whose mask it uses, and selects it. The mouse does what that editor
-        needs first."""
-        picture = None
+        """Adds an editor behind the selected one, and selects it: for the object that is selected if that is intrinsicselect, else for the
+        whole picture. The mouse does what that editor needs first."""
+        picture, selected = None, selection.selection_of(self.session.project, self.panel.selected)
         if factory == tools.TEXTURE_FACTORY:
             picture = dialogs.file_to_open(self, "The picture to hang", PICTURES)
         settings = {"location": picture} if picture else {}
         if factory == selection.KEY:
             settings = {"key": "0x00000000"}  # what is at the border, until a color is picked
+        reach = ""
+        if selected and "use-mask" in elements.properties(factory):
+            of_object = selected.name == self.panel.selected
+            settings["use-mask"] = of_object
+            reach = "It applies to the selected object: " if of_object else "It applies to the whole picture: "
+            reach += f"turn use mask {'off for the whole picture' if of_object else 'on for the selected object'}."
         self.panel.select(self.session.add_editor(factory, settings, self.panel.selected))
-        self._begin_with(factory, picture)
+        self._begin_with(factory, picture, reach)
 
-    def _begin_with(self, factory, picture):
+    def _begin_with(self, factory, picture, reach):
         """Chooses the tool for an editor that was just added."""
         selects = self.tool.draws and not self.tool.paints
         if not (selects and selection.selection_of(self.session.project, self.panel.selected)):
             self.choose_tool(tools.LOOK)  # the one before would change something else
+        if reach:
+            self.note(reach)
         if factory == tools.RELIGHT_FACTORY:
             self.choose_tool(tools.LAMP)
-            self.note("Click to place a lamp, drag it to move it. Lower ambient to see it better.")
+            self.note(f"Click to place a lamp, drag it to move it. Lower ambient to see it better. {reach}")
         elif factory == tools.TEXTURE_FACTORY:
             self.choose_tool(tools.LOOK)
             drag = "Drag over the place where the picture shall hang, then drag its corners."
-            self.note(drag if picture else f"Choose a picture: location, at the right. {drag}")
+            self.note((drag if picture else f"Choose a picture: location, at the right. {drag}") + f" {reach}")
         elif factory == selection.KEY:
             self.choose_tool(tools.LOOK)
             self._pick_up("key")
-            self.note("Click on the screen to separate the foreground from it, by its color.")
+            self.note(f"Click on the screen to separate the foreground from it, by its color. {reach}")
 
     def _on_mouse(self, kind, x, y, shift):
         if kind == "mouse-button-press":
