@@ -118,6 +118,7 @@ class RelightElement final : public Filter {
     relight_->set_surface(file_);
   }
   void release() override {
+    editor_.stop();
     relight_.reset();
     views_.reset();
   }

@@ -164,6 +164,12 @@ void LampEditor::remove(const Log& log, unsigned index) {
     erase(list.lamps, index);
     return text_of(list);
   });
+  const Lock lock(mutex_);
+  if (!drag_ || drag_->lamp + 1 < index) return;
+  if (drag_->lamp + 1 == index)
+    drag_.reset();
+  else
+    --drag_->lamp;
 }
 
 std::vector<Lamp> LampEditor::take(const std::string& lamps, Extent frame) {
@@ -185,8 +191,13 @@ void LampEditor::see(std::optional<LampView> view, bool adds) {
 
 void LampEditor::flush() {
   const Lock lock(mutex_);
-  drag_.reset();
   view_.reset();
+}
+
+void LampEditor::stop() {
+  flush();
+  const Lock lock(mutex_);
+  drag_.reset();
 }
 
 }  // namespace inverse

@@ -42,8 +42,11 @@ class LampEditor : public ListEditor {
   void see(std::optional<LampView> view, bool adds);
   /// The lamps of the property for a frame of this size, in its pixels.
   std::vector<Lamp> take(const std::string& lamps, Extent frame);
-  /// Ends a drag: its picture is gone.
+  /// Forgets what a frame saw. A drag goes on: a picture that stands is asked for again after each
+  /// step of it.
   void flush();
+  /// Ends a drag as well: no frame comes any more.
+  void stop();
 
  private:
   struct Drag {

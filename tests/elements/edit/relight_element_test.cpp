@@ -214,6 +214,26 @@ TEST_F(RelightElement, TheMouseMovesAddsAndRemovesLamps) {
   expect_one(harness_.warnings(), "8 lamps");
 }
 
+TEST_F(RelightElement, ADragOutlivesFlushesAndLampsThatAreRemoved) {
+  harness_.process(frame);
+  set(R"([{"kind":"point","position":[10,10,0.2]},{"kind":"point","position":[70,40,0.2]}])");
+  harness_.process(frame);
+  press(70, 40);
+  move(72, 40);
+  harness_.flush();  // by a seek to the same picture, which shows the step
+  harness_.process(frame);
+  move(80, 42);
+  expect_contains(lamps(), "[80.0,42.0,0.2]");
+  EXPECT_TRUE(call("remove-lamp", 1U));
+  move(84, 42);
+  EXPECT_EQ(lamps().find("[10.0,10.0"), std::string::npos);
+  expect_contains(lamps(), "[84.0,42.0,0.2]");
+  EXPECT_TRUE(call("remove-lamp", 1U));
+  move(20, 20);
+  release(20, 20);
+  EXPECT_EQ(lamps().find("[20.0,20.0"), std::string::npos);
+}
+
 TEST_F(RelightElement, TheSunIsDraggedAroundABall) {
   harness_.process(frame);
   set(kSun);
