@@ -81,6 +81,11 @@ class Playback:
         return self.duration if self.state == ENDED and not self._missing and self.duration else self.position
 
     @property
+    def waits(self):
+        """Whether a frame is on its way that was asked for: the first one, or that of a seek or of a step on a picture that stands."""
+        return self.state not in (CLOSED, FAILED) and (self._shown == 0 or self._seeking)
+
+    @property
     def goal(self):
         """The time that the last seek leads to, which may wait for the one under way; else the position."""
         return self.position if self._next_seek is None else self._next_seek

@@ -87,6 +87,14 @@ class Paint(WindowCase):
         self.assertEqual(len(self.editors), 2)
 
 
+    def test_a_wait_for_a_frame_is_shown(self):
+        spinner = self.window.picture.spinner
+        self.wait(lambda: not spinner.get_visible())
+        self.session.open("videotestsrc ! video/x-raw,width=160,height=120 ! identity sleep-time=2000000")
+        self.wait(spinner.get_visible)
+        self.wait(lambda: not spinner.get_visible())
+        self.assertEqual(self.player.width, 160)
+
     def test_an_edit_says_what_it_applies_to(self):
         self.key("m")
         self.click(*RED)

@@ -32,6 +32,9 @@ class Picture(Gtk.Overlay):
         self.add_overlay(self._left)
         self._divider = self._make_divider()
         self.add_overlay(self._divider)
+        self.spinner = Gtk.Spinner(no_show_all=True, halign=Gtk.Align.CENTER, valign=Gtk.Align.CENTER, width_request=48, height_request=48)
+        self.add_overlay(self.spinner)
+        self.set_overlay_pass_through(self.spinner, True)
         self.connect("get-child-position", self._place_child)
         self.connect("size-allocate", lambda *_: GLib.idle_add(self._resize_original))
 
@@ -71,6 +74,12 @@ class Picture(Gtk.Overlay):
         parent.add(after)
         after.show()
         return after
+
+    def show_waiting(self, waits):
+        """Shows that a frame is on its way."""
+        if waits != self.spinner.get_visible():
+            self.spinner.set_visible(waits)
+            self.spinner.start() if waits else self.spinner.stop()
 
     def set_cursor(self, name):
         """The mouse pointer over the picture: "crosshair", "default" …"""

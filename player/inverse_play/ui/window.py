@@ -41,6 +41,7 @@ class Window(Gtk.Window):
                                [(key, f"add-{factory}") for factory, _, key, _ in tools.editors()])
         self.connect("key-press-event", self._on_key)
         self.connect("delete-event", lambda *_: self.quit())
+        self._waited = 0  # ticks for a frame
         self._timers = [GLib.timeout_add(200, self._tick), GLib.timeout_add(1000, self._tick_rate)]
         self.connect("destroy", self._on_destroy)
         self.update()
@@ -153,6 +154,9 @@ class Window(Gtk.Window):
         self.strokes.show_strokes(text, self.mouse.brush(), (self.session.playback.width, self.session.playback.height))
 
     def _tick(self):
+        # Of ticks before: what comes at once flickers.
+        self._waited = self._waited + 1 if self.session.playback.waits else 0
+        self.picture.show_waiting(self._waited > 2)
         self.timeline.update()
         self._show_split()
         return GLib.SOURCE_CONTINUE
