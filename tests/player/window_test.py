@@ -87,6 +87,15 @@ class Paint(WindowCase):
         self.assertEqual(len(self.editors), 2)
 
 
+    def test_keys_work_after_a_control_was_used(self):
+        self.window.add_editor("intrinsictone")
+        self.wait(lambda: self.editors)
+        controls = self.window.panel.settings.controls
+        for key, name, show in (("2", "use-mask", "reflectance"), ("1", "strength", "composed")):
+            self.click_widget(controls[name])
+            self.key(key)
+            self.wait(lambda show=show: self.session.project.compose.get("show") == show)
+
     def test_a_wait_for_a_frame_is_shown(self):
         spinner = self.window.picture.spinner
         self.wait(lambda: not spinner.get_visible())
@@ -355,6 +364,26 @@ class Keys(WindowCase):
         self.assertEqual([name[-4:] for name in names], [".mkv", ".png"])
         for name in names:
             self.assertTrue(support.read_video(self.path(name)))
+
+    def test_a_recording_waits_while_the_picture_stands(self):
+        self.open(self.clip(60), 160)
+        self.wait(lambda: self.player.seekable)
+        self.key("space")
+        self.wait(lambda: self.player.state == playback.PAUSED)
+        self.key("ctrl+r")
+        self.wait_for_note("once the video plays")
+        self.assertEqual(self.session.recorder.frames, 0)
+        self.key("space")
+        self.wait(lambda: self.session.recorder.frames > 3)
+        self.key("ctrl+r")
+        self.wait(lambda: not self.session.recorder)
+
+    def test_a_project_is_named_as_its_video(self):
+        self.session.open(self.clip(40, "walk.mkv"))
+        self.wait(lambda: self.player.width == 160)
+        self.assertEqual(self.session.project_place(), ("walk.json", self.folder))
+        self.in_dialog("Save the project", "ctrl+s", self.path("walk.json"))
+        self.wait(lambda: os.path.exists(self.path("walk.json")))
 
     def test_files_by_dialogs(self):
         self.session.set_decomposer("globalintrinsic")
