@@ -6,13 +6,13 @@
 #include <memory>
 #include <sstream>
 
+#include "meta/registered_once.hpp"
 #include "tuning.hpp"
 
 namespace inverse {
 
 GType enum_type(const char* type_name, std::span<const Choice> choices) {
-  static std::mutex mutex;
-  std::lock_guard lock(mutex);
+  const RegistrationLock lock;
   if (const GType known = g_type_from_name(type_name)) return known;
   // GObject reads the table for the life of the process. It ends with an entry of nothing.
   static auto* const tables = new std::deque<std::vector<GEnumValue>>;

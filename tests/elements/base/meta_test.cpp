@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Our metas on their way through elements of GStreamer's own.
 
+#include <array>
+#include <thread>
+
+#include "gst/base/meta/registered_once.hpp"
 #include "gst/inverse/inverse_light_stage_meta.h"
 #include "gst/inverse/inverse_material_meta.h"
 #include "tests/elements/element_test.hpp"
@@ -127,4 +131,23 @@ TEST_F(MetaTest, LightStageMetaSurvivesEveryConversion) {
 }
 
 }  // namespace
+// Two plugins may register the same type at the same time.
+TEST(RegisteredOnce, ThreadsGetTheSameType) {
+  for (int round = 0; round < 100; ++round) {
+    const std::string name = "InverseTestRegistered" + std::to_string(round);
+    std::array<GType, 4> types{};
+    std::vector<std::thread> threads;
+    for (GType& type : types)
+      threads.emplace_back([&name, &type] {
+        type = type_registered_once(name.c_str(), [&name] {
+          return g_type_register_static_simple(G_TYPE_OBJECT, name.c_str(), sizeof(GObjectClass),
+                                               nullptr, sizeof(GObject), nullptr, GTypeFlags{});
+        });
+      });
+    for (std::thread& thread : threads) thread.join();
+    for (const GType type : types) ASSERT_EQ(type, g_type_from_name(name.c_str())) << name;
+    ASSERT_NE(types[0], 0U);
+  }
+}
+
 }  // namespace inverse::testing
