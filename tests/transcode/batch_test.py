@@ -163,14 +163,16 @@ class Batch(Case):
         if not shutil.which("parallel"):
             self.skipTest("there is no GNU parallel")
         self.long_clip()
-        self.run_it("--batch", "b", "--chunk", "1", "--divide-shots", "-o", "out.mkv", "long.mkv", "--", "identity")
-        for name in ("b/tasks", "b/joins"):
-            with open(self.path(name), encoding="ascii") as read:
+        said = self.run_it("--batch", "b'1 $x", "--chunk", "1", "--divide-shots", "-o", "out.mkv", "long.mkv", "--", "identity")
+        for name in ("tasks", "joins"):
+            with open(self.path(f"b'1 $x/{name}"), encoding="ascii") as read:
                 tasks = 2 * read.read()  # each twice: one waits for the other and finds it done
-            subprocess.run(["parallel", "-j4", self.path("b/run")], input=tasks, text=True, check=True, stdout=subprocess.DEVNULL,
+            subprocess.run(["parallel", "-q", "-j4", self.path("b'1 $x/run")], input=tasks, text=True, check=True, stdout=subprocess.DEVNULL,
                            stderr=subprocess.DEVNULL, timeout=200)
         self.assertEqual(streams_of(self.path("out.mkv"))[0][0].packets, 120)
-        self.assertIn("5 done", self.run_it("--batch", "b", "--status"))
+        self.assertIn("5 done", self.run_it("--batch", "b'1 $x", "--status"))
+        line = next(line for line in said.splitlines() if line.startswith("  parallel"))
+        subprocess.run(line, shell=True, cwd=self.folder, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=200)
 
     @staticmethod
     def processes(option, of):

@@ -217,7 +217,7 @@ def make_batch(arguments, settings, tasks):
         work, joins = batch.pending()
         folder = shlex.quote(batch.folder)
         print(f"{len(work)} task{'s' * (len(work) != 1)} to do" + (f", and {len(joins)} to join chunks" if joins else "") + f": {batch.folder}")
-        print(f"  make -C {folder} -j 4\n  parallel {folder}/run :::: {folder}/tasks" + (f" && parallel {folder}/run :::: {folder}/joins" if joins else "") +
+        print(f"  make -C {folder} -j 4\n  parallel -q {folder}/run :::: {folder}/tasks" + (f" && parallel -q {folder}/run :::: {folder}/joins" if joins else "") +
               f"\n  inverse-transcode --batch {folder} --slurm\n  inverse-transcode --batch {folder} --status")
     return batch
 
