@@ -31,6 +31,7 @@ class OpenFile {
                    : std::string("cannot be read: ") + std::strerror(errno);
     if (found >= 0) close(found);
     size_ = static_cast<uint64_t>(status.st_size);
+    own_ = status.st_uid == geteuid() && (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;
   }
   ~OpenFile() {
     if (fd_ >= 0) close(fd_);
@@ -40,6 +41,8 @@ class OpenFile {
 
   /// Why it cannot be read, as the end of a message that starts with the path; else empty.
   const std::string& fault() const { return fault_; }
+  /// Whether it is this user's, and nobody else may write to it.
+  bool own() const { return own_; }
   /// Bytes, when it was opened.
   uint64_t size() const { return size_; }
   /// Reads up to `bytes` from a position; returns how many, fewer only at the end of the file or
@@ -64,6 +67,7 @@ class OpenFile {
  private:
   int fd_ = -1;
   uint64_t size_ = 0;
+  bool own_ = false;
   std::string fault_;
 };
 

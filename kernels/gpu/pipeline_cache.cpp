@@ -3,10 +3,11 @@
 
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <string>
-#include <vector>
+#include <string_view>
 
 #include "common/open_file.hpp"
 #include "device.hpp"
@@ -15,7 +16,8 @@ namespace inverse::gpu {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr uint64_t kLargest = uint64_t{256} << 20;  // bytes of a file that is read
+constexpr uint64_t kLargest = uint64_t{256} << 20;              // bytes of a file that is read
+constexpr std::string_view kMagic = "gst-inverse kernels 1\n";  // then a checksum, and the data
 
 fs::path folder_for(const VkPhysicalDeviceProperties& properties) {
   if (const char* named = std::getenv("INVERSE_PIPELINE_CACHE")) return named;
@@ -51,6 +53,23 @@ bool suits(const std::string& data, const VkPhysicalDeviceProperties& properties
          !std::memcmp(header.uuid, properties.pipelineCacheUUID, VK_UUID_SIZE);
 }
 
+/// FNV-1a.
+uint64_t checksum(std::string_view data) {
+  uint64_t sum = 0xcbf29ce484222325;
+  for (const char byte : data) sum = (sum ^ static_cast<uint8_t>(byte)) * 0x100000001b3;
+  return sum;
+}
+
+/// What processes that were killed left beside a file.
+void remove_drafts(const fs::path& file) {
+  constexpr auto kOld = std::chrono::hours(1);
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(file.parent_path(), none))
+    if (entry.path().filename().string().starts_with(file.filename().string() + ".") &&
+        fs::file_time_type::clock::now() - entry.last_write_time(none) > kOld)
+      fs::remove(entry.path(), none);
+}
+
 }  // namespace
 
 PipelineCache::PipelineCache(VkDevice device, const VkPhysicalDeviceProperties& properties)
@@ -66,9 +85,15 @@ PipelineCache::PipelineCache(VkDevice device, const VkPhysicalDeviceProperties& 
 
 std::string PipelineCache::read_data() const {
   if (file_.empty()) return {};
-  std::string fault;  // such a file is ignored
-  std::string data = read_file(file_.string(), kLargest, fault);
-  return suits(data, properties_) ? data : std::string();
+  // Drivers parse the data: what somebody else may have written, or what is damaged, is ignored.
+  const OpenFile file(file_.string());
+  std::string fault;
+  std::string data = file.own() ? read_file(file, kLargest, fault) : std::string();
+  uint64_t sum = 0;
+  if (data.size() < kMagic.size() + sizeof sum || !data.starts_with(kMagic)) return {};
+  std::memcpy(&sum, data.data() + kMagic.size(), sizeof sum);
+  data.erase(0, kMagic.size() + sizeof sum);
+  return checksum(data) == sum && suits(data, properties_) ? data : std::string();
 }
 
 PipelineCache::~PipelineCache() {
@@ -95,15 +120,20 @@ void PipelineCache::save() const {
     return;
   merge_file();
   if (vkGetPipelineCacheData(device_, cache_, &size, nullptr) != VK_SUCCESS) return;
-  std::vector<char> data(size);
+  std::string data(size, '\0');
   if (vkGetPipelineCacheData(device_, cache_, &size, data.data()) != VK_SUCCESS) return;
+  data.resize(size);
+  const uint64_t sum = checksum(data);
+  data.insert(0, kMagic).insert(kMagic.size(), reinterpret_cast<const char*>(&sum), sizeof sum);
   // Renamed when complete: other processes never read half a file.
   std::error_code error;
   fs::create_directories(file_.parent_path(), error);
+  remove_drafts(file_);
   std::string made = file_.string() + ".XXXXXX";
   const int descriptor = mkstemp(made.data());
   if (descriptor < 0) return;
-  const bool whole = write(descriptor, data.data(), size) == static_cast<ssize_t>(size);
+  const bool whole =
+      write(descriptor, data.data(), data.size()) == static_cast<ssize_t>(data.size());
   close(descriptor);
   if (whole) fs::rename(made, file_, error);
   if (!whole || error) fs::remove(made, error);

@@ -10,7 +10,8 @@ namespace inverse::gpu {
 /// Compiled kernels of a device, kept in a file between runs for drivers that keep none themselves:
 /// `gst-inverse/kernels-<UUID>.bin` in `$XDG_CACHE_HOME` or `~/.cache`, none for software devices,
 /// for which Mesa does that. `INVERSE_PIPELINE_CACHE` names another folder; empty: no file. A file
-/// that cannot be read or written is ignored: kernels are compiled again.
+/// that cannot be read or written, is damaged, or that others may write to is ignored: kernels are
+/// compiled again.
 class PipelineCache {
  public:
   PipelineCache(VkDevice device, const VkPhysicalDeviceProperties& properties);

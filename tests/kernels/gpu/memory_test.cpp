@@ -109,6 +109,32 @@ TEST_F(PipelineCacheTest, FilesOfOthersAndBrokenOnesAreReplaced) {
   EXPECT_EQ(files_in(folder.path()), 1U);
 }
 
+// Drivers parse what it has, and trust it.
+TEST_F(PipelineCacheTest, DamagedFilesAndThoseThatOthersMayWriteToAreReplaced) {
+  const TemporaryFolder folder;
+  use(folder.path());
+  const auto file = std::filesystem::directory_iterator(folder.path())->path();
+  const auto content = [&] {
+    std::ifstream stream(file, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(stream), {});
+  };
+  const std::string whole = content();
+  std::string damaged = whole;
+  damaged.back() ^= 1;
+  std::ofstream(file, std::ios::binary) << damaged;
+  std::ofstream(file.string() + ".abcdef") << "of a process that was killed";
+  std::filesystem::last_write_time(file.string() + ".abcdef", std::filesystem::file_time_type{});
+  use(folder.path());
+  EXPECT_EQ(content(), whole);
+  EXPECT_EQ(files_in(folder.path()), 1U);
+  using Permissions = std::filesystem::perms;
+  std::filesystem::permissions(file, Permissions::others_write, std::filesystem::perm_options::add);
+  use(folder.path());
+  EXPECT_EQ(std::filesystem::status(file).permissions() & Permissions::others_write,
+            Permissions::none)
+      << "written anew";
+}
+
 TEST_F(PipelineCacheTest, AFolderThatCannotBeWrittenIsIgnored) {
   const TemporaryFolder folder;
   const std::filesystem::path file(folder / "file");
