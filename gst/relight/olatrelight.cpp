@@ -12,6 +12,7 @@
 #include <optional>
 #include <utility>
 
+#include "common/background.hpp"
 #include "gst/base/filter.hpp"
 #include "gst/base/models.hpp"
 #include "gst/exr/environment_file.hpp"
@@ -282,7 +283,7 @@ class RelightElement final : public Filter {
     if (!loading_.valid() && params.environment != asked_) {
       asked_ = params.environment;
       if (asked_ != environment_path_)
-        loading_ = std::async(std::launch::async, &RelightElement::load, asked_);
+        loading_ = in_background([path = asked_] { return load(path); });
     }
     if (pending_warning_) frame.warnings.push_back(*std::exchange(pending_warning_, {}));
   }

@@ -9,6 +9,7 @@
 #include <future>
 #include <mutex>
 
+#include "common/background.hpp"
 #include "gst/base/element_class.hpp"
 #include "gst/base/log/errors.hpp"
 #include "gst/rgbd/meta/depth_meta.hpp"
@@ -148,9 +149,8 @@ Recording::Frame RecordingPlayer::read() {
   const bool loop = params().loop;
   for (uint64_t n = next_ + ahead_.size(); n <= next_ + kAhead; ++n) {
     if (n > next_ && at(n) == 0 && !loop) break;
-    ahead_.push_back({n, std::async(std::launch::async, [from = recording_, frame = at(n)] {
-                        return from->read(frame);
-                      })});
+    ahead_.push_back(
+        {n, in_background([from = recording_, frame = at(n)] { return from->read(frame); })});
   }
   auto result = std::move(ahead_.front().result);
   ahead_.pop_front();

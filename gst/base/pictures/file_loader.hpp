@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/background.hpp"
 #include "common/error.hpp"
 #include "picture_file.hpp"
 
@@ -35,7 +36,7 @@ class FileLoader {
       }
     if (!loading_.valid() && path != asked_) {
       asked_ = path;
-      loading_ = std::async(std::launch::async, load, path);
+      loading_ = in_background([path] { return load(path); });
     }
     return changed;
   }
