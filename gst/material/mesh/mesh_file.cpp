@@ -151,30 +151,30 @@ void append(Mesh& mesh, const aiMesh& part) {
   }
 }
 
-/// Cuts polygons into triangles. Assimp 5.4 drops those with an area below 1e-5, in whatever unit
-/// the file has: they are as large as floats can have them meanwhile.
-const aiScene* triangulate(Assimp::Importer& importer) {
-  const aiScene* scene = importer.GetScene();
+/// By which powers of two the coordinates of each mesh become as large as their products allow:
+/// Assimp drops triangles and joins corners by tolerances in whatever unit a file has.
+std::vector<int> enlargements(const aiScene& scene) {
+  constexpr int kLarge = 30;  // products of four coordinates are finite
   std::vector<int> exponents;
-  const auto scale = [](const aiMesh& part, int exponent) {
-    for (unsigned i = 0; i < part.mNumVertices; ++i)
-      for (unsigned axis = 0; axis < 3; ++axis)
-        part.mVertices[i][axis] = std::ldexp(part.mVertices[i][axis], exponent);  // exact
-  };
-  for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
-    const aiMesh& part = *scene->mMeshes[i];
+  for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
+    const aiMesh& part = *scene.mMeshes[i];
     float largest = 0;
     for (unsigned j = 0; j < part.mNumVertices; ++j)
       for (unsigned axis = 0; axis < 3; ++axis)
         largest = std::max(largest, std::abs(part.mVertices[j][axis]));
-    constexpr int kLarge = 30;  // products of four coordinates are finite
     exponents.push_back(largest > 0 ? kLarge - std::ilogb(largest) : 0);
-    scale(part, exponents.back());
   }
-  scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
-  for (unsigned i = 0; scene && i < scene->mNumMeshes; ++i)
-    scale(*scene->mMeshes[i], -exponents[i]);
-  return scene;
+  return exponents;
+}
+
+/// Exact, but for what is too small for a float.
+void scale(const aiScene& scene, const std::vector<int>& exponents, int sign) {
+  for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
+    const aiMesh& part = *scene.mMeshes[i];
+    for (unsigned j = 0; j < part.mNumVertices; ++j)
+      for (unsigned axis = 0; axis < 3; ++axis)
+        part.mVertices[j][axis] = std::ldexp(part.mVertices[j][axis], sign * exponents[i]);
+  }
 }
 
 Mesh read(const std::string& path, std::string content, std::string& warning) {
@@ -205,11 +205,19 @@ Mesh read(const std::string& path, std::string content, std::string& warning) {
     fail(path, "has " + std::to_string(triangles) + " triangles; at most " +
                    std::to_string(Mesh::kMaxTriangles) +
                    " can be drawn: simplify it, with Blender's Decimate for example");
-  const aiScene* scene = triangulate(importer);
-  if (scene)
+  const std::vector<int> each = enlargements(*importer.GetScene());
+  scale(*importer.GetScene(), each, 1);
+  const aiScene* scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+  if (scene) {
+    scale(*scene, each, -1);
     scene =
         importer.ApplyPostProcessing(aiProcess_RemoveComponent | aiProcess_PreTransformVertices);
+  }
   if (scene) {
+    // All by the same, and for good: Mesh::prepare makes the mesh as large as all others are.
+    const std::vector<int> sizes = enlargements(*scene);
+    if (!sizes.empty())
+      scale(*scene, std::vector<int>(sizes.size(), *std::ranges::min_element(sizes)), 1);
     check_corners(*scene, path);
     scene =
         importer.ApplyPostProcessing(aiProcess_GenSmoothNormals | aiProcess_JoinIdenticalVertices);
