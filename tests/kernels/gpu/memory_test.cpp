@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Memory that buffers share, and compiled kernels in a file.
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -123,7 +124,9 @@ TEST_F(PipelineCacheTest, DamagedFilesAndThoseThatOthersMayWriteToAreReplaced) {
   damaged.back() ^= 1;
   std::ofstream(file, std::ios::binary) << damaged;
   std::ofstream(file.string() + ".abcdef") << "of a process that was killed";
-  std::filesystem::last_write_time(file.string() + ".abcdef", std::filesystem::file_time_type{});
+  std::filesystem::last_write_time(
+      file.string() + ".abcdef",
+      std::filesystem::file_time_type::clock::now() - std::chrono::hours(2));
   use(folder.path());
   EXPECT_EQ(content(), whole);
   EXPECT_EQ(files_in(folder.path()), 1U);
