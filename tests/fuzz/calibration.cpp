@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Calibrations of cameras with depth: an Error, or two lenses by which a depth image can be drawn.
+#include "gst/rgbd/calibration.hpp"
+
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -10,7 +12,6 @@
 #include <string>
 
 #include "common/error.hpp"
-#include "gst/rgbd/calibration.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace inverse;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Texts of corners: an Error, or corners that, where nothing is wrong with them, are written as they are read.
+// Texts of corners: an Error, or corners that, where nothing is wrong with them, are written as
+// they are read.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Remembered scenes, whose mark and checksum are put before the input: an Error, or a scene that is within its limits.
+// Remembered scenes, whose mark and checksum are put before the input: an Error, or a scene that is
+// within its limits.
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -20,7 +21,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   text.append(reinterpret_cast<const char*>(&sum), sizeof sum);
   text.append(reinterpret_cast<const char*>(data), size);
   const int file = memfd_create("scene", MFD_CLOEXEC);
-  if (file < 0 || write(file, text.data(), text.size()) != static_cast<ssize_t>(text.size())) abort();
+  if (file < 0 || write(file, text.data(), text.size()) != static_cast<ssize_t>(text.size()))
+    abort();
   try {
     const SceneData scene = load_scene("/proc/self/fd/" + std::to_string(file), 1 << 20);
     if (scene.volume.voxels.size() != scene.volume.keys.size() * VolumeData::kBlockVoxels) abort();

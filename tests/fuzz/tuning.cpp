@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Texts of the property tuning, and each of their values as one of every type: an Error, or a value within its range.
+// Texts of the property tuning, and each of their values as one of every type: an Error, or a value
+// within its range.
+#include "gst/base/tuning.hpp"
+
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 
 #include "common/error.hpp"
-#include "gst/base/tuning.hpp"
 
 // GLib drops its tables of names when they grow.
 extern "C" const char* __asan_default_options() { return "detect_leaks=0"; }
