@@ -109,10 +109,10 @@ class Paint(WindowCase):
         self.click(*RED)
         self.wait(lambda: self.editors == [("intrinsicselect", True)])
         self.window.add_editor("intrinsictone")
-        self.wait_for_note("It applies to the selected object")
+        self.wait_for_note("Tone applies to the selected object")
         self.assertTrue(self.session.project.element("tone1").get("use-mask"))
         self.window.add_editor("intrinsictone")  # tone1 is selected, not the object
-        self.wait_for_note("It applies to the whole picture")
+        self.wait_for_note("Tone applies to the whole picture")
         self.assertFalse(self.session.project.element("tone2").get("use-mask"))
         # A preset changes what it names alone.
         element = Gst.ElementFactory.make("intrinsictone")

@@ -251,7 +251,7 @@ class Window(Gtk.Window):
         if selected and "use-mask" in elements.properties(factory):
             of_object = selected.name == self.panel.selected
             settings["use-mask"] = of_object
-            reach = "It applies to the selected object: " if of_object else "It applies to the whole picture: "
+            reach = f"{elements.title(factory)} applies to the {'selected object' if of_object else 'whole picture'}: "
             reach += f"turn use mask {'off for the whole picture' if of_object else 'on for the selected object'}."
         self.panel.select(self.session.add_editor(factory, settings, self.panel.selected))
         self._begin_with(factory, picture, reach)
