@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "common/checksum.hpp"
 #include "common/open_file.hpp"
 #include "device.hpp"
 
@@ -51,13 +52,6 @@ bool suits(const std::string& data, const VkPhysicalDeviceProperties& properties
          header.version == VK_PIPELINE_CACHE_HEADER_VERSION_ONE &&
          header.vendor == properties.vendorID && header.device == properties.deviceID &&
          !std::memcmp(header.uuid, properties.pipelineCacheUUID, VK_UUID_SIZE);
-}
-
-/// FNV-1a.
-uint64_t checksum(std::string_view data) {
-  uint64_t sum = 0xcbf29ce484222325;
-  for (const char byte : data) sum = (sum ^ static_cast<uint8_t>(byte)) * 0x100000001b3;
-  return sum;
 }
 
 /// What processes that were killed left beside a file.

@@ -10,14 +10,14 @@
 #include <cstdlib>
 #include <string>
 
+#include "common/checksum.hpp"
 #include "common/error.hpp"
 #include "kernels/volume/memory/scene_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace inverse;
   std::string text = "gst-inverse scene 2\n";
-  uint64_t sum = 0xcbf29ce484222325;  // FNV-1a
-  for (size_t i = 0; i < size; ++i) sum = (sum ^ data[i]) * 0x100000001b3;
+  const uint64_t sum = checksum({reinterpret_cast<const char*>(data), size});
   text.append(reinterpret_cast<const char*>(&sum), sizeof sum);
   text.append(reinterpret_cast<const char*>(data), size);
   const int file = memfd_create("scene", MFD_CLOEXEC);

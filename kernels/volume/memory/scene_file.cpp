@@ -13,6 +13,7 @@
 #include <type_traits>
 #include <unordered_set>
 
+#include "common/checksum.hpp"
 #include "common/open_file.hpp"
 #include "common/replace_file.hpp"
 #include "kernels/volume/mesh.hpp"
@@ -26,13 +27,6 @@ constexpr std::string_view kMagic = "gst-inverse scene 2\n";
 
 [[noreturn]] void fail(const std::string& path, const std::string& why) {
   throw Error(ErrorKind::file, "scene " + path + " " + why);
-}
-
-/// FNV-1a.
-uint64_t checksum(std::string_view bytes) {
-  uint64_t sum = 0xcbf29ce484222325;
-  for (const char c : bytes) sum = (sum ^ static_cast<uint8_t>(c)) * 0x100000001b3;
-  return sum;
 }
 
 class Writer {
