@@ -112,7 +112,7 @@ def _problem(path):
     return f"it {media.LIST_ADVICE}" if media.is_list(path) else ""
 
 
-def _result_folder(folder):
+def is_result_folder(folder):
     """Whether a folder has nothing but what this program writes there."""
     for _, folders, names in os.walk(folder):
         if not all(is_layer(f) for f in folders) or not all(RESULT.fullmatch(name) for name in names):
@@ -137,7 +137,7 @@ def _in_the_way(target, ending, sources):
         return f"its output would replace an input: {target}"
     if ending not in SEQUENCES:
         return f"there is something at its output that is no file: {target}" if os.path.exists(place) and not os.path.isfile(place) else ""
-    if os.path.exists(place) and not (os.path.isdir(place) and _result_folder(place)):
+    if os.path.exists(place) and not (os.path.isdir(place) and is_result_folder(place)):
         return f"there is something at its output that is no folder of numbered pictures alone: {target}"
     return ""
 

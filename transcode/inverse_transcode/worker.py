@@ -19,6 +19,7 @@ from .formats import MATROSKA, SEQUENCES, FormatError  # noqa: E402
 from .matroska import mend_tags  # noqa: E402
 from .part import Part, remove  # noqa: E402
 from .pipeline import Transcode, TranscodeError  # noqa: E402
+from .plan import is_result_folder  # noqa: E402
 
 CLOSING_SECONDS = 30
 TICK_SECONDS = 0.5  # between reports
@@ -36,6 +37,12 @@ def partial_name(output):
     """Of the finished part of a file that was stopped."""
     stem, ending = os.path.splitext(output)
     return f"{stem}.partial{ending}"
+
+
+def _remove_partial(path):
+    # A folder is removed only if it has nothing else.
+    if os.path.isfile(path) or os.path.isdir(path) and is_result_folder(path):
+        remove(path)
 
 
 def work(task):
@@ -97,7 +104,7 @@ def work(task):
             mend_tags(part.path)
         settle(part.path, target)
         if target == output and not task["chunk"]:
-            remove(partial_name(output))  # of a run before this one
+            _remove_partial(partial_name(output))  # of a run before this one
         return {"status": "stopped" if run.stopping else "done", "written": target, **words}
     except (FormatError, ProbeError, TranscodeError) as error:
         return {"status": "failed", "error": str(error)}
