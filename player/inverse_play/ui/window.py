@@ -261,19 +261,20 @@ class Window(Gtk.Window):
         selects = self.tool.draws and not self.tool.paints
         if not (selects and selection.selection_of(self.session.project, self.panel.selected)):
             self.choose_tool(tools.LOOK)  # the one before would change something else
-        if reach:
-            self.note(reach)
+        words = ""
         if factory == tools.RELIGHT_FACTORY:
             self.choose_tool(tools.LAMP)
-            self.note(f"Click to place a lamp, drag it to move it. Lower ambient to see it better. {reach}")
+            words = "Click to place a lamp, drag it to move it. Lower ambient to see it better. "
         elif factory == tools.TEXTURE_FACTORY:
             self.choose_tool(tools.LOOK)
-            drag = "Drag over the place where the picture shall hang, then drag its corners."
-            self.note((drag if picture else f"Choose a picture: location, at the right. {drag}") + f" {reach}")
+            words = "" if picture else "Choose a picture: location, at the right. "
+            words += "Drag over the place where the picture shall hang, then drag its corners. "
         elif factory == selection.KEY:
             self.choose_tool(tools.LOOK)
             self._pick_up("key")
-            self.note(f"Click on the screen to separate the foreground from it, by its color. {reach}")
+            words = "Click on the screen to separate the foreground from it, by its color. "
+        if words or reach:
+            self.note((words + reach).strip())
 
     def _on_mouse(self, kind, x, y, shift):
         if kind == "mouse-button-press":
