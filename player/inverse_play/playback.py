@@ -30,6 +30,7 @@ class Playback:
         self.sink = None
         self._pipeline, self._branch = None, None
         self._seeking, self._next_seek = False, None
+        self._sought = self._inside = 0.0  # times: of the last seek, and inside of the frame that is shown
         self._shown = 0
         self._reach, self._missing = None, 0.0
 
@@ -88,7 +89,7 @@ class Playback:
     @property
     def goal(self):
         """The time that the last seek leads to, which may wait for the one under way; else the position."""
-        return self.position if self._next_seek is None else self._next_seek
+        return self.position if self._next_seek is None else self._next_seek[0]
 
     @property
     def frame_rate(self):
@@ -122,19 +123,23 @@ class Playback:
 
     def seek(self, seconds):
         """Goes to a time of a file. While one seek runs, only the last of others is kept."""
+        seconds = min(max(seconds, 0.0), self.duration)
+        self._seek(seconds, seconds)
+
+    def _seek(self, seconds, inside):
+        """Goes to the frame at the time `inside`, and calls that time `seconds`."""
         if not self.seekable or self.state in (CLOSED, FAILED):
             return
-        seconds = min(max(seconds, 0.0), self.duration)
         if self._seeking:
-            self._next_seek = seconds
+            self._next_seek = seconds, inside
             return
         if self.state == ENDED:
             self._set_state(PAUSED)
         self._seeking = True
-        self.position = seconds
+        self.position, self._sought = seconds, inside
         # By the element, not by the pipeline, which would seek once for each of its sinks.
         event = Gst.Event.new_seek(1.0, Gst.Format.TIME, Gst.SeekFlags.FLUSH | Gst.SeekFlags.ACCURATE,
-                                   Gst.SeekType.SET, round(self.position * Gst.SECOND), Gst.SeekType.NONE, 0)
+                                   Gst.SeekType.SET, round(inside * Gst.SECOND), Gst.SeekType.NONE, 0)
         if not self.stage.compose.send_event(event):
             self._seeking = False
 
@@ -148,7 +153,7 @@ class Playback:
         """Edits the frame again that stands still."""
         ended = self.state == ENDED
         if self.state in (PAUSED, ENDED) and self.seekable:
-            self.seek(self.goal)
+            self._seek(*self._next_seek or (self.position, self._sought if self._seeking else self._inside))
             if ended:
                 self._set_state(ENDED)
 
@@ -199,10 +204,19 @@ class Playback:
         if segment and buffer.pts != Gst.CLOCK_TIME_NONE:
             time = segment.parse_segment().to_stream_time(Gst.Format.TIME, buffer.pts)
             if time != Gst.CLOCK_TIME_NONE:
-                self.position = time / Gst.SECOND
+                self._find(time / Gst.SECOND, buffer)
         caps = structure_of(pad.get_current_caps())
         self.width, self.height = caps.get_value("width"), caps.get_value("height")
         return Gst.PadProbeReturn.OK
+
+    def _find(self, time, buffer):
+        """Takes the time of a frame that is shown."""
+        if abs(time - self._sought) < 1e-6:  # a decoder begins the frame in which a seek ends there
+            self._inside = time
+            return
+        # At its own beginning the one before may be found: Matroska's times are rounded to milliseconds.
+        length = buffer.duration / Gst.SECOND if buffer.duration != Gst.CLOCK_TIME_NONE else 0.0
+        self.position, self._inside = time, time + length / 2
 
     def _on_event(self, _pad, info):
         event = info.get_event()
@@ -241,8 +255,8 @@ class Playback:
         self._read_duration()
         self._seeking = False
         if self._next_seek is not None:
-            seconds, self._next_seek = self._next_seek, None
-            self.seek(seconds)
+            following, self._next_seek = self._next_seek, None
+            self._seek(*following)
         self._listener.on_state()
 
     def _read_duration(self):

@@ -235,6 +235,28 @@ class Files(support.Case):
         self.assertAlmostEqual(viewer.player.position, at, delta=0.11)
         self.assertEqual(viewer.player.state, playback.PAUSED)
 
+    @staticmethod
+    def shown(player):
+        """The time and the bytes of the picture."""
+        buffer = player.sink.get_property("last-sample").get_buffer()
+        return round(player.position, 6), buffer.extract_dup(0, buffer.get_size())
+
+    def test_a_frame_that_stands_still_stays_whatever_is_done_to_it(self):
+        # Matroska's times are rounded to milliseconds: frames of 30 a second overlap.
+        viewer = Viewer(self).open(self.clip(60, pattern="ball", rate=30))
+        session, seen = viewer.session, set()
+        for _ in range(4):
+            viewer.pause()
+            before = self.shown(viewer.player)
+            for step in (lambda: session.add_editor("intrinsictone", {"look": "metal"}), session.undo, session.redo, session.undo):
+                step()
+                viewer.wait(lambda: not viewer.player.waits)
+            self.assertEqual(self.shown(viewer.player), before)
+            seen.add(before[0])
+            session.toggle_playing()
+            viewer.wait(lambda: viewer.player.position > before[0] + 0.2)
+        self.assertEqual(len(seen), 4)
+
     def test_colors_are_picked_while_it_stands_still(self):
         viewer = Viewer(self).open(self.clip(60))
         viewer.wait(lambda: viewer.player.seekable)

@@ -63,11 +63,11 @@ class Case(unittest.TestCase):
         """A file in the folder."""
         return os.path.join(self.folder, name)
 
-    def clip(self, frames, name="clip.mkv", pattern="smpte", size=(160, 120)):
-        """A video file of a pattern, 10 frames a second."""
+    def clip(self, frames, name="clip.mkv", pattern="smpte", size=(160, 120), rate=10):
+        """A video file of a pattern, `rate` frames a second."""
         path = self.path(name)
         run_line(f"videotestsrc num-buffers={frames} pattern={pattern} ! "
-                 f"video/x-raw,width={size[0]},height={size[1]},framerate=10/1 ! vp8enc deadline=1 ! matroskamux ! "
+                 f"video/x-raw,width={size[0]},height={size[1]},framerate={rate}/1 ! vp8enc deadline=1 ! matroskamux ! "
                  f"filesink location={self.path('made.mkv')}")
         os.rename(self.path("made.mkv"), path)
         return path
