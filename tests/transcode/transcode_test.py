@@ -14,7 +14,7 @@ import unittest.mock
 from case import LIMIT, ROOT, SOUND, VIDEO, Case, Gst, GstVideo, streams_of, structure_of
 
 sys.path.insert(0, str(ROOT / "transcode"))
-from inverse_transcode import formats, matroska  # noqa: E402
+from inverse_transcode import formats, marks, matroska  # noqa: E402
 from inverse_transcode.plan import Settings, Task  # noqa: E402
 
 
@@ -312,6 +312,32 @@ class Transcode(Case):
         with open(self.path("fonts.mkv"), "wb") as file:
             file.write(content[:place] + struct.pack(">Q", size + len(added)) + content[place + 8:cluster] + added + content[cluster:])
         self.assertIn("attached is left out, as GStreamer writes none: letters.ttf", self.run_it("fonts.mkv", "-o", "out.mkv", "--", "identity"))
+
+    def test_marks_of_tracks_are_told_of(self):
+        field = lambda name, data: bytes.fromhex(name) + struct.pack(">Q", 1 << 56 | len(data)) + data  # noqa: E731 (an element of EBML)
+        number = lambda name, value: field(name, bytes([value]))  # noqa: E731
+        track = lambda at, kind, *flags: field("ae", number("d7", at) + number("83", kind) + b"".join(flags))  # noqa: E731
+
+        def told(*tracks, before=b""):
+            path = self.path("marks.mkv")
+            with open(path, "wb") as file:
+                file.write(field("1a45dfa3", b"") + field("18538067", before + field("1654ae6b", b"".join(tracks)) + field("1f43b675", b"1" * 99)))
+            return marks.left_out(path)
+
+        self.assertEqual(told(track(1, 1), track(2, 2), before=field("ec", b"void")), [])
+        self.assertEqual(told(track(1, 1, number("88", 0)), track(2, 2, number("88", 0)), track(3, 2, number("88", 0))), [], "of which none is default")
+        (text,) = told(track(1, 1), track(2, 2), track(3, 2, number("88", 0)), track(4, 17, number("55aa", 1), number("55ab", 1)))
+        self.assertIn("not default (sound 3), forced (subtitles 4), for the hearing impaired (subtitles 4)", text)
+        with open(self.path("marks.mkv"), "rb") as file:
+            content = file.read()
+        for cut in range(0, len(content), 7):
+            with open(self.path("cut.mkv"), "wb") as file:
+                file.write(content[:cut])
+            marks.left_out(self.path("cut.mkv"))
+        self.make("time.mov", VIDEO.format(frames=5, form="I420") + "timecodestamper ! jpegenc ! qtmux")
+        self.assertIn("time code is left out", self.run_it("time.mov", "-o", "time.mkv", "--", "identity"))
+        self.make("none.mov", VIDEO.format(frames=5, form="I420") + "jpegenc ! qtmux name=mux")
+        self.assertNotIn("time code", self.run_it("none.mov", "-o", "none.mkv", "--", "identity"))
 
     def test_jpeg_pictures_are_turned_as_they_say(self):
         os.makedirs(self.path("in"))

@@ -7,7 +7,7 @@ import re
 
 from gi.repository import Gst
 
-_SEGMENT, _TAGS, _TAG, _SIMPLE, _STRING = 0x18538067, 0x1254C367, 0x7373, 0x67C8, 0x4487
+SEGMENT, _TAGS, _TAG, _SIMPLE, _STRING = 0x18538067, 0x1254C367, 0x7373, 0x67C8, 0x4487
 _ESCAPE = re.compile(rb"\\([0-3][0-7]{2}|.)", re.DOTALL)
 
 
@@ -34,7 +34,7 @@ def _number(file, marker):
     return None if number == (1 << 7 * (more + 1)) - 1 else number
 
 
-def _children(file, end):
+def children(file, end):
     """(ID, end) of the elements up to a place in the file, which is at the start of their data."""
     while file.tell() < end:
         name, size = _number(file, True), _number(file, False)
@@ -45,13 +45,14 @@ def _children(file, end):
         file.seek(here + size)
 
 
-def _texts(file, end, names):
-    for name, child in _children(file, end):
+def find(file, end, names):
+    """(start, end) of the data of elements at a path of IDs, from a place in the file up to `end`."""
+    for name, child in children(file, end):
         if name == names[0]:
             if len(names) == 1:
                 yield file.tell(), child
             else:
-                yield from _texts(file, child, names[1:])
+                yield from find(file, child, names[1:])
 
 
 @functools.cache
@@ -77,7 +78,7 @@ def mend_tags(path):
         return
     with open(path, "r+b") as file:
         size = os.path.getsize(path)
-        for start, end in list(_texts(file, size, (_SEGMENT, _TAGS, _TAG, _SIMPLE, _STRING))):
+        for start, end in list(find(file, size, (SEGMENT, _TAGS, _TAG, _SIMPLE, _STRING))):
             file.seek(start)
             text = file.read(end - start)
             file.seek(start)

@@ -16,7 +16,7 @@ from inverse_common.gst import structure_of, without  # noqa: E402
 from inverse_common.media import deinterlaces  # noqa: E402
 from inverse_common.probe import DIRECTIONS, Probe, jpeg_orientation, probe  # noqa: E402
 
-from . import formats, losses  # noqa: E402
+from . import formats, losses, marks  # noqa: E402
 from .chunk import Chunk, join, keep_plain, stream  # noqa: E402
 from .plan import is_exr, is_pattern, numbered, pattern_parts, picture  # noqa: E402
 
@@ -74,6 +74,8 @@ class Transcode:
             self.warnings += [f"a stream is left out, of which nothing is known here: {missing}" for missing in self.probe.missing]
         if self.probe.attached and not self.chunk:
             self.warnings.append(f"what is attached is left out, as GStreamer writes none: {', '.join(self.probe.attached)}")
+        if not self.chunk and not is_pattern(task["input"]):
+            self.warnings += marks.left_out(task["input"])
         self.pipeline = Gst.Pipeline.new()
         self.part, self.mux = part, None
         if self.container.muxer and not self.chunk:
