@@ -29,6 +29,7 @@ class Probe:
     rate: float = 25  # frames a second; 25 where the file has none
     placed: bool = False  # whether the file says where it was recorded
     interlaced: bool = False
+    sound: bool = False
     depth_stream: int | None = None  # the index of a second video stream, of gray pictures of 16 bits
     missing: list = field(default_factory=list)  # decoders of other streams that are not installed
     attached: list = field(default_factory=list)  # what the file has beside its streams: cover pictures, fonts
@@ -61,7 +62,7 @@ def probe(uri, seconds=60):
     rate = video.get_framerate_num() / max(video.get_framerate_denom(), 1)
     bits = [v.get_depth() for v in videos]
     return Probe(length, found and orientation != "rotate-0", name.startswith("image/"), rate or Probe.rate,
-                 bool(general) and general.get_double("geo-location-latitude")[0], video.is_interlaced(),
+                 bool(general) and general.get_double("geo-location-latitude")[0], video.is_interlaced(), bool(info.get_audio_streams()),
                  bits.index(16) if len(bits) == 2 and bits.count(16) == 1 else None, missing, _attached(general))
 
 

@@ -5,6 +5,8 @@ import os
 from gi.repository import GLib, Gst
 from inverse_common import files
 
+from . import sound
+
 # (encoder with settings, muxers that take it); the first one that is installed is used.
 VP8 = "vp8enc deadline=1 cpu-used=8 threads=4 end-usage=cq cq-level=10 target-bitrate=20000000 keyframe-max-dist=60"
 ENCODERS = ((VP8, ("matroskamux", "webmmux")),
@@ -24,15 +26,18 @@ class RecorderError(Exception):
     """A file that cannot be written. Says what to do."""
 
 
-def line_for(path):
-    """The end of the launch line that writes such a file."""
+def line_for(path, has_sound=False):
+    """The end of the launch line that writes such a file; with an appsrc for its sound, if there is some and an encoder."""
     ending = os.path.splitext(path)[1].lower() or ".mkv"
     muxer = MUXERS.get(ending)
     if not muxer:
         raise RecorderError(f"{path} ends in none of {', '.join(MUXERS)}; choose another name")
     for encoder, muxers in ENCODERS:
         if muxer in muxers and all(Gst.ElementFactory.find(part.split()[0]) for part in (*encoder.split(" ! "), muxer)):
-            return f"queue max-size-buffers={MAX_WAITING} ! videoconvert ! {encoder} ! {muxer} {SETTINGS.get(muxer, '')} ! filesink name=file"
+            spoken = has_sound and sound.encoder_for(muxer)
+            heard = f" appsrc name=sound format=time caps={sound.CAPS} ! audioconvert ! {spoken} ! queue ! mux." if spoken else ""
+            return (f"queue max-size-buffers={MAX_WAITING} ! videoconvert ! {encoder} ! queue ! {muxer} name=mux {SETTINGS.get(muxer, '')} ! "
+                    f"filesink name=file{heard}")
     raise RecorderError(f"no encoder for {ending} is installed; install gstreamer1.0-plugins-good, or record .mkv")
 
 
@@ -61,26 +66,29 @@ def _draft(path, overwrite, source):
 class Recorder:
     """Records from the first frame after it was made until `stop`. Times are those of playing: a pause leaves no
     gap, and a seek goes on where the recording was. The file gets its name at `stop`, STEM.part.ENDING until then.
-    `overwrite`: what has that name now is replaced then. `source`: the file that is played, which is never replaced."""
+    `overwrite`: what has that name now is replaced then. `source`: the file that is played, which is never replaced.
+    `has_sound`: it has sound, which is recorded, too."""
 
-    def __init__(self, path, pad, on_failure, overwrite=False, source=None):
+    def __init__(self, path, pad, on_failure, overwrite=False, source=None, has_sound=False):
         self.path, self.failure, self.frames = path, None, 0
         self._broken = False  # so that the file cannot be finished
         self._on_failure = on_failure
         self._pad, self._caps, self._segment = pad, None, None
         self._shift, self._last, self._first = 0, None, None
-        self._pipeline = Gst.parse_launch(f"appsrc name=in format=time block=true max-bytes=0 "
-                                          f"max-buffers={MAX_WAITING} ! {line_for(path)}")
-        self._in = self._pipeline.get_by_name("in")
+        line_for(path)
         self._draft = _draft(path, overwrite, source)
+        self._sound = sound.of(source) if has_sound else None
+        self._heard, self._frame = 0, None  # samples that were written; (time in the video, duration) of the last frame
+        self._pipeline = Gst.parse_launch(f"appsrc name=in format=time block=true max-bytes=0 "
+                                          f"max-buffers={MAX_WAITING} ! {line_for(path, self._sound)}")
+        self._in, self._sound_in = self._pipeline.get_by_name("in"), self._pipeline.get_by_name("sound")
         self._pipeline.get_by_name("file").set_property("location", self._draft)
         bus = self._pipeline.get_bus()
         bus.add_signal_watch()
         bus.connect("message::error", self._on_error)
         if self._pipeline.set_state(Gst.State.PLAYING) == Gst.StateChangeReturn.FAILURE:
             error = bus.pop_filtered(Gst.MessageType.ERROR)
-            self._pipeline.set_state(Gst.State.NULL)
-            bus.remove_signal_watch()
+            self._end(bus)
             self._discard()
             raise RecorderError(_reason(error, path))
         kinds = Gst.PadProbeType.BUFFER | Gst.PadProbeType.EVENT_DOWNSTREAM
@@ -108,17 +116,33 @@ class Recorder:
         copy = buffer.copy_region(COPY_ALL, 0, buffer.get_size())
         copy.pts = self._time(buffer)
         copy.dts = Gst.CLOCK_TIME_NONE
+        self._add_sound(self._last)
         if self._in.emit("push-buffer", copy) == Gst.FlowReturn.OK:
             self.frames += 1
+        self._frame = self._segment.to_stream_time(Gst.Format.TIME, buffer.pts) / Gst.SECOND, self._length(buffer)
+
+    @staticmethod
+    def _length(buffer):
+        return buffer.duration if buffer.duration != Gst.CLOCK_TIME_NONE else Gst.SECOND // 30
+
+    def _add_sound(self, until):
+        """Writes the sound of the last frame, up to a time of the file."""
+        if not self._sound_in or not self._frame:
+            return
+        samples = until * sound.RATE // Gst.SECOND - self._heard
+        data = Gst.Buffer.new_wrapped(self._sound.take(self._frame[0], samples))
+        data.pts = self._heard * Gst.SECOND // sound.RATE
+        self._heard += samples
+        data.duration = self._heard * Gst.SECOND // sound.RATE - data.pts
+        self._sound_in.emit("push-buffer", data)
 
     def _time(self, buffer):
         """The frame's time in the file: that of playing, without jumps."""
         running = self._segment.to_running_time(Gst.Format.TIME, buffer.pts)
-        duration = buffer.duration if buffer.duration != Gst.CLOCK_TIME_NONE else Gst.SECOND // 30
         if self._last is None:
             self._shift = -running
         elif not self._last < running + self._shift <= self._last + LONGEST_GAP:
-            self._shift = self._last + duration - running
+            self._shift = self._last + self._length(buffer) - running
         self._last = running + self._shift
         return self._last
 
@@ -136,18 +160,26 @@ class Recorder:
         self._pad.remove_probe(self._probe)
         bus = self._pipeline.get_bus()
         if self._caps is not None and not self._broken:
+            if self._sound_in:
+                self._add_sound(self._last + self._frame[1])
+                self._sound_in.emit("end-of-stream")
             self._in.emit("end-of-stream")
             done = bus.timed_pop_filtered(seconds * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR)
             if not done or done.type == Gst.MessageType.ERROR:
                 self.failure = self.failure or _reason(done, self.path)
-        self._pipeline.set_state(Gst.State.NULL)
-        bus.remove_signal_watch()
+        self._end(bus)
         if self.frames == 0:
             self.failure = self.failure or f"no frame came while {self.path} was to be recorded; nothing is written"
             self._discard()
         else:
             self._settle()
         return self.failure is None
+
+    def _end(self, bus):
+        self._pipeline.set_state(Gst.State.NULL)
+        if self._sound:
+            self._sound.close()
+        bus.remove_signal_watch()
 
     def _discard(self):
         if self._draft != self.path:

@@ -411,7 +411,7 @@ class Session:
             return False
         try:
             self.recorder = Recorder(path, self.playback.stage.picture_pad, self._on_recorder_failed, self.overwrite,
-                                     self.project.source)
+                                     self.project.source, self.playback.source.sound)
         except RecorderError as error:
             self.on_trouble(Trouble(str(error)))
             return False

@@ -19,11 +19,12 @@ class SourceError(Exception):
 
 @dataclasses.dataclass(frozen=True)
 class Source:
-    """`line` outputs decoded video, among other streams; `live` frames cannot wait."""
+    """`line` outputs decoded video, among other streams; `live` frames cannot wait; `sound`: the file `text` has some."""
     text: str  # as it was named
     title: str
     line: str
     live: bool = False
+    sound: bool = False
 
 
 def quoted(text):
@@ -92,21 +93,21 @@ def _with_depth(path, depth):
 
 
 def _video(path, kind):
-    """The line that decodes a file, upright and without fields."""
+    """The line that decodes a file, upright and without fields, and whether it has sound."""
     line = f"filesrc location={quoted(path)} ! decodebin"
     if kind == "image/jpeg":
-        return upright(line, DIRECTIONS[jpeg_orientation(path) - 1])
+        return upright(line, DIRECTIONS[jpeg_orientation(path) - 1]), False
     if kind.startswith("image/"):
-        return line
+        return line, False
     try:
         found = probe(Gst.filename_to_uri(path), DISCOVER_SECONDS)
     except ProbeError:
-        return line  # playing it says why
+        return line, False  # playing it says why
     if kind == "video/x-matroska" and found.depth_stream is not None and Gst.ElementFactory.find("rgbdmerge"):
-        return _with_depth(path, found.depth_stream)
+        return _with_depth(path, found.depth_stream), found.sound
     if found.interlaced:
         line += f" ! {deinterlace_line()}"
-    return upright(line, "auto" if found.turned else "identity")
+    return upright(line, "auto" if found.turned else "identity"), found.sound
 
 
 def _file(text):
@@ -121,12 +122,12 @@ def _file(text):
     if media.is_list(path):
         raise SourceError(f"{path} {media.LIST_ADVICE}")
     kind = Gio.content_type_guess(path, None)[0] or ""
-    line = _video(path, kind)
+    line, sound = _video(path, kind)
     if kind.startswith("image/"):
         # A still picture goes on as live video, so that it can be edited.
         return Source(text, os.path.basename(path), f"{line} ! imagefreeze is-live=true ! "
                       "video/x-raw,framerate=15/1", live=True)
-    return Source(path, os.path.basename(path), line)
+    return Source(path, os.path.basename(path), line, sound=sound)
 
 
 def _is_live(pipeline):

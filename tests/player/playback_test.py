@@ -376,6 +376,54 @@ class Recording(support.Case):
         self.assertGreater(support.color(frames[-1], *RED)[1], 100)
         self.assertEqual(viewer.session.troubles, [])
 
+    def speaking(self):
+        """A clip of four seconds, whose sound is a tone between one and two seconds and from three on."""
+        path = self.path("speaking.mkv")
+        tones = " ".join(f"audiotestsrc num-buffers=10 samplesperbuffer=4800 volume={volume} ! audio/x-raw,rate=48000 ! c." for volume in (0, 0.5, 0, 0.5))
+        support.run_line("videotestsrc num-buffers=40 ! video/x-raw,width=160,height=120,framerate=10/1 ! vp8enc deadline=1 ! queue ! matroskamux name=mux ! "
+                         f"filesink location={path} concat name=c ! opusenc ! queue ! mux. {tones}")
+        return path
+
+    def assert_loud(self, path, seconds):
+        """The sound of a file: whether a tone is to be heard in each half second."""
+        heard = support.read_sound(path)
+        for at, loud in enumerate(seconds):
+            middle = heard[5 * at + 1:5 * at + 4]
+            self.assertTrue(min(middle) > 0.2 if loud else max(middle) < 0.1, f"{at / 2} s: {heard}")
+        self.assertAlmostEqual(len(heard), 5 * len(seconds), delta=2)
+
+    def test_sound_is_recorded_where_the_video_is(self):
+        for ending in ("mkv", "webm", "mp4"):
+            with self.subTest(ending):
+                out = self.path(f"out.{ending}")
+                viewer = Viewer(self, every_frame=True)
+                viewer.session.record_at_start = out
+                viewer.open(self.speaking())
+                viewer.wait(lambda: viewer.player.position > 1)
+                viewer.pause()
+                support.pump(0.3)
+                viewer.session.toggle_playing()
+                viewer.ends()
+                self.assertEqual(viewer.session.troubles, [])
+                self.assert_loud(out, [0, 0, 1, 1, 0, 0, 1, 1])
+                viewer.session.close()
+
+    def test_sound_follows_a_seek(self):
+        out, viewer = self.path("out.mkv"), Viewer(self, every_frame=True)
+        viewer.session.record_at_start = out
+        viewer.open(self.speaking())
+        viewer.wait(lambda: viewer.player.position > 0.35)
+        viewer.pause()
+        viewer.player.seek(3.0)
+        viewer.wait(lambda: not viewer.player.waits)
+        viewer.session.toggle_playing()
+        viewer.ends()
+        frames, heard = support.read_video(out), support.read_sound(out)
+        silent = next(at for at, loud in enumerate(heard) if loud > 0.2)
+        self.assertLess(silent, 10, heard)
+        self.assertGreater(min(heard[silent + 1:silent + 9]), 0.2, heard)
+        self.assertAlmostEqual(len(heard), len(frames), delta=2)
+
     def test_it_is_turned_as_the_file_says(self):
         if not Gst.ElementFactory.find("openh264enc"):
             self.skipTest("there is no openh264enc")

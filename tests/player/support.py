@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What the tests of inverse-play share: reasons to skip, files, and a display with a real mouse and keyboard."""
+import array
 import os
 import pathlib
 import shutil
@@ -111,6 +112,21 @@ def read_video(path, whole=True):
     if message is None or whole and message.type == Gst.MessageType.ERROR:
         raise RuntimeError(f"{path} cannot be read")
     return frames
+
+
+def read_sound(path):
+    """The loudness, 0 to 1, of each tenth of a second of a file's sound."""
+    pipeline = Gst.parse_launch(f"filesrc location={path} ! decodebin ! audioconvert ! audioresample ! audio/x-raw,format=S16LE,rate=8000,channels=1 ! "
+                                "fakesink name=out signal-handoffs=true sync=false")
+    data = []
+    pipeline.get_by_name("out").connect("handoff", lambda _, buffer, pad: data.append(buffer.extract_dup(0, buffer.get_size())))
+    pipeline.set_state(Gst.State.PLAYING)
+    message = pipeline.get_bus().timed_pop_filtered(LIMIT * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR)
+    pipeline.set_state(Gst.State.NULL)
+    if message is None or message.type == Gst.MessageType.ERROR:
+        raise RuntimeError(f"the sound of {path} cannot be read")
+    samples = array.array("h", b"".join(data))
+    return [max(map(abs, samples[at:at + 800])) / 32768 for at in range(0, len(samples), 800)]
 
 
 def color(frame, x, y):
