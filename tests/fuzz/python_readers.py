@@ -23,7 +23,7 @@ try:
     gi.require_version("Gst", "1.0")
     from gi.repository import Gst
     from inverse_play import elements, project
-    from inverse_transcode import matroska
+    from inverse_transcode import marks, matroska
 except (ImportError, ValueError) as error:
     print(f"GStreamer for Python is missing ({error}): install python3-gi, gir1.2-gst-plugins-base-1.0")
     sys.exit(SKIPPED)
@@ -62,8 +62,9 @@ def read_project(path):
 
 
 def read_tags(path):
-    """Mends the tags of a file; its length stays."""
+    """Reads the marks of a file's tracks and mends its tags; its length stays."""
     size = os.path.getsize(path)
+    marks.left_out(path)
     matroska.mend_tags(path)
     assert os.path.getsize(path) == size, "the file has another length"
 

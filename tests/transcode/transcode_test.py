@@ -8,6 +8,7 @@ import signal
 import struct
 import subprocess
 import sys
+import tempfile
 import unittest
 import unittest.mock
 
@@ -23,6 +24,18 @@ class Texts(unittest.TestCase):
         for text in ("Film Ü", 'a "quoted\\ one"', "plain", " ", '"', "two\nlines, 101 %"):
             escaped = Gst.value_serialize(text).encode()
             self.assertEqual(matroska.plain(escaped).decode(), text, escaped)
+
+
+    def test_a_size_beyond_the_file_takes_no_memory(self):
+        with tempfile.NamedTemporaryFile() as file:
+            for name in ("18538067", "1254c367", "7373", "67c8", "4487"):
+                file.write(bytes.fromhex(name) + b"\x01\x7f\xff\xff\xff\xff\xff\xff")
+            file.write(b'"a\\ b"')
+            file.flush()
+            with unittest.mock.patch.object(matroska, "muxer_escapes", lambda: True):
+                matroska.mend_tags(file.name)
+            file.seek(0)
+            self.assertTrue(file.read().endswith(b"a b\0\0\0"))
 
 
 class Transcode(Case):

@@ -35,14 +35,14 @@ def _number(file, marker):
 
 
 def children(file, end):
-    """(ID, end) of the elements up to a place in the file, which is at the start of their data."""
+    """(ID, end) of the elements up to a place in the file, which is at the start of their data; of damaged ones no more than there is."""
     while file.tell() < end:
         name, size = _number(file, True), _number(file, False)
-        if name is None or size is None:
+        if name is None or size is None or file.tell() > end:
             return
-        here = file.tell()
-        yield name, here + size
-        file.seek(here + size)
+        behind = min(file.tell() + size, end)
+        yield name, behind
+        file.seek(behind)
 
 
 def find(file, end, names):
