@@ -384,7 +384,7 @@ class Transcode:
         buffer = info.get_buffer()
         self.frames += 1
         segment = pad.get_sticky_event(Gst.EventType.SEGMENT, 0).parse_segment()
-        time = segment.to_running_time(Gst.Format.TIME, buffer.pts) if buffer.pts != Gst.CLOCK_TIME_NONE else Gst.CLOCK_TIME_NONE
+        time = segment.to_stream_time(Gst.Format.TIME, buffer.pts) if buffer.pts != Gst.CLOCK_TIME_NONE else Gst.CLOCK_TIME_NONE
         if time != Gst.CLOCK_TIME_NONE:  # encoders shift what they output
             self.time = max(self.time, time / Gst.SECOND)
         return Gst.PadProbeReturn.OK
