@@ -77,8 +77,8 @@ class FilterElement {
 
   void set_device_name(const char* name);
   std::string device_name() const;
-  /// A copy of the stats of the last completed frame. Stages of frames are timed from the first
-  /// call on, or while the category logs at DEBUG.
+  /// A copy of the stats of the last completed frame. Its stages are timed if the category logged
+  /// at DEBUG.
   GstStructure* stats();
 
  private:
@@ -147,7 +147,7 @@ class FilterElement {
   GstVideoFormat reported_format_ = GST_VIDEO_FORMAT_UNKNOWN;  // last, by check_format
   bool in_layers_ = false, in_images_ = false, out_layers_ = false;
   bool configured_ = false;
-  std::atomic<bool> fresh_{true}, new_stream_{false}, flushing_{false}, stats_read_{false};
+  std::atomic<bool> fresh_{true}, new_stream_{false}, flushing_{false};
   bool transforms_ = false;  // a frame, now
   std::unique_ptr<FrameInput> input_;
   std::unique_ptr<FrameOutput> output_;

@@ -3,6 +3,7 @@
 #include "tests/elements/draw.hpp"
 #include "tests/elements/element_test.hpp"
 #include "tests/elements/layer_of.hpp"
+#include "tests/elements/log_reader.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -129,6 +130,7 @@ TEST_P(RepeatedFrames, ChangedPropertiesTakeEffect) {
 }
 
 TEST_P(RepeatedFrames, AreDrawnWhereThePictureFollowsEarlierOnes) {
+  const LogReader log(GetParam(), GST_LEVEL_DEBUG);  // times stages
   // Clusters go on learning from frames that are alike.
   for (const auto& [show, drawn] : {std::pair{"reflectance", false},
                                     {"shading", false},
