@@ -286,9 +286,10 @@ std::shared_ptr<gpu::Device> FilterElement::device_for(GstBuffer* in) {
     const Layers* layers = layers_of(in);
     const PlanePtr any = layers ? layers->any() : nullptr;
     if (!any)
-      throw Error(ErrorKind::unsupported, std::string("a buffer without layers reached ") +
-                                              info_.factory +
-                                              "; an element before it dropped the layers meta");
+      throw Error(ErrorKind::unsupported,
+                  std::string("a buffer without layers reached ") + info_.factory +
+                      "; an element before it dropped the layers meta, or is "
+                      "of another build of gst-inverse");
     const auto width = static_cast<uint32_t>(GST_VIDEO_INFO_WIDTH(&in_info_));
     const auto height = static_cast<uint32_t>(GST_VIDEO_INFO_HEIGHT(&in_info_));
     if (layers->extent.width != width || layers->extent.height != height)
@@ -324,8 +325,7 @@ void FilterElement::run_frame(GstBuffer* in, GstBuffer* out,
   finish(slot);
   wait(slot, "for a frame that a flush ended");  // of which nobody waited for the end
   ++next_slot_;
-  slot.commands->time_stages(stats_read_ ||
-                             gst_debug_category_get_threshold(log_.category) >= GST_LEVEL_DEBUG);
+  slot.commands->time_stages(gst_debug_category_get_threshold(log_.category) >= GST_LEVEL_DEBUG);
   slot.commands->begin();
   if (breaks_off(in)) start_scene("discontinuity");
   const bool fresh = fresh_.exchange(false);
@@ -444,7 +444,6 @@ std::string FilterElement::device_name() const {
 }
 
 GstStructure* FilterElement::stats() {
-  stats_read_ = true;
   std::lock_guard lock(mutex_);
   return stats_ ? gst_structure_copy(stats_) : gst_structure_new_empty("inverse-stats");
 }

@@ -284,7 +284,7 @@ void SplitElement::draw(GstBuffer* buffer, const std::vector<BranchPtr>& all,
   if (!found || !(*found)[Role::input])
     throw Error(ErrorKind::unsupported,
                 "a buffer without layers reached intrinsicsplit; an element before it dropped the "
-                "layers meta");
+                "layers meta, or is of another build of gst-inverse");
   const Layers& layers = *found;
   const auto& device = layers[Role::input]->buffer->device();
   if (!commands_ || commands_->device() != device) {

@@ -5,12 +5,13 @@
 #include <exception>
 #include <utility>
 
+#include "gst/base/build_stamp.hpp"
 #include "gst/base/meta/registered_once.hpp"
 
 namespace inverse {
 namespace {
 
-constexpr const char* kName = "GstInverseMappedAllocator";
+constexpr const char* kName = "GstInverseMappedAllocator-" BUILD_STAMP;
 
 struct Allocator {
   GstAllocator parent;

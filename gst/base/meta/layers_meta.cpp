@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "gst/base/build_stamp.hpp"
 #include "gst/base/log/log.hpp"
 #include "kernels/camera/seen_scene.hpp"
 #include "kernels/gpu/commands.hpp"
@@ -155,7 +156,7 @@ GType meta_api() {
 }
 
 const GstMetaInfo* meta_info() {
-  constexpr const char* kName = "GstInverseLayersMeta";
+  constexpr const char* kName = "GstInverseLayersMeta-" BUILD_STAMP;
   static const GstMetaInfo* info = meta_registered_once(kName, [] {
     return gst_meta_register(meta_api(), kName, sizeof(GstInverseLayersMeta), init, release,
                              transform);
@@ -179,7 +180,8 @@ void attach_layers(GstBuffer* buffer, const Layers& layers) {
 
 const Layers* layers_of(GstBuffer* buffer) {
   auto* meta = reinterpret_cast<GstInverseLayersMeta*>(gst_buffer_get_meta(buffer, meta_api()));
-  return meta ? &layers_in(meta) : nullptr;
+  // Another build has its own layout of Layers.
+  return meta && meta->meta.info == meta_info() ? &layers_in(meta) : nullptr;
 }
 
 Layers take_layers(GstBuffer* buffer) {

@@ -10,10 +10,10 @@ namespace inverse {
 /// Attaches layers to a buffer; the meta holds its own references to the planes.
 void attach_layers(GstBuffer* buffer, const Layers& layers);
 
-/// The layers of a buffer, or null if it carries none.
+/// The layers of a buffer, or null if it carries none of a plugin of this build.
 const Layers* layers_of(GstBuffer* buffer);
 
-/// The layers of a buffer that carries some. If nothing else holds the buffer they are moved out
+/// The layers of a buffer for which `layers_of` is not null. If nothing else holds the buffer they are moved out
 /// of it, so that their only holder can work in place.
 Layers take_layers(GstBuffer* buffer);
 

@@ -29,8 +29,9 @@ class RegistrationLock {
   GRecMutex* mutex_;
 };
 
-/// What several of our plugins in one process share by its name: the first one's serves all.
-/// `make` registers it if it is not registered yet.
+/// What several of our plugins in one process share by its name: the first one's serves all. If its
+/// instances hold C++ objects, its name ends with BUILD_STAMP, as builds may lay them out
+/// otherwise. `make` registers it if it is not registered yet.
 template <typename Make>
 GType type_registered_once(const char* name, Make make) {
   const RegistrationLock lock;

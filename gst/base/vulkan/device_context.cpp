@@ -2,6 +2,7 @@
 #include "device_context.hpp"
 
 #include "common/error.hpp"
+#include "gst/base/build_stamp.hpp"
 #include "gst/base/log/log.hpp"
 #include "gst/base/meta/registered_once.hpp"
 
@@ -11,7 +12,7 @@ namespace {
 using DevicePtr = std::shared_ptr<gpu::Device>;
 
 GType device_type() {
-  constexpr const char* kName = "GstInverseDevice";
+  constexpr const char* kName = "GstInverseDevice-" BUILD_STAMP;
   static const GType type = type_registered_once(kName, [] {
     return g_boxed_type_register_static(
         kName,

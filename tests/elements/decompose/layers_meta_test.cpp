@@ -22,7 +22,37 @@ GstPadProbeReturn halve_reflectance(GstPad* /*pad*/, GstPadProbeInfo* info, gpoi
   return GST_PAD_PROBE_OK;
 }
 
+/// Puts a meta of another build, whose layers are not to be touched, in place of a buffer's own.
+GstPadProbeReturn replace_layers(GstPad* /*pad*/, GstPadProbeInfo* info, gpointer) {
+  static const GstMetaInfo* const other = gst_meta_register(
+      g_type_from_name(GST_INVERSE_LAYERS_META_API_NAME), "GstInverseLayersMeta-other",
+      sizeof(GstInverseLayersMeta),
+      [](GstMeta* meta, gpointer, GstBuffer*) -> gboolean {
+        reinterpret_cast<GstInverseLayersMeta*>(meta)->layers = nullptr;
+        return TRUE;
+      },
+      nullptr, nullptr);
+  info->data = gst_buffer_make_writable(GST_PAD_PROBE_INFO_BUFFER(info));
+  GstBuffer* buffer = GST_PAD_PROBE_INFO_BUFFER(info);
+  gst_buffer_remove_meta(buffer, &gst_buffer_get_inverse_layers_meta(buffer)->meta);
+  gst_buffer_add_meta(buffer, other, nullptr);
+  return GST_PAD_PROBE_OK;
+}
+
 }  // namespace
+
+TEST(LayersMeta, OfAnotherBuildIsRefused) {
+  const std::string caps = VideoHarness::caps("RGBA", 48, 32);
+  for (const char* editor :
+       {"intrinsiccompose", "intrinsicsplit name=s s.shading ! videoconvert"}) {
+    VideoHarness harness("intrinsicdecomp ! identity ! " + std::string(editor), caps);
+    GstPad* pad = gst_element_get_static_pad(harness.find("identity"), "src");
+    gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, replace_layers, nullptr, nullptr);
+    gst_object_unref(pad);
+    EXPECT_EQ(harness.push(random_frame(caps, 3)), GST_FLOW_ERROR);
+    expect_one(harness.errors(), "a buffer without layers", "another build");
+  }
+}
 
 TEST(LayersMeta, AnEditorOfVersionOneWorksInColoredLight) {
   const std::string caps = VideoHarness::caps("RGBA", 48, 32);

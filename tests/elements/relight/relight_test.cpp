@@ -8,6 +8,7 @@
 #include <limits>
 #include <set>
 
+#include "gst/base/build_stamp.hpp"
 #include "gst/inverse/inverse_layers_meta.h"
 #include "kernels/image/layers.hpp"
 #include "relight_fixture.hpp"
@@ -100,8 +101,8 @@ TEST_F(RelightTest, LayersAreTakenAsPairsSideBySideAre) {
     };
     const auto push = [&](const Layers& what) {
       GstBuffer* buffer = gst_buffer_new();
-      auto* meta = reinterpret_cast<GstInverseLayersMeta*>(
-          gst_buffer_add_meta(buffer, gst_meta_get_info("GstInverseLayersMeta"), nullptr));
+      auto* meta = reinterpret_cast<GstInverseLayersMeta*>(gst_buffer_add_meta(
+          buffer, gst_meta_get_info("GstInverseLayersMeta-" BUILD_STAMP), nullptr));
       meta->width = meta->height = kSide;
       *static_cast<Layers*>(meta->layers) = what;
       GST_BUFFER_PTS(buffer) = 0;
