@@ -21,7 +21,7 @@ struct LampParams {
   /// Of lamps that the mouse adds.
   Lamp::Kind lamp_kind = Lamp::Kind::point;
   uint32_t lamp_color = 0xffffffff;  ///< 0xAARRGGBB
-  float lamp_power = 0.1F, lamp_height = 0.25F;
+  float lamp_power = 0.05F, lamp_height = 0.25F;
 };
 
 /// What is wrong with a value of the property `lamps`, in words.

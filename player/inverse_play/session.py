@@ -6,7 +6,7 @@ import os
 from gi.repository import GLib, Gst, GstVideo
 from inverse_common import files
 
-from . import autosave, elements, launch_line, layers, project, scene, selection, source, trust
+from . import autosave, elements, lamps, launch_line, layers, project, scene, selection, source, trust
 from .autosave import Autosave
 from .history import History
 from .messages import Trouble
@@ -28,6 +28,7 @@ class Session:
         self.troubles = []  # all that were fatal
         self.recorder = None
         self._mouse, self._tap = ("off", "decomposer"), None
+        self._lamp = {}  # the place of the lamp that the mouse touched last, by the name of its editor
         self.record_at_start, self.overwrite = None, False
         self._project_path = None  # of the file that it was loaded from or saved to
         self.saved, self.autosave = first, Autosave()  # the project as it was saved last, and what is not saved
@@ -67,17 +68,31 @@ class Session:
         if placed:
             self.history.amend(placed)
             described = self.project.element(element)
-        if described.get(name) != value:
-            self._add(f"{name} of {elements.title(described.factory)}",
-                      self.project.with_element(described.with_property(name, value)),
-                      (element, name, self.playback.presses))
+        before, key = described.get(name), (element, name, self.playback.presses)
+        label = f"{name} of {elements.title(described.factory)}"
+        if before != value:
+            self._add(label, self.project.with_element(described.with_property(name, value)), key)
         stage.accept(self.project)
         self.playback.refresh()
+        if name == lamps.LAMPS and before != value:
+            self._select_lamp(element, lamps.touched(before, value), label, key)
+
+    def _select_lamp(self, element, place, label, key):
+        """The lamp at that place is what the settings of the next one set as well."""
+        self._lamp[element] = place
+        if place is not None:
+            changed = described = self.project.element(element)
+            for name, value in lamps.settings(described, place).items():
+                changed = changed.with_property(name, value)
+            self.change(label, self.project.with_element(changed), key)
 
     def on_event(self, structure):
         """An element reports something."""
         if structure.has_name("inverse-touch-began"):
             self.touched(structure.get_value("x"), structure.get_value("y"))
+        elif structure.has_name("inverse-plane-lost"):
+            self.report(Trouble("The plane of the picture is not found in this frame, so the picture is not shown.",
+                                "It is shown again once it is found; or set corners anew, on a plane with more texture.", False))
         elif structure.has_name("scene-saved"):
             self.report(Trouble(f"Saved {structure.get_string('location')}.", fatal=False))
 
@@ -185,6 +200,9 @@ class Session:
     def set_properties(self, element, values, what):
         """Sets properties of an element of the project, in one step. `what` they are, for undo."""
         changed = described = self.project.element(element)
+        if set(values) & set(lamps.OF_NEXT):
+            lit = lamps.changed(described.get(lamps.LAMPS), self._lamp.get(element), values)
+            values = {**values, lamps.LAMPS: lit} if lit else values
         for name, value in values.items():
             changed = changed.with_property(name, value)
         label = f"{what} of {elements.title(described.factory)}"

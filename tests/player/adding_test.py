@@ -15,9 +15,9 @@ class Add(WindowCase):
         self.wait(lambda: self.player.stage._elements[name].get_property("stats").get_value("frames"))
         return self.player.stage._elements[name]
 
-    def lamps(self):
+    def lamps(self, field="position"):
         text = self.session.project.element("relight1").get("lamps")
-        return [lamp["position"] for lamp in json.loads(text)["lamps"]] if text else []
+        return [lamp[field] for lamp in json.loads(text)["lamps"]] if text else []
 
     def test_a_lamp(self):
         self.key("r", "l")
@@ -35,6 +35,18 @@ class Add(WindowCase):
         self.wait(lambda: len(self.lamps()) == 2)
         self.drag(CYAN, (300, 200))  # not at once after the click there: gtksink ends a double click by a release
         self.wait(lambda: abs(self.lamps()[0][0] - 300) < 2 and abs(self.lamps()[0][1] - 200) < 2)
+        # The one that was dragged, and those to come.
+        usual = self.lamps("power")[1]
+        self.session.set_property("relight1", "lamp-power", 3 * usual)
+        self.session.set_property("relight1", "lamp-color", "0xffff0000")
+        self.wait(lambda: relight.get_property("lamps").count("#ff0000") == 1)
+        self.assertEqual(self.lamps("power"), [3 * usual, usual])
+        self.assertEqual(self.lamps("color"), ["#ff0000", "#ffffff"])
+        self.drag((400, 300), (420, 300))
+        self.wait(lambda: self.session.project.element("relight1").get("lamp-color") == "0xffffffff")
+        self.session.set_property("relight1", "lamp-power", 2 * usual)
+        self.assertEqual(self.lamps("power"), [3 * usual, 2 * usual])
+        self.drag((420, 300), (400, 300))
         self.key("s")  # another tool has the mouse
         self.wait(lambda: relight.get_property("lamp-mode").value_nick == "off")
         self.key("l")  # back to the same lamps
@@ -45,7 +57,7 @@ class Add(WindowCase):
         self.key("v")
         self.wait(lambda: relight.get_property("lamp-mode").value_nick == "move")
         self.assertEqual(self.editors, [("intrinsicrelight", True)])
-        self.assertEqual(set(self.session.project.editors[0].properties), {"ambient", "lamps"})
+        self.assertEqual(set(self.session.project.editors[0].properties), {"ambient", "lamps", "lamp-power"})
         self.click_widget(self.window.toolbar.adders["intrinsicrelight"])
         self.wait(lambda: len(self.editors) == 2 and self.window.tool.name == "lamp")
         self.key("Delete")
