@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicselect: writes the mask layer, by which later editors are limited to an object.
 #include <algorithm>
+#include <deque>
 #include <iterator>
 #include <optional>
 #include <string>
@@ -148,6 +149,7 @@ class SelectElement final : public Filter {
       copy.words = gpu::Buffer::create(device, gpu::Element::word, ObjectSelection::kStatusWords,
                                        gpu::Memory::readback);
     taken_ = {};
+    left_.clear();
     mask_.reset();
     editor_.resize(extent);
   }
@@ -160,16 +162,15 @@ class SelectElement final : public Filter {
   SelectionEditor& editor() { return editor_; }
   void release() override {
     selection_.reset();
+    left_.clear();
     mask_.reset();
     copies_ = {};
   }
-  void reset() override {
-    selection_->reset();
-    taken_ = {};
-  }
-
   void process(FrameContext& frame) override {
     Params params = parameters_.snapshot();
+    const Span now = span_of(frame);
+    if (frame.fresh) break_off(frame, now);
+    shown_ = now;
     params.color.key = linear_color(params.key_color);
     if (params.by == SelectBy::base_color && !frame.layers[Role::bases] && !frame.layers.global() &&
         !std::exchange(reported_, true))
@@ -179,23 +180,22 @@ class SelectElement final : public Filter {
           "select by strokes or key");
     for (std::string& warning : editor_.take_warnings())
       frame.warnings.push_back(std::move(warning));
-    SelectionList all;
     Selection::Strokes added{{}, frame.layers.extent};
-    if (params.by == SelectBy::strokes && params.strokes != taken_.text) {
-      all = read_selection(params.strokes);
+    const bool other = params.by == SelectBy::strokes && params.strokes != taken_.text;
+    if (other && !come_back(frame.commands, params.strokes, now)) {
+      Taken next{params.strokes, read_selection(params.strokes), now};
       // Strokes that were drawn before were on another frame: what they selected has moved since.
-      added.restart = !all.begins_with(taken_.list);
-      added.strokes =
-          std::span(all.strokes).subspan(added.restart ? 0 : taken_.list.strokes.size());
-      if (all.frame.pixels() > 0) added.drawn = all.frame;
+      added.restart = !next.list.begins_with(taken_.list);
+      if (!added.restart && !taken_.text.empty() && !taken_.drawn.meets(now)) next.drawn = {};
+      const size_t known = added.restart ? 0 : taken_.list.strokes.size();
+      taken_ = std::move(next);
+      added.strokes = std::span(taken_.list.strokes).subspan(known);
+      if (taken_.list.frame.pixels() > 0) added.drawn = taken_.list.frame;
     }
     selection_->record(frame.commands, frame.layers, params, added, take_picture(frame, params));
-    if (params.by == SelectBy::strokes && params.strokes != taken_.text) {
-      if (!added.strokes.empty() && std::exchange(checked_, params.strokes) != params.strokes)
-        std::ranges::move(warnings_of(all, selection_->object()->stroke_cells(), added.drawn),
-                          std::back_inserter(frame.warnings));
-      taken_ = {params.strokes, std::move(all)};
-    }
+    if (!added.strokes.empty() && std::exchange(checked_, taken_.text) != taken_.text)
+      std::ranges::move(warnings_of(taken_.list, selection_->object()->stroke_cells(), added.drawn),
+                        std::back_inserter(frame.warnings));
     Copy& copy = copies_[frame.number];
     const ObjectSelection* object = selection_->object();
     copy.filled = params.by == SelectBy::strokes && object && object->active();
@@ -215,6 +215,63 @@ class SelectElement final : public Filter {
   }
 
  private:
+  /// The stream time that a frame is shown.
+  struct Span {
+    GstClockTime begin = GST_CLOCK_TIME_NONE, end = GST_CLOCK_TIME_NONE;
+    /// Whether two are of the same frame. A seek into a frame cuts its beginning off, and times of
+    /// some files are rounded, so that the end of a frame is behind the beginning of the next one.
+    bool meets(const Span& other) const {
+      if (begin == GST_CLOCK_TIME_NONE || other.begin == GST_CLOCK_TIME_NONE) return false;
+      const GstClockTime from = std::max(begin, other.begin), to = std::min(end, other.end);
+      return begin == other.begin ||
+             (to > from && 2 * (to - from) > std::min(end - begin, other.end - other.begin));
+    }
+  };
+  /// Strokes that the selection has, and when all of them were drawn; never: at several times.
+  struct Taken {
+    std::string text;
+    SelectionList list;
+    Span drawn;
+  };
+  /// Strokes that were left for others, e.g. by undo, the selection by them, and when that was.
+  struct Left {
+    Taken taken;
+    ObjectSelection::State state;
+    Span shown;
+  };
+
+  static Span span_of(const FrameContext& frame) {
+    const GstClockTime length = GST_BUFFER_DURATION(frame.in);
+    return {frame.time, frame.time + (GST_CLOCK_TIME_IS_VALID(length) ? length : 0)};
+  }
+
+  /// The frame does not follow the one before.
+  void break_off(const FrameContext& frame, const Span& now) {
+    if (frame.new_stream || !GST_CLOCK_TIME_IS_VALID(now.begin)) {
+      selection_->reset();
+      taken_ = {};
+      left_.clear();
+    } else if (!now.meets(shown_)) {
+      selection_->lose(frame.commands);
+      if (taken_.drawn.meets(now)) taken_ = {};  // the strokes are on this frame
+    }
+  }
+
+  /// Goes back to the selection by strokes that there were before. Whether that is known.
+  bool come_back(gpu::Commands& commands, const std::string& strokes, const Span& now) {
+    constexpr size_t kMaxLeft = 8;
+    if (!taken_.text.empty()) left_.push_front({taken_, selection_->save(commands), shown_});
+    if (left_.size() > kMaxLeft) left_.pop_back();
+    const auto found = std::ranges::find(
+        left_, strokes, [](const Left& left) -> const auto& { return left.taken.text; });
+    if (found == left_.end()) return false;
+    taken_ = std::move(found->taken);
+    selection_->restore(commands, found->state);
+    if (!found->shown.meets(now)) selection_->lose(commands);
+    left_.erase(found);
+    return true;
+  }
+
   /// The picture of the mask for frames of this size; null: none.
   const Plane* take_picture(FrameContext& frame, const Params& params) {
     if (file_.take(params.location, frame.warnings)) mask_.reset();
@@ -232,10 +289,9 @@ class SelectElement final : public Filter {
   std::optional<Plane> mask_;  // of the file
   std::optional<Selection> selection_;
   SelectionEditor editor_;
-  struct Taken {
-    std::string text;
-    SelectionList list;
-  } taken_;                // the strokes that the selection has
+  Taken taken_;
+  Span shown_;             // of the frame before
+  std::deque<Left> left_;  // the last one first
   std::string checked_;    // strokes that were checked last
   bool reported_ = false;  // that there are no base colors
   struct Copy {

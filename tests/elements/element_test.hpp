@@ -88,6 +88,8 @@ class VideoHarness {
   /// Pushes a frame with a timestamp of one's own, marked as coming after a gap, and drops what
   /// comes out.
   void push_after_gap(const std::vector<uint8_t>& bytes, GstClockTime time);
+  /// The timestamp of the next frame that is pushed.
+  void set_next_time(GstClockTime time) { time_ = time; }
   /// Flushes as a seek does: flush-start, flush-stop, a new segment in time.
   void flush() { inverse::testing::flush(harness_); }
   /// Sends an event upstream, as a sink does.

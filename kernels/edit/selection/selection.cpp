@@ -17,6 +17,19 @@ void Selection::reset() {
   if (recolor_) recolor_->reset();
 }
 
+void Selection::lose(gpu::Commands& commands) {
+  if (object_) object_->lose(commands);
+  if (recolor_) recolor_->reset();
+}
+
+ObjectSelection::State Selection::save(gpu::Commands& commands) {
+  return object_ ? object_->save(commands) : ObjectSelection::State{};
+}
+
+void Selection::restore(gpu::Commands& commands, const ObjectSelection::State& state) {
+  if (object_) object_->restore(commands, state);
+}
+
 void Selection::record(gpu::Commands& commands, Layers& layers, const SelectionParams& params,
                        const Strokes& strokes, const Plane* picture) {
   if (params.by == SelectBy::strokes) {

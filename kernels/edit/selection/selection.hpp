@@ -43,6 +43,11 @@ class Selection {
               const Strokes& strokes, const Plane* picture);
   /// Forgets the object, its colors, and clusters.
   void reset();
+  /// The next frame is of another time: forgets where the object is, and clusters.
+  void lose(gpu::Commands& commands);
+  /// What was selected by strokes and learned of it, to come back to on a frame of the same time.
+  ObjectSelection::State save(gpu::Commands& commands);
+  void restore(gpu::Commands& commands, const ObjectSelection::State& state);
 
   /// Where the object is; null before one was selected.
   const ObjectSelection* object() const { return object_ ? &*object_ : nullptr; }

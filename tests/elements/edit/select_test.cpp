@@ -299,12 +299,71 @@ TEST(Select, TheMouseDrawsNoMoreThanThereIsRoomFor) {
   expect_one(harness.warnings(), "4096 points");
 }
 
-TEST(Select, AFlushSelectsAnewWhereItWasDrawn) {
-  VideoHarness harness(chain("strokes=[" + stroke_at(50, 60) + "]"), kCaps, kCaps);
-  harness.process(discs(50, 60));
-  harness.process(discs(60, 60));
-  harness.flush();
-  EXPECT_LT(wrong_share(harness.process(discs(50, 60)), 50, 60), .01);
+/// Of a frame of a scene in which the disc is at (60 + 8 n, 60) from frame 2 on, and before at
+/// (50, 60).
+int disc_at(int n) { return n < 2 ? 50 : 60 + 8 * n; }
+
+/// Frames by their numbers, as a pipeline that is sought gives them.
+class Sought : public ::testing::Test {
+ protected:
+  std::vector<uint8_t> seek(int n) {
+    harness_.flush();
+    return show(n);
+  }
+  std::vector<uint8_t> show(int n) {
+    harness_.set_next_time(GstClockTime(n) * 40 * GST_MSECOND);
+    return harness_.process(discs(disc_at(n), 60, unsigned(n)));
+  }
+  void set(const std::string& strokes) {
+    g_object_set(harness_.find("intrinsicselect"), "strokes", ("[" + strokes + "]").c_str(),
+                 nullptr);
+  }
+  static double wrong(const std::vector<uint8_t>& mask, int n) {
+    return wrong_share(mask, disc_at(n), 60);
+  }
+
+  VideoHarness harness_{chain("strokes=[]"), kCaps, kCaps};
+};
+
+TEST_F(Sought, ASelectionStaysItsObject) {
+  set(stroke_at(50, 60));
+  EXPECT_LT(wrong(show(0), 0), .01);
+  for (int n = 1; n < 4; ++n) show(n);
+  // The stroke is on the wall there.
+  EXPECT_LT(wrong(seek(8), 8), .01);
+  EXPECT_LT(wrong(show(9), 9), .01);
+  EXPECT_LT(wrong(seek(9), 9), .01) << "the same frame again";
+  EXPECT_LT(wrong(seek(3), 3), .01);
+  EXPECT_LT(wrong(seek(0), 0), .01) << "where it was drawn";
+}
+
+TEST_F(Sought, UndoGoesBackToWhatWasSelected) {
+  const std::string disc = stroke_at(50, 60);
+  set(disc);
+  for (int n = 0; n < 5; ++n) show(n);
+  // On a picture that stands: the other disc is added, and that is undone, done again and undone.
+  const std::string both = disc + "," + stroke_at(140, 20);
+  for (int i = 0; i < 2; ++i) {
+    set(both);
+    EXPECT_GT(wrong(seek(4), 4), .015);
+    set(disc);
+    EXPECT_LT(wrong(seek(4), 4), .01);
+  }
+  // The same while it plays.
+  set(both);
+  EXPECT_GT(wrong(show(5), 5), .015);
+  show(6);
+  set(disc);
+  EXPECT_LT(wrong(show(7), 7), .01);
+  EXPECT_LT(wrong(show(8), 8), .01);
+}
+
+TEST_F(Sought, AnotherVideoSelectsAnew) {
+  set(stroke_at(50, 60));
+  for (int n = 0; n < 4; ++n) show(n);
+  gst_harness_push_event(harness_.harness(), gst_event_new_stream_start("another"));
+  harness_.flush();
+  EXPECT_LT(wrong(show(1), 1), .01);
 }
 
 TEST(Select, TakesAnySize) {

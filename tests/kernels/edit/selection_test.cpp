@@ -130,14 +130,19 @@ TEST_F(SelectionTest, ObjectAgreesWithReference) {
     Selection selection(device, extent);
     reference::ObjectSelection expected(int(grid.cells.width), int(grid.cells.height));
     const auto w = float(extent.width), h = float(extent.height);
-    for (int n = 0; n < 4; ++n) {
-      const Pixels pixels = discs(extent, {(.3F + .02F * float(n)) * w, .5F * h}, unsigned(n));
+    for (int n = 0; n < 7; ++n) {
+      const float x = n < 5 ? .3F + .02F * float(n) : .7F;
+      const Pixels pixels = discs(extent, {x * w, .5F * h}, unsigned(n));
       Layers frame = layers(extent, pixels, pixels);
       std::vector<SelectionStroke> strokes;
       if (n == 0) strokes = {{.points = {{.3F * w, .5F * h}}, .radius = 3}};
       if (n == 2)
         strokes = {
             {.subtract = true, .points = {{.35F * w, .5F * h}, {.4F * w, .6F * h}}, .radius = 2}};
+      if (n == 3 || n == 5) {
+        run([&](gpu::Commands& commands) { selection.lose(commands); });
+        expected.lose();
+      }
       const Pixels mask = select(selection, frame, {}, strokes);
       const auto colors = colors_of(to_reference(extent, pixels), int(grid.side));
       if (strokes.empty())
@@ -291,6 +296,31 @@ TEST_F(SelectionTest, AnObjectThatComesBackIsFound) {
           << "frame " << n;
     }
   }
+}
+
+TEST_F(SelectionTest, AfterACutTheObjectIsFoundAtOnce) {
+  const Extent extent{320, 240};
+  Selection selection(device, extent);
+  ObjectSelection::State early;
+  const auto object_at = [&](float x, unsigned seed, const std::vector<SelectionStroke>& strokes) {
+    const Pixels pixels = discs(extent, {x, 120}, seed);
+    Layers frame = layers(extent, pixels, pixels);
+    return wrong_share(select(selection, frame, {}, strokes), extent,
+                       [&](float u, float v) { return std::hypot(u - x, v - 120) < 60; });
+  };
+  EXPECT_LT(object_at(100, 0, {{.points = {{100, 120}}}}), .02);
+  run([&](gpu::Commands& commands) { early = selection.save(commands); });
+  for (const float x : {220.F, 80.F, 160.F}) {
+    run([&](gpu::Commands& commands) { selection.lose(commands); });
+    EXPECT_LT(object_at(x, 1, {}), .02) << x;
+  }
+  // A stroke on the wall is undone.
+  EXPECT_GT(object_at(160, 2, {{.points = {{300, 20}, {300, 220}, {20, 220}}, .radius = 10}}), .03);
+  run([&](gpu::Commands& commands) {
+    selection.restore(commands, early);
+    selection.lose(commands);
+  });
+  EXPECT_LT(object_at(160, 3, {}), .02);
 }
 
 TEST_F(SelectionTest, MotionBlurIsAMixture) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "kernels/image/pack4.hpp"
 
@@ -106,12 +107,39 @@ void ObjectSelection::select(gpu::Commands& commands, const gpu::BufferPtr& colo
     learn(commands, colors, 1);
   }
   active_ = true;
+  lost_ = false;
 }
 
 void ObjectSelection::follow(gpu::Commands& commands, const gpu::BufferPtr& colors) {
   mark(commands, colors, none_drawn_);
-  segment(commands, colors, kFollowSteps);
+  segment(commands, colors, std::exchange(lost_, false) ? kSteps : kFollowSteps);
   learn(commands, colors, kFollowRate);
+}
+
+void ObjectSelection::lose(gpu::Commands& commands) {
+  if (!active_) return;
+  for (const auto& buffer : {alpha_[0], region_, status_}) commands.fill(buffer);
+  lost_ = true;
+}
+
+ObjectSelection::State ObjectSelection::save(gpu::Commands& commands) {
+  State state;
+  if (!active_) return state;
+  for (const gpu::BufferPtr* buffer : lasting()) {
+    state.push_back(
+        gpu::Buffer::create((*buffer)->device(), gpu::Element::word, (*buffer)->bytes() / 4));
+    commands.copy(*buffer, state.back(), (*buffer)->bytes());
+  }
+  return state;
+}
+
+void ObjectSelection::restore(gpu::Commands& commands, const State& state) {
+  active_ = !state.empty();
+  lost_ = false;
+  if (!active_) return;
+  size_t next = 0;
+  for (const gpu::BufferPtr* buffer : lasting())
+    commands.copy(state[next++], *buffer, (*buffer)->bytes());
 }
 
 void ObjectSelection::mark(gpu::Commands& commands, const gpu::BufferPtr& colors,

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <array>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "kernels/edit_selection_object_claim.spv.hpp"
 #include "kernels/edit_selection_object_count.spv.hpp"
@@ -42,6 +44,13 @@ class ObjectSelection {
   /// Finds the object in another frame.
   void follow(gpu::Commands& commands, const gpu::BufferPtr& colors);
   void reset() { active_ = false; }
+  /// The next frame is of another time: the object may be anywhere in it, or not at all. It is
+  /// found by its colors, and by strokes on what has kept its place and color.
+  void lose(gpu::Commands& commands);
+  /// What was selected and learned, to come back to; empty if nothing was.
+  using State = std::vector<gpu::BufferPtr>;
+  State save(gpu::Commands& commands);
+  void restore(gpu::Commands& commands, const State& state);
   /// Whether anything was selected.
   bool active() const { return active_; }
 
@@ -73,6 +82,11 @@ class ObjectSelection {
   void learn(gpu::Commands& commands, const gpu::BufferPtr& colors, float rate);
   /// Learns one of the densities (object.glsl).
   void learn(gpu::Commands& commands, const gpu::BufferPtr& colors, int density, float rate);
+  /// The buffers that a frame leaves to the next one.
+  std::array<gpu::BufferPtr*, 9> lasting() {
+    return {&alpha_[0], &region_, &memory_, &terms_,    &near_,
+            &model_,    &totals_, &status_, &last_area_};
+  }
   gpu::Items per_cell() const { return {grid_.cells.width, grid_.cells.height}; }
 
   CellGrid grid_;
@@ -97,7 +111,7 @@ class ObjectSelection {
       claims_;
   gpu::BufferPtr counts_, smoothed_[2], model_, totals_, occupied_, near_, status_, last_area_;
   std::vector<SeedCells> stroke_cells_;
-  bool active_ = false;
+  bool active_ = false, lost_ = false;
 };
 
 }  // namespace inverse

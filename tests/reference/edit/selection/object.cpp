@@ -159,11 +159,19 @@ void ObjectSelection::select(const std::vector<Vec3>& colors, const std::vector<
     learn(colors, 1);
   }
   active_ = true;
+  lost_ = false;
 }
 
 void ObjectSelection::follow(const std::vector<Vec3>& colors) {
-  segment(colors, marks(colors, std::vector<uint32_t>(alpha.size())), 8);
+  segment(colors, marks(colors, std::vector<uint32_t>(alpha.size())), lost_ ? 48 : 8);
+  lost_ = false;
   learn(colors, .1);
+}
+
+void ObjectSelection::lose() {
+  std::ranges::fill(alpha, 0);
+  std::ranges::fill(region, 0);
+  lost_ = true;
 }
 
 void ObjectSelection::segment(const std::vector<Vec3>& colors, const std::vector<uint32_t>& seeds,

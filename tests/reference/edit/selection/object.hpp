@@ -56,6 +56,9 @@ class ObjectSelection {
 
   void select(const std::vector<Vec3>& colors, const std::vector<uint32_t>& seeds, bool restart);
   void follow(const std::vector<Vec3>& colors);
+  /// The next frame is of another time: the object is found by its colors,
+  /// and by strokes on what has kept its place and color.
+  void lose();
 
   std::vector<double> alpha;
   std::vector<uint32_t> region;
@@ -78,7 +81,7 @@ class ObjectSelection {
   std::vector<bool> near_region() const;
 
   int width_, height_, last_area_ = 0;
-  bool active_ = false;
+  bool active_ = false, lost_ = false;
   std::vector<double> object_, background_, added_, subtracted_;  // densities
   std::vector<double> p_, weight_;
   std::vector<Memory> memory_;
