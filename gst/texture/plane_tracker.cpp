@@ -7,6 +7,7 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
+#include <utility>
 
 namespace inverse {
 namespace {
@@ -161,10 +162,12 @@ void PlaneTracker::set_poster(const cv::Mat& luminance) {
 void PlaneTracker::forget() {
   reference_.reset();
   before_.release();
+  may_stay_ = false;
   result_ = {};
 }
 
 void PlaneTracker::cut() {
+  may_stay_ = result_.state == State::found || (may_stay_ && result_.state == State::lost);
   if (result_.state == State::found) result_.state = State::lost;
   before_.release();
   waited_ = kSearchInterval;
@@ -244,6 +247,27 @@ std::optional<PlaneTracker::Pose> PlaneTracker::refine(const PlaneView& view,
   return pose;
 }
 
+bool PlaneTracker::looks_alike(const PlaneView& view, const cv::Mat& luminance, const cv::Mat& now,
+                               const Pose& pose) const {
+  constexpr int kReach = 7;  // pixels around a point
+  constexpr float kAlike = 0.6F;
+  cv::Mat expected = luminance.clone();
+  cv::warpPerspective(view.luminance, expected, cv::Mat(pose.to_picture), now.size(),
+                      cv::INTER_LINEAR, cv::BORDER_TRANSPARENT);
+  expected = normalized(expected);
+  std::vector<cv::Point2f> points, places;
+  visible(view, pose.to_picture, now.size(), points, places);
+  const auto alike = std::ranges::count_if(places, [&](const cv::Point2f& place) {
+    const cv::Rect around(cvRound(place.x) - kReach, cvRound(place.y) - kReach, 2 * kReach + 1,
+                          2 * kReach + 1);
+    const cv::Rect inside = around & cv::Rect({0, 0}, now.size());
+    cv::Mat correlation;
+    cv::matchTemplate(now(inside), expected(inside), correlation, cv::TM_CCOEFF_NORMED);
+    return correlation.at<float>(0, 0) > kAlike;
+  });
+  return 2 * static_cast<size_t>(alike) > places.size();
+}
+
 std::optional<PlaneTracker::Pose> PlaneTracker::search(const PlaneView& view,
                                                        const cv::Mat& luminance,
                                                        const cv::Mat& now) {
@@ -298,7 +322,12 @@ void PlaneTracker::find_again(const cv::Mat& luminance, const cv::Mat& now) {
 void PlaneTracker::next(const cv::Mat& luminance) {
   if (result_.state == State::fixed) return;
   const cv::Mat now = normalized(luminance);
-  if (result_.state == State::found) {
+  // After a seek to the frame that was shown. Planes of few features have no descriptors.
+  if (std::exchange(may_stay_, false) && result_.state == State::lost) {
+    const auto pose = refine(*reference_, luminance, now, Pose{to_picture_});
+    take(*reference_,
+         pose && looks_alike(*reference_, luminance, now, *pose) ? pose : std::nullopt);
+  } else if (result_.state == State::found) {
     auto pose = follow(now);
     if (pose) pose = refine(*reference_, luminance, now, *pose);
     take(*reference_, pose);

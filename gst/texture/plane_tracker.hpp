@@ -49,7 +49,8 @@ class PlaneTracker {
   bool has_poster() const { return poster_.has_value(); }
   /// The next picture, CV_32F, 0…1, of any size.
   void next(const cv::Mat& luminance);
-  /// The next picture has nothing to do with the ones before.
+  /// The next picture may have nothing to do with the ones before; the plane is looked for in its
+  /// old place first.
   void cut();
   /// Forgets the plane.
   void forget();
@@ -74,6 +75,9 @@ class PlaneTracker {
   /// Aligns the view with a picture; `start` is some pixels off at most.
   std::optional<Pose> refine(const PlaneView& view, const cv::Mat& luminance, const cv::Mat& now,
                              const Pose& start) const;
+  /// Whether most of the view's points look as they did, where `pose` has them.
+  bool looks_alike(const PlaneView& view, const cv::Mat& luminance, const cv::Mat& now,
+                   const Pose& pose) const;
   /// Searches the view in a picture.
   std::optional<Pose> search(const PlaneView& view, const cv::Mat& luminance, const cv::Mat& now);
   void find_again(const cv::Mat& luminance, const cv::Mat& now);
@@ -84,6 +88,7 @@ class PlaneTracker {
   cv::Mat before_;                       // the last picture, normalized
   unsigned waited_ = kNever;             // pictures since the last search
   unsigned searches_ = 0;                // since it was lost
+  bool may_stay_ = false;                // a plane that was found before a cut
   std::vector<cv::KeyPoint> keypoints_;  // of the picture that is searched
   cv::Mat descriptors_;
   Result result_;

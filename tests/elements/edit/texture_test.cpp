@@ -155,6 +155,22 @@ TEST_F(Texture, IsFoundAgainAfterACutAndAFlush) {
   EXPECT_TRUE(red_at(harness.process(wall_frame(50)), later_x, later_y));
 }
 
+TEST_F(Texture, APlaneOfFewFeaturesStaysInAFrameThatComesAgain) {
+  // Dots, which can be followed and have too few descriptors to be found by.
+  cv::Mat table(kHeight, kWidth, CV_8UC3, cv::Scalar::all(150));
+  for (int dot = 0; dot < 16; ++dot)
+    cv::rectangle(table, cv::Rect(110 + dot % 4 * 27, 70 + dot / 4 * 27, 4, 4), cv::Scalar::all(60),
+                  cv::FILLED);
+  VideoHarness harness(chain("location=" + pictures.red + " " + kBox), kCaps, kCaps);
+  for (int n = 0; n < 3; ++n) {
+    EXPECT_TRUE(red_at(harness.process(bytes_of(table)), 130, 130)) << "seek " << n;
+    harness.flush();
+  }
+  harness.process(bytes_of(table));
+  harness.flush();
+  EXPECT_FALSE(red_at(harness.process(flat()), 130, 130)) << "the table is gone";
+}
+
 TEST_F(Texture, StandsBehindWhatComesBeforeIt) {
   const auto covered = [&](const char* occlusion) {
     VideoHarness harness(
