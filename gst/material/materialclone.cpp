@@ -18,7 +18,7 @@
 #include "gst/base/color.hpp"
 #include "gst/base/filter.hpp"
 #include "gst/inverse/inverse_material_meta.h"
-#include "gst/material/mesh/mesh_file.hpp"
+#include "gst/material/mesh/mesh_process.hpp"
 #include "kernels/environment/lit_sphere.hpp"
 #include "kernels/raster/insertion.hpp"
 

@@ -230,7 +230,7 @@ Mesh read(const std::string& path, std::string content, std::string& warning) {
 
 }  // namespace
 
-Mesh load_mesh(const std::string& path, std::string& warning) {
+Mesh parse_mesh(const std::string& path, std::string& warning) {
   warning.clear();
   std::string content = checked(path);
   Mesh mesh;

@@ -17,6 +17,6 @@ constexpr unsigned kMaxCorners = 1000;
 /// more than Mesh::kMaxTriangles, a polygon of more than kMaxCorners corners, or more than 1 GiB,
 /// or if it names a file outside of its folder. Faces whose corners do not exist or are no numbers
 /// are left out; `warning` says so, or is empty.
-Mesh load_mesh(const std::string& path, std::string& warning);
+Mesh parse_mesh(const std::string& path, std::string& warning);
 
 }  // namespace inverse

@@ -130,13 +130,13 @@ class MeshFile : public ::testing::Test {
   /// A mesh about which there is no warning.
   static Mesh load(const std::string& path) {
     std::string warning;
-    Mesh mesh = load_mesh(path, warning);
+    Mesh mesh = parse_mesh(path, warning);
     EXPECT_EQ(warning, "");
     return mesh;
   }
   static std::string error(const std::string& path) {
     std::string warning;  // of what was damaged, or none
-    const std::string text = error_of([&] { load_mesh(path, warning); }, ErrorKind::file);
+    const std::string text = error_of([&] { parse_mesh(path, warning); }, ErrorKind::file);
     if (!text.empty()) expect_contains(text, path);
     return text;
   }
@@ -170,8 +170,8 @@ TEST_F(MeshFile, PlyAndGltf) {
 TEST_F(MeshFile, AMarkOfTextIsPassedOver) {
   const std::string plain = "v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\n";
   std::string warning;
-  const Mesh mesh = load_mesh(folder_.write("plain.obj", plain), warning),
-             marked = load_mesh(folder_.write("marked.obj", "\xef\xbb\xbf" + plain), warning);
+  const Mesh mesh = parse_mesh(folder_.write("plain.obj", plain), warning),
+             marked = parse_mesh(folder_.write("marked.obj", "\xef\xbb\xbf" + plain), warning);
   EXPECT_EQ(marked.positions, mesh.positions);
   EXPECT_EQ(marked.indices, mesh.indices);
 }
@@ -180,7 +180,7 @@ TEST_F(MeshFile, WhatWouldBeReadInPartIsRefused) {
   const auto fault = [&](const std::string& name, const std::string& content) {
     std::string warning;
     try {
-      load_mesh(folder_.write(name, content), warning);
+      parse_mesh(folder_.write(name, content), warning);
       return std::string("taken");
     } catch (const Error& error) {
       return std::string(error.what());
@@ -226,7 +226,7 @@ TEST_F(MeshFile, TruncatedAndDamagedFilesAreMeshesOrErrors) {
     const std::string path = written(name, bytes);
     std::string warning;
     Mesh mesh;
-    if (!error_of([&] { mesh = load_mesh(path, warning); }, ErrorKind::file).empty()) return;
+    if (!error_of([&] { mesh = parse_mesh(path, warning); }, ErrorKind::file).empty()) return;
     EXPECT_GT(mesh.triangles(), 0U);
     EXPECT_EQ(mesh.normals.size(), mesh.positions.size());
     for (const uint32_t index : mesh.indices) ASSERT_LT(index, mesh.positions.size());
@@ -319,7 +319,7 @@ TEST_F(MeshFile, DegenerateFacesAreDroppedWithAWarning) {
   std::string warning;
   const std::string obj = written(
       "nan.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nf 1 2 3\nf 1 2 4\nf 2 3 4\nl 1 2\n");
-  EXPECT_EQ(load_mesh(obj, warning).triangles(), 1U);
+  EXPECT_EQ(parse_mesh(obj, warning).triangles(), 1U);
   expect_contains(warning, obj + ": 2 of 3 faces were dropped");
 }
 
