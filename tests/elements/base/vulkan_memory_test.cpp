@@ -83,15 +83,19 @@ constexpr std::pair<int, int> kSizes[] = {{15, 10}, {349, 287}, {64, 48}, {1, 1}
 }  // namespace
 
 TEST_F(VulkanMemory, InAndOutGiveTheSameFramesAsSystemMemory) {
-  for (const char* format : kFormats)
-    for (const auto& [width, height] : kSizes)
-      for (const char* show : {"input", "reflectance"}) {
-        const std::string caps = VideoHarness::caps(format, width, height);
-        const std::string element = std::string("intrinsicdecomp show=") + show;
-        expect_same(
-            source(caps) + element + " ! " + caps + " ! appsink name=out",
-            source(caps) + "vulkanupload ! " + element + " ! vulkandownload ! appsink name=out");
-      }
+  bool input = false;
+  for (const char* format : kFormats) {
+    for (const auto& [width, height] : kSizes) {
+      const std::string caps = VideoHarness::caps(format, width, height);
+      const std::string element =
+          std::string("intrinsicdecomp show=") + (input ? "input" : "reflectance");
+      input = !input;
+      expect_same(
+          source(caps) + element + " ! " + caps + " ! appsink name=out",
+          source(caps) + "vulkanupload ! " + element + " ! vulkandownload ! appsink name=out");
+    }
+    input = !input;  // each size shows both
+  }
 }
 
 TEST_F(VulkanMemory, AlphaAndTransferCurveCarryOver) {
