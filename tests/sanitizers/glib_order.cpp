@@ -4,6 +4,7 @@
 // functions replace GLib's in a test program, annotate the order, and call GLib's own.
 #include <dlfcn.h>
 #include <glib-object.h>
+#include <gst/gst.h>
 
 extern "C" {
 void __tsan_acquire(void* address);
@@ -79,6 +80,20 @@ void g_object_unref(gpointer object) {
   __tsan_release(object);
   __tsan_acquire(object);
   next_function(object);
+}
+
+// So does a write to a buffer of which all others dropped their references.
+void gst_mini_object_unref(GstMiniObject* object) {
+  NEXT(gst_mini_object_unref);
+  __tsan_release(object);
+  next_function(object);
+}
+
+gboolean gst_mini_object_is_writable(const GstMiniObject* object) {
+  NEXT(gst_mini_object_is_writable);
+  const gboolean writable = next_function(object);
+  if (writable) __tsan_acquire(const_cast<GstMiniObject*>(object));
+  return writable;
 }
 
 // Harnesses use these to pass on what elements send.
