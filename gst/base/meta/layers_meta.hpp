@@ -13,8 +13,8 @@ void attach_layers(GstBuffer* buffer, const Layers& layers);
 /// The layers of a buffer, or null if it carries none of a plugin of this build.
 const Layers* layers_of(GstBuffer* buffer);
 
-/// The layers of a buffer for which `layers_of` is not null. If nothing else holds the buffer they are moved out
-/// of it, so that their only holder can work in place.
+/// The layers of a buffer for which `layers_of` is not null. If nothing else holds the buffer they
+/// are moved out of it, so that their only holder can work in place.
 Layers take_layers(GstBuffer* buffer);
 
 /// Registers the meta, so that its header works before the first frame.
