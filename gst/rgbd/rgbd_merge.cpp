@@ -59,7 +59,10 @@ const PropertyTable<RgbdMergeParams>& rgbd_merge_properties() {
   return table;
 }
 
-RgbdMerge::~RgbdMerge() { drop_depth(); }
+RgbdMerge::~RgbdMerge() {
+  drop_depth();
+  gst_clear_caps(&color_caps_);
+}
 
 GstStructure* RgbdMerge::stats() const {
   std::lock_guard lock(mutex_);
@@ -87,7 +90,10 @@ void RgbdMerge::start() {
   told_ = false;
 }
 
-void RgbdMerge::stop() { drop_depth(); }
+void RgbdMerge::stop() {
+  drop_depth();
+  gst_clear_caps(&color_caps_);
+}
 void RgbdMerge::flush() { drop_depth(); }
 
 void RgbdMerge::drop_depth() {
@@ -99,7 +105,10 @@ void RgbdMerge::drop_depth() {
 void RgbdMerge::set_color_caps(const GstCaps* caps) {
   if (!gst_video_info_from_caps(&color_info_, caps))
     throw Error(ErrorKind::unsupported, "rgbdmerge cannot make sense of the pictures' format");
+  gst_caps_replace(&color_caps_, const_cast<GstCaps*>(caps));
 }
+
+GstCaps* RgbdMerge::color_caps() const { return color_caps_ ? gst_caps_ref(color_caps_) : nullptr; }
 
 void RgbdMerge::set_depth_caps(const GstCaps* caps) {
   auto format = std::make_shared<DepthFormat>();

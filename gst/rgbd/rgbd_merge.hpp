@@ -40,6 +40,8 @@ class RgbdMerge {
   void stop();
   void flush();
   void set_color_caps(const GstCaps* caps);
+  /// Those of the pictures that `aggregate` takes next; a new reference, or null before there are.
+  GstCaps* color_caps() const;
   /// Throws Error(unsupported).
   void set_depth_caps(const GstCaps* caps);
   /// `timeout`: what did not come yet will not be waited for.
@@ -63,6 +65,7 @@ class RgbdMerge {
     std::optional<Registration> registration;
   };
   GstVideoInfo color_info_{};
+  GstCaps* color_caps_ = nullptr;
   std::shared_ptr<const DepthFormat> depth_format_;  // of the caps now
   std::optional<Calibration> calibration_;
   std::vector<uint16_t> registered_;

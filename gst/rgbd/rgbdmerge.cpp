@@ -38,9 +38,9 @@ GstFlowReturn aggregate(GstAggregator* aggregator, gboolean timeout) {
   return merge_of(aggregator).aggregate(aggregator, timeout != FALSE);
 }
 
-/// Those of the pictures.
+/// Those of the pictures that come next: the pad's may be of later ones, which wait in it.
 GstFlowReturn update_src_caps(GstAggregator* aggregator, GstCaps*, GstCaps** made) {
-  *made = gst_pad_get_current_caps(GST_PAD(merge_of(aggregator).color()));
+  *made = merge_of(aggregator).color_caps();
   return *made ? GST_FLOW_OK : GST_AGGREGATOR_FLOW_NEED_DATA;
 }
 
