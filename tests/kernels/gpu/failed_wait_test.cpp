@@ -10,7 +10,7 @@
 #include "tests/kernels/gpu_fixture.hpp"
 
 namespace {
-VkResult next_result = VK_SUCCESS;  // of the next call, in place of waiting
+VkResult next_result = VK_SUCCESS;  // of the next call
 }
 
 extern "C" VKAPI_ATTR VkResult VKAPI_CALL vkWaitForFences(VkDevice device, uint32_t count,
@@ -19,6 +19,8 @@ extern "C" VKAPI_ATTR VkResult VKAPI_CALL vkWaitForFences(VkDevice device, uint3
   static const auto wait =
       reinterpret_cast<PFN_vkWaitForFences>(dlsym(RTLD_NEXT, "vkWaitForFences"));
   const VkResult result = std::exchange(next_result, VK_SUCCESS);
+  // A device that is lost runs nothing any more, so this one must not, either.
+  if (result == VK_ERROR_DEVICE_LOST) wait(device, count, fences, all, UINT64_MAX);
   return result == VK_SUCCESS ? wait(device, count, fences, all, timeout) : result;
 }
 
