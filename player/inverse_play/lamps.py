@@ -19,7 +19,13 @@ def touched(before, after):
     old, new = of(before), of(after)
     if len(new) < len(old):
         return None
-    return next((i for i, lamp in enumerate(new) if i >= len(old) or lamp != old[i]), None)
+    return next((i for i, lamp in enumerate(new) if i >= len(old) or _moved(old[i], lamp)), None)
+
+
+def _moved(before, after):
+    """Whether a lamp is elsewhere; the element rounds what is set."""
+    pairs = [(a, b) for field in ("position", "direction") for a, b in zip(before.get(field, ()), after.get(field, ()))]
+    return any(not math.isclose(a, b, rel_tol=1e-3, abs_tol=1e-3) for a, b in pairs)
 
 
 def settings(described, place):
