@@ -1,22 +1,17 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The lamps of an editor: the one that was placed or moved last is set together with those that come next."""
-import json
 import math
+
+from .json_list import entries, with_entries
 
 LAMPS = "lamps"
 # Properties of the editor about its next lamp; what they are of a lamp.
 OF_NEXT = ("lamp-power", "lamp-color", "lamp-height")
 
 
-def of(value):
-    """The lamps in a property."""
-    data = json.loads(value) if value else []
-    return data["lamps"] if isinstance(data, dict) else data
-
-
 def touched(before, after):
     """The place of the lamp that was added or moved between two values of the property; None if none was."""
-    old, new = of(before), of(after)
+    old, new = entries(before, LAMPS), entries(after, LAMPS)
     if len(new) < len(old):
         return None
     return next((i for i, lamp in enumerate(new) if i >= len(old) or _moved(old[i], lamp)), None)
@@ -30,7 +25,7 @@ def _moved(before, after):
 
 def settings(described, place):
     """What makes the next lamp of an editor like the one at that place: properties that differ."""
-    lamp = of(described.get(LAMPS))[place]
+    lamp = entries(described.get(LAMPS), LAMPS)[place]
     found = {"lamp-power": lamp["power"]} if "power" in lamp else {}
     if _has_height(lamp):
         found["lamp-height"] = lamp["position"][2]
@@ -41,7 +36,7 @@ def settings(described, place):
 
 def changed(value, place, given):
     """The property when the lamp at that place gets what is given of OF_NEXT; None if there is no such lamp."""
-    data, lamps = json.loads(value) if value else [], of(value)
+    lamps = entries(value, LAMPS)
     if place is None or place >= len(lamps):
         return None
     lamp = dict(lamps[place])
@@ -51,8 +46,7 @@ def changed(value, place, given):
         lamp["color"] = "#" + given["lamp-color"][-6:]
     if "lamp-height" in given and _has_height(lamp):
         lamp["position"] = [*lamp["position"][:2], given["lamp-height"]]
-    after = [*lamps[:place], lamp, *lamps[place + 1:]]
-    return json.dumps({**data, "lamps": after} if isinstance(data, dict) else after, separators=(",", ":"))
+    return with_entries(value, LAMPS, [*lamps[:place], lamp, *lamps[place + 1:]])
 
 
 def _has_height(lamp):

@@ -77,7 +77,7 @@ class Recorder:
         self._shift, self._last, self._first = 0, None, None
         line_for(path)
         self._draft = _draft(path, overwrite, source)
-        self._sound = sound.of(source) if has_sound else None
+        self._sound = sound.open_file(source) if has_sound else None
         self._heard, self._frame = 0, None  # samples that were written; (time in the video, duration) of the last frame
         self._pipeline = Gst.parse_launch(f"appsrc name=in format=time block=true max-bytes=0 "
                                           f"max-buffers={MAX_WAITING} ! {line_for(path, self._sound)}")

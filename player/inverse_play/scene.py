@@ -4,6 +4,7 @@ import dataclasses
 import json
 
 from . import elements
+from .json_list import entries, with_entries
 
 TOUCH, UPDATE, LOAD, MODE = "stroke-touch", "scene-update", "scene-load", "stroke-mode"
 SAVE_ACTION, FORGET_ACTION = "save-scene", "forget-scene"
@@ -29,16 +30,10 @@ def touched(on):
     return {TOUCH: True, UPDATE: False} if on else {TOUCH: False, UPDATE: True, MODE: "off"}
 
 
-def strokes_of(value):
-    """The strokes in a property."""
-    data = json.loads(value) if value else []
-    return data["strokes"] if isinstance(data, dict) else data
-
-
 def placed(before, after):
     """If a decomposer has put strokes of a property into the scene, and maybe got others behind them, a function that
     describes them in the same way in a project of before; None if something else has changed."""
-    old, new = strokes_of(before), strokes_of(after)
+    old, new = entries(before, "strokes"), entries(after, "strokes")
     pairs = list(zip(old, new))
     moved = any("balls" in now and "balls" not in then for then, now in pairs)
     if not moved or len(new) < len(old) or any(then["kind"] != now["kind"] for then, now in pairs):
@@ -56,8 +51,8 @@ def placed(before, after):
 
 def _exchanged(value, changed):
     """A property with other strokes in place of some, which are named by their JSON."""
-    data, strokes = json.loads(value), strokes_of(value)
+    strokes = entries(value, "strokes")
     exchanged = [changed.get(json.dumps(stroke), stroke) for stroke in strokes]
     if exchanged == strokes:
         return value
-    return json.dumps({**data, "strokes": exchanged} if isinstance(data, dict) else exchanged, separators=(",", ":"))
+    return with_entries(value, "strokes", exchanged)

@@ -4,6 +4,7 @@ import dataclasses
 import json
 import math
 
+from .json_list import entries
 from .project import Element
 
 SELECT, RECOLOR, KEY = "intrinsicselect", "intrinsicrecolor", "intrinsickey"
@@ -35,8 +36,7 @@ class Stroke:
 
 def is_full(select):
     """Whether an intrinsicselect has as many strokes as it may; None has none."""
-    data = json.loads(select and select.get("strokes") or "[]")
-    return len(data["strokes"] if isinstance(data, dict) else data) >= MAX_STROKES
+    return bool(select) and len(entries(select.get("strokes"), "strokes")) >= MAX_STROKES
 
 
 def with_stroke(text, stroke, frame):

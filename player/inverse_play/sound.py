@@ -62,7 +62,7 @@ def encoder_for(muxer):
     return next((line for line in lines if all(Gst.ElementFactory.find(part) for part in line.split(" ! "))), "")
 
 
-def of(path):
+def open_file(path):
     """The Sound of a file; None if it cannot be decoded."""
     try:
         return Sound(path)

@@ -7,6 +7,7 @@ import unittest
 import support
 from window_case import TEST, WindowCase, is_green
 from inverse_play import elements, scene
+from inverse_play.json_list import entries
 
 ROOM = "rgbdtestsrc samples=1 path={} ! video/x-raw,width=160,height=120,framerate=5/1"
 # Not live: a busy machine leaves out no frames, by which the camera or a hand would leap.
@@ -43,7 +44,7 @@ class Room(WindowCase):
         self.wait(lambda: elements.read(self.element(element), name) == value)
 
     def strokes(self):
-        return scene.strokes_of(self.session.project.decomposer.get("strokes"))
+        return entries(self.session.project.decomposer.get("strokes"), "strokes")
 
     def are_in_scene(self, count):
         return len(self.strokes()) == count and all("balls" in stroke for stroke in self.strokes())
@@ -75,7 +76,7 @@ class Room(WindowCase):
         self.wait(lambda: self.strokes() == [])
         self.key("ctrl+shift+z", "ctrl+shift+z")
         self.wait(lambda: self.strokes() == [first, second])
-        self.wait(lambda: scene.strokes_of(self.element("decomposer").get_property("strokes")) == [first, second])
+        self.wait(lambda: entries(self.element("decomposer").get_property("strokes"), "strokes") == [first, second])
         self.assertEqual(self.session.troubles, [])
 
     def test_strokes_are_seen_and_erased(self):
