@@ -166,6 +166,7 @@ class SelectElement final : public Filter {
     mask_.reset();
     copies_ = {};
   }
+
   void process(FrameContext& frame) override {
     Params params = parameters_.snapshot();
     const Span now = span_of(frame);
