@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "json.hpp"
 
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <unordered_set>
 #include <vector>
@@ -69,6 +70,12 @@ std::string json_fault(const std::exception& error) {
   const std::string what = error.what();  // "[json...] ..."
   const size_t from = what.find("] ");
   return from == std::string::npos ? what : what.substr(from + 2);
+}
+
+std::optional<uint32_t> json_count(const nlohmann::json& number) {
+  const auto value = number.get<double>();
+  if (!(value >= 0 && value <= std::numeric_limits<uint32_t>::max())) return {};
+  return static_cast<uint32_t>(value);
 }
 
 template <typename Json>

@@ -16,7 +16,8 @@ using Json = nlohmann::json;
 CalibratedCamera camera_of(const Json& json) {
   CalibratedCamera camera;
   const auto& matrix = json.at("matrix");
-  camera.size = {json.at("size").at(0).get<uint32_t>(), json.at("size").at(1).get<uint32_t>()};
+  camera.size = {json_count(json.at("size").at(0)).value_or(0),
+                 json_count(json.at("size").at(1)).value_or(0)};
   camera.fx = matrix.at(0).at(0).get<double>();
   camera.fy = matrix.at(1).at(1).get<double>();
   camera.cx = matrix.at(0).at(2).get<double>();

@@ -281,7 +281,8 @@ ByName paired(const std::vector<fs::path>& color, const std::vector<fs::path>& d
 
 CalibratedCamera camera_of(const nlohmann::json& json, const std::string& path) {
   CalibratedCamera camera;
-  camera.size = {json.at("width").get<uint32_t>(), json.at("height").get<uint32_t>()};
+  camera.size = {json_count(json.at("width")).value_or(0),
+                 json_count(json.at("height")).value_or(0)};
   camera.fx = json.at("fx").get<double>();
   camera.fy = json.at("fy").get<double>();
   camera.cx = json.at("cx").get<double>();
@@ -303,7 +304,8 @@ void read_meta(const std::string& path, Listing& listing, Warnings& warnings) {
   for (Entry& entry : listing.entries)
     by_number[NameOrder({}).number_of(stem_of(entry.color.empty() ? entry.depth : entry.color))] =
         &entry;
-  size_t wrong = 0, index = 0, matched = 0;
+  size_t wrong = 0, matched = 0;
+  uint32_t index = 0;
   try {
     if (json.contains("depth_units_per_metre")) {
       const auto steps = json["depth_units_per_metre"].get<double>();
@@ -312,7 +314,9 @@ void read_meta(const std::string& path, Listing& listing, Warnings& warnings) {
       listing.unit = 1 / steps;
     }
     for (const auto& frame : json.value("frames", nlohmann::json::array())) {
-      const auto found = by_number.find(std::to_string(frame.value("frame", index++)));
+      const auto number = frame.contains("frame") ? json_count(frame["frame"]) : std::optional(index);
+      ++index;
+      const auto found = number ? by_number.find(std::to_string(*number)) : by_number.end();
       if (found == by_number.end() || !frame.contains("camera")) continue;
       ++matched;
       const auto& camera = frame["camera"];
