@@ -118,7 +118,9 @@ def kill_capture(folder, chance, count):
 
     def files():
         found = sorted(os.path.relpath(os.path.join(base, n), place) for base, _, names in os.walk(place) for n in names)
-        return [(name, hashlib.sha256(pathlib.Path(place, name).read_bytes()).hexdigest()) for name in found if "draft" not in name]
+        return [(name, hashlib.sha256(pathlib.Path(place, name).read_bytes()).hexdigest()) for name in found if ".new/" not in name]
+    pathlib.Path(place, "camera_0").mkdir(parents=True, exist_ok=True)
+    pathlib.Path(place, "camera_0", "notes.txt").write_text("of the user", encoding="utf-8")
     before = files()
     assert before, os.listdir(folder)
     for _ in range(count):
@@ -127,6 +129,7 @@ def kill_capture(folder, chance, count):
         for name in glob.glob(place + "/**/lights.json", recursive=True):
             json.loads(pathlib.Path(name).read_text(encoding="utf-8"))
     assert run(words, folder)[1] == 0, log_of(folder)
+    assert not glob.glob(place + "/*.new") and files() == before
 
 
 def main():

@@ -86,15 +86,21 @@ bool is_of_capture(const std::filesystem::path& name) {
          (stem == "tracking" || stem == "gradient-a" || stem == "gradient-b");
 }
 
-/// Moves what is in the folder of an earlier capture and is none of its files to the new one.
-void move_others(const std::filesystem::path& before, const std::filesystem::path& now) {
+/// Puts what is in the folder of an earlier capture and is none of its files into the new one as
+/// well: they are in one of the two at any time.
+void link_others(const std::filesystem::path& before, const std::filesystem::path& now) {
   namespace fs = std::filesystem;
+  constexpr auto kAll = fs::copy_options::recursive | fs::copy_options::copy_symlinks;
   for (const fs::path& folder : {fs::path(), fs::path("olat")}) {
     std::error_code none;
     for (const auto& entry : fs::directory_iterator(before / folder, none)) {
       const fs::path name = folder / entry.path().filename();
-      if (name != "olat" && !is_of_capture(name) && !fs::exists(now / name))
-        fs::rename(entry.path(), now / name);
+      if (name == "olat" || is_of_capture(name) || fs::exists(now / name)) continue;
+      std::error_code failed;
+      fs::copy(entry.path(), now / name, kAll | fs::copy_options::create_hard_links, failed);
+      if (!failed) continue;  // else not a file system that has them
+      fs::remove_all(now / name);
+      fs::copy(entry.path(), now / name, kAll);
     }
   }
 }
@@ -327,8 +333,8 @@ void OlatAssembler::publish(bool ended) try {
     post_warning(log_of(element_), GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED,
                  "the capture was cut short: %zu of %zu pictures are in %s%s", got, wanted,
                  to.c_str(), beside ? ", and the one before it stays where it is" : "");
+  link_others(to, draft());
   replace_folder(draft(), to);
-  if (std::filesystem::exists(draft())) move_others(draft(), to);
 } catch (const std::filesystem::filesystem_error& error) {
   throw Error(ErrorKind::output,
               std::string("the capture cannot be put where it belongs: ") + error.what());
