@@ -22,6 +22,11 @@ def without(caps, field):
     return Gst.Caps.from_string(re.sub(rf", {field}=\([A-Za-z]+\)[^,;]*", "", caps.to_string()))
 
 
+def with_field(caps, field, value):
+    """Caps of one structure whose field has another value, as text with its type."""
+    return Gst.Caps.from_string(f"{without(caps, field).to_string()}, {field}={value}")
+
+
 def enum_values(spec):
     """The values of a GParamSpec of an enum, and its default."""
     default = spec.default_value

@@ -9,7 +9,7 @@ gi.require_version("GstBase", "1.0")
 gi.require_version("GstVideo", "1.0")
 from gi.repository import GLib, Gst, GstBase, GstVideo  # noqa: E402
 
-from .gst import structure_of  # noqa: E402
+from .gst import structure_of, with_field  # noqa: E402
 
 HEAD = 1 << 16  # bytes that tell what a file is
 # What is no video itself, but names others, on this machine or elsewhere.
@@ -50,6 +50,44 @@ def deinterlace_line():
     """Makes full frames of interlaced video of any format, at its frame rate: in a format that `deinterlace` takes, of 8 bits where it takes no
     other."""
     return f"videoconvert ! video/x-raw,format=(string){{{','.join(formats_of('deinterlace'))}}} ! deinterlace fields=top"
+
+
+# Scales what comes to the size and shape of the first picture, and gives it that one's frame rate, with times as they are: encoders and muxers
+# take one. `keep_first` has to be called before a picture comes.
+LIKE_FIRST = "videoscale ! capsfilter name=like-first"
+
+
+def keep_first(parent, caps):
+    """Gives LIKE_FIRST in a bin the caps of the first picture."""
+    info, like_first = GstVideo.VideoInfo.new_from_caps(caps), parent.get_by_name("like-first")
+    shape = f"width={info.width},height={info.height},pixel-aspect-ratio={info.par_n}/{info.par_d}"
+    like_first.set_property("caps", Gst.Caps.from_string(f"video/x-raw(ANY),{shape}"))
+
+    def keep_rate(pad, probe):
+        event = probe.get_event()
+        if event.type != Gst.EventType.CAPS or structure_of(event.parse_caps()).get_fraction("framerate") in ((True, info.fps_n, info.fps_d), (False, 0, 0)):
+            return Gst.PadProbeReturn.OK
+        pad.push_event(Gst.Event.new_caps(with_field(event.parse_caps(), "framerate", f"(fraction){info.fps_n}/{info.fps_d}")))
+        return Gst.PadProbeReturn.DROP
+
+    like_first.get_static_pad("src").add_probe(Gst.PadProbeType.EVENT_DOWNSTREAM, keep_rate)
+
+
+def give_lengths(pad):
+    """Gives packets of video without a duration that of the one before: players leave out the last picture of an MP4 if it has none."""
+    state = {"time": None, "length": Gst.SECOND // 25}
+
+    def seen(_, probe):
+        buffer = probe.get_buffer()
+        time = buffer.dts if buffer.dts != Gst.CLOCK_TIME_NONE else buffer.pts
+        if state["time"] is not None and time > state["time"]:
+            state["length"] = time - state["time"]
+        state["time"] = time
+        if buffer.duration == Gst.CLOCK_TIME_NONE:
+            buffer.duration = state["length"]
+        return Gst.PadProbeReturn.OK
+
+    pad.add_probe(Gst.PadProbeType.BUFFER, seen)
 
 
 def upright(line, direction):

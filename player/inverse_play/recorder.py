@@ -3,7 +3,8 @@
 import os
 
 from gi.repository import GLib, Gst
-from inverse_common import files
+from inverse_common import files, media
+from inverse_common.gst import structure_of, without
 
 from . import sound
 
@@ -36,7 +37,7 @@ def line_for(path, has_sound=False):
         if muxer in muxers and all(Gst.ElementFactory.find(part.split()[0]) for part in (*encoder.split(" ! "), muxer)):
             spoken = has_sound and sound.encoder_for(muxer)
             heard = f" appsrc name=sound format=time caps={sound.CAPS} ! audioconvert ! {spoken} ! queue ! mux." if spoken else ""
-            return (f"queue max-size-buffers={MAX_WAITING} ! videoconvert ! {encoder} ! queue ! {muxer} name=mux {SETTINGS.get(muxer, '')} ! "
+            return (f"queue max-size-buffers={MAX_WAITING} ! videoconvert ! {media.LIKE_FIRST} ! capsfilter name=same ! {encoder} ! queue ! {muxer} name=mux {SETTINGS.get(muxer, '')} ! "
                     f"filesink name=file{heard}")
     raise RecorderError(f"no encoder for {ending} is installed; install gstreamer1.0-plugins-good, or record .mkv")
 
@@ -65,15 +66,15 @@ def _draft(path, overwrite, source):
 
 class Recorder:
     """Records from the first frame after it was made until `stop`. Times are those of playing: a pause leaves no
-    gap, and a seek goes on where the recording was. The file gets its name at `stop`, STEM.part.ENDING until then.
+    gap, and a seek goes on where the recording was. All frames get the size and format of the first one, which a muxer needs. The file gets its name at `stop`, STEM.part.ENDING until then.
     `overwrite`: what has that name now is replaced then. `source`: the file that is played, which is never replaced.
     `has_sound`: it has sound, which is recorded, too."""
 
     def __init__(self, path, pad, on_failure, overwrite=False, source=None, has_sound=False):
-        self.path, self.failure, self.frames = path, None, 0
+        self.path, self.failure, self.frames, self.note = path, None, 0, ""
         self._broken = False  # so that the file cannot be finished
         self._on_failure = on_failure
-        self._pad, self._caps, self._segment = pad, None, None
+        self._pad, self._caps, self._size, self._segment = pad, None, None, None
         self._shift, self._last, self._first = 0, None, None
         line_for(path)
         self._draft = _draft(path, overwrite, source)
@@ -83,6 +84,9 @@ class Recorder:
                                           f"max-buffers={MAX_WAITING} ! {line_for(path, self._sound)}")
         self._in, self._sound_in = self._pipeline.get_by_name("in"), self._pipeline.get_by_name("sound")
         self._pipeline.get_by_name("file").set_property("location", self._draft)
+        self._same = self._pipeline.get_by_name("same")
+        self._same.get_static_pad("src").add_probe(Gst.PadProbeType.BUFFER, self._keep_format)
+        media.give_lengths(next(pad for pad in self._pipeline.get_by_name("mux").sinkpads if pad.get_name().startswith("video")))
         bus = self._pipeline.get_bus()
         bus.add_signal_watch()
         bus.connect("message::error", self._on_error)
@@ -107,12 +111,8 @@ class Recorder:
         if self._segment is None:
             self._segment = pad.get_sticky_event(Gst.EventType.SEGMENT, 0).parse_segment()
         caps = pad.get_current_caps()
-        if self._caps is None:
-            self._caps = caps
-            self._in.set_property("caps", caps)
-        elif not caps.is_equal(self._caps):
-            self._fail("the size or format of the video changed, so the recording ended; record again for the rest")
-            return
+        if self._caps is None or not caps.is_equal(self._caps):
+            self._take_caps(caps)
         copy = buffer.copy_region(COPY_ALL, 0, buffer.get_size())
         copy.pts = self._time(buffer)
         copy.dts = Gst.CLOCK_TIME_NONE
@@ -120,6 +120,21 @@ class Recorder:
         if self._in.emit("push-buffer", copy) == Gst.FlowReturn.OK:
             self.frames += 1
         self._frame = self._segment.to_stream_time(Gst.Format.TIME, buffer.pts) / Gst.SECOND, self._length(buffer)
+
+    def _take_caps(self, caps):
+        size = _size_of(caps)
+        if self._caps is None:
+            self._size = size
+            media.keep_first(self._pipeline, caps)
+        elif size != self._size and not self.note:
+            self.note = (f"The video changes from {self._size[0]}x{self._size[1]} to {size[0]}x{size[1]} after "
+                         f"{self._last / Gst.SECOND:.1f} s of the recording: it is scaled to the first size.")
+        self._caps = caps
+        self._in.set_property("caps", caps)
+
+    def _keep_format(self, pad, _):
+        self._same.set_property("caps", without(pad.get_current_caps(), "framerate"))
+        return Gst.PadProbeReturn.REMOVE
 
     @staticmethod
     def _length(buffer):
@@ -196,6 +211,11 @@ class Recorder:
             files.settle(self._draft, self.path)
         except OSError as error:
             self.failure = self.failure or f"{self._draft} cannot get the name {self.path}: {error.strerror}"
+
+
+def _size_of(caps):
+    structure = structure_of(caps)
+    return structure.get_value("width"), structure.get_value("height")
 
 
 def _reason(message, path):

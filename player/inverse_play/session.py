@@ -443,7 +443,7 @@ class Session:
         if not recorder:
             return
         if recorder.stop():
-            self.report(Trouble(f"Recorded {recorder.frames} frames to {recorder.path}.", fatal=False))
+            self.report(Trouble(f"Recorded {recorder.frames} frames to {recorder.path}.", recorder.note, fatal=False))
         else:
             self.on_trouble(Trouble(f"The recording failed: {recorder.failure}."))
         self.playback.every_frame(False)

@@ -33,7 +33,7 @@ class Client:
     """Counts the decoded frames of a server."""
 
     def __init__(self, uri, protocol):
-        self.frames, self.size = 0, None
+        self.frames, self.size, self.sizes = 0, None, []
         # It waits for kernels, too: by default for 20 s, and for 5 s between packets of UDP.
         self.pipeline = Gst.parse_launch(f"rtspsrc location={uri} protocols={protocol} latency=0 timeout=0 tcp-timeout={LIMIT * 10 ** 6} ! "
                                          "rtpvp8depay ! vp8dec ! fakesink name=sink signal-handoffs=true sync=false")
@@ -46,12 +46,16 @@ class Client:
         self.frames += 1
         structure = structure_of(pad.get_current_caps())
         self.size = structure.get_value("width"), structure.get_value("height")
+        if self.sizes[-1:] != [self.size]:
+            self.sizes.append(self.size)
 
     def close(self):
         self.pipeline.set_state(Gst.State.NULL)
 
 
-class Serve(unittest.TestCase):
+class Case(unittest.TestCase):
+    """A test that starts programs."""
+
     def start(self, *words, source=CAMERA, **options):
         process = subprocess.Popen(words, env={**os.environ, "SOURCE": source}, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
 
@@ -68,6 +72,8 @@ class Serve(unittest.TestCase):
             self.assertLess(time.monotonic(), end)
             time.sleep(0.05)
 
+
+class Serve(Case):
     def test_one_client(self):
         server = self.start(SCRIPTS / "rtsp", "--port", "0")
         client = Client(server.stdout.readline().strip(), "tcp")

@@ -376,6 +376,24 @@ class Recording(support.Case):
         self.assertGreater(support.color(frames[-1], *RED)[1], 100)
         self.assertEqual(viewer.session.troubles, [])
 
+    def test_a_size_that_changes(self):
+        """In formats and rates that change, too: the recording has the first size, and says so."""
+        parts = (("I420", 160, 120, 10), ("NV12", 208, 160, 30), ("I420", 120, 160, 10))
+        lines = " ".join(f"videotestsrc num-buffers=12 ! video/x-raw,format={form},width={w},height={h},framerate={rate}/1 ! jpegenc ! c." for form, w, h, rate in parts)
+        support.run_line(f"{lines} concat name=c ! multipartmux ! filesink location={self.path('changes.multi')}")
+        for ending in ("mkv", "webm", "mp4"):
+            with self.subTest(ending):
+                viewer = Viewer(self, every_frame=True)
+                viewer.session.record_at_start = self.path(f"out.{ending}")
+                viewer.open(self.path("changes.multi"))
+                viewer.ends()
+                self.assertEqual(viewer.session.troubles, [])
+                frames = support.read_video(self.path(f"out.{ending}"))
+                self.assertEqual(len(frames), len(viewer.times))
+                self.assertEqual({(caps.get_value("width"), caps.get_value("height")) for _, caps, _ in frames}, {(160, 120)})
+                self.assertTrue(any("changes from 160x120 to 208x160" in told.advice for told in viewer.told), viewer.told)
+                viewer.session.close()
+
     def speaking(self):
         """A clip of four seconds, whose sound is a tone between one and two seconds and from three on."""
         path = self.path("speaking.mkv")

@@ -8,7 +8,7 @@ import signal
 import subprocess
 import unittest
 
-from case import Case, Gst, LIMIT, SOUND, VIDEO, streams_of
+from case import Case, Gst, LIMIT, SOUND, VIDEO, frames_of, streams_of
 
 
 class Batch(Case):
@@ -98,6 +98,21 @@ class Batch(Case):
                     self.assertEqual("not divided" in said, name == "fragments.mp4", said)
                     self.work(batch)
                     self.assertEqual(self.times_of(out), self.times_of(f"whole {name}.mkv"))
+
+    def test_chunks_have_the_size_of_the_whole(self):
+        """Of a file whose size changes, as browsers record calls."""
+        parts = " ".join(f"videotestsrc num-buffers=45 pattern=ball ! video/x-raw,format=I420,width={width},height={height},framerate=30/1 ! "
+                         "vp8enc deadline=1 keyframe-max-dist=10 ! c." for width, height in ((160, 120), (208, 160)))
+        self.make("call.webm", f"{parts} concat name=c ! capssetter caps=video/x-vp8,width=160,height=120 ! webmmux")
+        for ending, video in (("mkv", "vp8"), ("mp4", "h264")):
+            with self.subTest(ending):
+                words = ["--video", video, "call.webm", "--", "identity"]
+                self.run_it("-o", f"whole.{ending}", *words)
+                self.run_it("--batch", f"b {ending}", "--chunk", "1", "--divide-shots", "-o", f"out.{ending}", *words)
+                self.work(f"b {ending}")
+                self.same(f"whole.{ending}", f"out.{ending}", but=(0,))
+                frames = [(caps.get_value("width"), caps.get_value("height")) for caps, _ in frames_of(self.path(f"out.{ending}"))]
+                self.assertEqual(frames, [(160, 120)] * 90)
 
     def test_a_record_that_cannot_be_read_is_not_done(self):
         """As a power failure may leave it."""

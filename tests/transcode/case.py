@@ -44,6 +44,19 @@ class Stream:
         return structure_of(self.caps).get_name()
 
 
+def frames_of(path):
+    """(caps, bytes) of the decoded frames of a file, in the format that they have in it."""
+    pipeline, frames = Gst.parse_launch("filesrc name=in ! decodebin ! fakesink name=out signal-handoffs=true sync=false"), []
+    pipeline.get_by_name("in").set_property("location", path)
+    pipeline.get_by_name("out").connect("handoff", lambda _, buffer, pad: frames.append(
+        (structure_of(pad.get_current_caps()), buffer.extract_dup(0, buffer.get_size()))))
+    pipeline.set_state(Gst.State.PLAYING)
+    message = pipeline.get_bus().timed_pop_filtered(LIMIT * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR)
+    pipeline.set_state(Gst.State.NULL)
+    assert message and message.type == Gst.MessageType.EOS, path
+    return frames
+
+
 def streams_of(path):
     """The streams of a file, which must be whole, and its tags."""
     pipeline = Gst.parse_launch("filesrc name=in ! parsebin name=parse")

@@ -12,7 +12,7 @@ import tempfile
 import unittest
 import unittest.mock
 
-from case import LIMIT, ROOT, SOUND, VIDEO, Case, Gst, GstVideo, streams_of, structure_of
+from case import Case, Gst, GstVideo, LIMIT, ROOT, SOUND, VIDEO, frames_of, streams_of, structure_of
 
 sys.path.insert(0, str(ROOT / "transcode"))
 from inverse_transcode import formats, marks, matroska  # noqa: E402
@@ -187,19 +187,6 @@ class Transcode(Case):
             self.make(f"{folder}/{number:04}.png", f"videotestsrc num-buffers=1 {line} ! pngenc")
         return f"{folder}/%04d.png"
 
-    @staticmethod
-    def frames_of(path):
-        """(caps, bytes) of the decoded frames of a file, in the format that they have in it."""
-        pipeline, frames = Gst.parse_launch("filesrc name=in ! decodebin ! fakesink name=out signal-handoffs=true sync=false"), []
-        pipeline.get_by_name("in").set_property("location", path)
-        pipeline.get_by_name("out").connect("handoff", lambda _, buffer, pad: frames.append(
-            (structure_of(pad.get_current_caps()), buffer.extract_dup(0, buffer.get_size()))))
-        pipeline.set_state(Gst.State.PLAYING)
-        message = pipeline.get_bus().timed_pop_filtered(LIMIT * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR)
-        pipeline.set_state(Gst.State.NULL)
-        assert message and message.type == Gst.MessageType.EOS, path
-        return frames
-
     def test_pictures_that_change_their_format_or_size(self):
         """Become what the first one is, where a muxer takes one format and size; a folder of pictures keeps them."""
         color, gray = "pattern=smpte ! video/x-raw,format=RGB,width=160,height=120", "pattern=ball ! video/x-raw,format=GRAY8,width=160,height=120"
@@ -209,12 +196,12 @@ class Transcode(Case):
             for words in (["mkv"], ["webm"], ["mp4"], ["mkv", "--video", "ffv1"], ["mkv", "--video", "mjpeg"]):
                 with self.subTest((name, words)):
                     said = self.run_it(pattern, "-o", f"out.{words[0]}", "--again", *words[1:], "--", "identity")
-                    frames = self.frames_of(self.path(f"out.{words[0]}"))
+                    frames = frames_of(self.path(f"out.{words[0]}"))
                     self.assertEqual(len(frames), len(lines))
                     self.assertEqual({(caps.get_value("width"), caps.get_value("height")) for caps, _ in frames}, {(160, 120)})
                     self.assertEqual("change from 160x120 to 208x160" in said, name == "size", said)
         self.run_it("size/%04d.png", "-o", "kept", "--to", "png", "--", "identity")
-        (caps, _), = self.frames_of(self.path("kept/000001.png"))
+        (caps, _), = frames_of(self.path("kept/000001.png"))
         self.assertEqual(caps.get_value("width"), 208)
 
     def test_without_loss_is_without_loss(self):
@@ -225,8 +212,8 @@ class Transcode(Case):
                 line = f"pattern=smpte ! video/x-raw,format={form},width=64,height=48"
                 said = self.run_it(self.pictures(line, folder=form), "-o", f"{form}.mkv", "--video", "ffv1", "--", "identity")
                 self.assertNotIn("warning", said)
-                (before, one), = self.frames_of(self.path(f"{form}/0000.png"))
-                (after, other), = self.frames_of(self.path(f"{form}.mkv"))
+                (before, one), = frames_of(self.path(f"{form}/0000.png"))
+                (after, other), = frames_of(self.path(f"{form}.mkv"))
                 order, other_order = before.get_value("format"), after.get_value("format")
                 if form == "GRAY8":
                     self.assertEqual((other_order, other), ("GRAY8", one))
@@ -254,7 +241,7 @@ class Transcode(Case):
                 self.make("fields.mkv", f"videotestsrc num-buffers=6 ! video/x-raw,format={form},width=160,height=120,framerate=25/1,"
                           "interlace-mode=interleaved,field-order=top-field-first ! avenc_ffv1 ! matroskamux")
                 self.run_it("fields.mkv", "-o", "out.mkv", "--again", "--video", "ffv1", "--", "intrinsicdecomp", "show=input")
-                frames = self.frames_of(self.path("out.mkv"))
+                frames = frames_of(self.path("out.mkv"))
                 self.assertEqual(len(frames), 6)
                 self.assertEqual(frames[0][0].get_value("interlace-mode"), "progressive")
                 self.assertGreaterEqual(GstVideo.VideoFormat.get_info(GstVideo.VideoFormat.from_string(frames[0][0].get_value("format"))).depth[0], depth)
@@ -367,7 +354,7 @@ class Transcode(Case):
         self.run_it("in/%04d.jpg", "-o", "out", "--to", "png", "--", "identity")
         self.run_it("in/0000.jpg", "-o", "out.mkv", "--", "identity")
         for path in ("out/000001.png", "out.mkv"):
-            caps = self.frames_of(self.path(path))[0][0]
+            caps = frames_of(self.path(path))[0][0]
             self.assertEqual((caps.get_value("width"), caps.get_value("height")), (64, 96))
 
     def test_lists_of_streams_are_no_videos(self):

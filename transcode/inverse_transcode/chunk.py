@@ -10,7 +10,7 @@ import gi
 gi.require_version("Gst", "1.0")
 from gi.repository import GLib, Gst  # noqa: E402
 from inverse_common.gst import structure_of  # noqa: E402
-from inverse_common.probe import probe  # noqa: E402
+from inverse_common.probe import ProbeError, probe  # noqa: E402
 
 
 # A demuxer may begin its segment where a seek goes to, and decoders move the frame that is shown then to its start: one that is dropped.
@@ -22,11 +22,16 @@ SEEKABLE = ("mp4", "m4v", "mov", "mkv", "webm")  # whose frames have the same ti
 
 @dataclass
 class Chunk:
-    """The frames at `start` <= time < `end`; the elements get those from `lead` on. `end` None: to the end of the file."""
+    """The frames at `start` <= time < `end`; the elements get those from `lead` on. `end` None: to the end of the file. `first`: the caps of
+    the file's first frame, whose size and rate all chunks have."""
 
     start: int
     end: int | None
     lead: int
+    first: str
+
+    def first_caps(self):
+        return Gst.Caps.from_string(self.first)
 
     def seek(self, pad, path, ready, failed):
         """Makes what comes from a parser's pad, of the file at `path`, begin with the last key frame before `lead`. `ready`: called to link the
@@ -126,7 +131,7 @@ def _stream_time(pad, buffer):
 def divide(uri, seconds, overlap, shots):
     """Chunks of at least some `seconds`, each with `overlap` frames of lead. They begin at cuts; with `shots`, where there is no cut for
     another half of that time, without one. Throws ProbeError."""
-    found, starts = probe(uri), []
+    found, starts, first = probe(uri), [], _first_caps(uri)
     length = int(seconds * Gst.SECOND)
     while found.seconds * Gst.SECOND - max(starts, default=0) > 1.5 * length:
         target = max(starts, default=0) + length
@@ -138,7 +143,21 @@ def divide(uri, seconds, overlap, shots):
     frame = Gst.SECOND / found.rate
     starts = [int(start - 0.25 * frame) for start in starts]
     leads = [max(int(start - overlap * frame - 0.25 * frame), 0) if overlap else start for start in starts]
-    return [Chunk(start, end, lead) for start, end, lead in zip([0, *starts], [*starts, None], [0, *leads])]
+    return [Chunk(start, end, lead, first) for start, end, lead in zip([0, *starts], [*starts, None], [0, *leads])]
+
+
+def _first_caps(uri):
+    """The caps of the first frame as it is decoded, as text. Throws ProbeError."""
+    pipeline = Gst.parse_launch("uridecodebin name=decode caps=video/x-raw(ANY) expose-all-streams=false ! fakesink name=sink")
+    pipeline.get_by_name("decode").set_property("uri", uri)
+    try:
+        pipeline.set_state(Gst.State.PAUSED)
+        message = pipeline.get_bus().timed_pop_filtered(Gst.CLOCK_TIME_NONE, Gst.MessageType.ASYNC_DONE | Gst.MessageType.ERROR | Gst.MessageType.EOS)
+        if message.type != Gst.MessageType.ASYNC_DONE:
+            raise ProbeError("its first frame cannot be decoded")
+        return pipeline.get_by_name("sink").get_static_pad("sink").get_current_caps().to_string()
+    finally:
+        pipeline.set_state(Gst.State.NULL)
 
 
 def _first_cut(uri, begin, end):

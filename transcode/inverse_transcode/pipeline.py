@@ -13,7 +13,7 @@ gi.require_version("Gst", "1.0")
 gi.require_version("GstVideo", "1.0")
 from gi.repository import GLib, Gst, GstVideo  # noqa: E402
 from inverse_common.gst import structure_of, without  # noqa: E402
-from inverse_common.media import deinterlaces  # noqa: E402
+from inverse_common.media import LIKE_FIRST, deinterlaces, give_lengths, keep_first  # noqa: E402
 from inverse_common.probe import DIRECTIONS, Probe, jpeg_orientation, probe  # noqa: E402
 
 from . import formats, losses, marks  # noqa: E402
@@ -60,9 +60,12 @@ class Transcode:
         self.small = ""  # what to do about an error if pictures are so small that it may be due to that
         self.exr = None  # the source of EXR pictures
         self.formats = {}  # by pads of it
-        self.direction, self.size = "identity", None  # how pictures are turned; of the first one
+        self.direction = "identity"  # how pictures are turned
+        self.size = None  # of the first one
         self.gates = []  # what holds other streams back until the muxer knows the format of the video: (pad, probe)
         self.clipped = collections.Counter()  # pixels that the elements output too bright for the result
+        if self.chunk:
+            self.size = tuple(structure_of(self.chunk.first_caps()).get_value(name) for name in ("width", "height"))
         self.probe, source = self._source(task)
         if self.chunk and self.chunk.end:
             self.probe.seconds = self.chunk.end / Gst.SECOND
@@ -232,10 +235,13 @@ class Transcode:
         if self.container.muxer and min(info.width, info.height) < SMALL:
             self.small = (f"; its pictures are {info.width}x{info.height}, which may be too small for {codec}: enlarge them by ending the elements "
                           f"with videoscale ! video/x-raw,width={SMALL},height={SMALL}, or choose --video ffv1, or --to png")
-        before = "videoconvert"
-        fields = info.interlace_mode != GstVideo.VideoInterlaceMode.PROGRESSIVE
-        if fields:
-            before += " ! deinterlace fields=top" if deinterlaces(info.finfo) else f" ! {formats.own_line('fields', FIELDS)} ! videoconvert ! video/x-raw,format={info.finfo.name}"
+        # Most muxers take pictures of one size, rate and format: all are made as the first ones are.
+        same = codec not in formats.OWN_CODECS and bool(self.container.muxer)
+        before = f"videoconvert ! {LIKE_FIRST}" if same else "videoconvert"
+        if deinterlaces(info.finfo):
+            before += " ! deinterlace fields=top"
+        elif info.interlace_mode != GstVideo.VideoInterlaceMode.PROGRESSIVE:
+            before += f" ! {formats.own_line('fields', FIELDS)} ! videoconvert ! video/x-raw,format={info.finfo.name}"
         if self.direction != "identity":
             before += f" ! videoflip video-direction={self.direction} ! videoconvert"
         demand, chain = self._demand(info, codec), f"{before} ! {task['chain']} !"
@@ -246,12 +252,9 @@ class Transcode:
         kept = formats.kept_formats(codec, encoders[0], dataclasses.replace(kind, bits=kind.bits if deep else 8), most_bits) if codec not in formats.OWN_CODECS else ""
         # A muxer may wait for one layer's packets while it has another's.
         packets = " ! queue max-size-buffers=0 max-size-bytes=0 max-size-time=0" if len(encoders) > 1 else ""
-        # A muxer takes pictures of one size and format: all are made as the first ones are. It orders packets by running time, which jumps
-        # where a file has several edits.
-        same = codec not in formats.OWN_CODECS and bool(self.container.muxer)
+        # A muxer orders packets by running time, which jumps where a file has several edits.
         line = "" if self.chunk else "identity single-segment=true ! "
-        encode = [f"queue name=encode{k} max-size-buffers=4 max-size-bytes=0 max-size-time=0 ! {line}videoconvert ! "
-                  f"{f'videoscale name=scale{k} add-borders=true ! ' if same else ''}{kept}capsfilter name=same{k} ! "
+        encode = [f"queue name=encode{k} max-size-buffers=4 max-size-bytes=0 max-size-time=0 ! {line}videoconvert ! {kept}capsfilter name=same{k} ! "
                   f"{encoder}{packets} ! identity name=end{k}" for k, encoder in enumerate(encoders)]
         if task["layers"]:
             # On the curve of EXR there is room for the layers as they are.
@@ -264,6 +267,8 @@ class Transcode:
             found = self._bin(f"{chain} {demand} {encode[0]}")
         if found.numsinkpads != 1 or found.numsrcpads != len(self.video_pads):
             raise TranscodeError(f"the elements must have one beginning and one end: {task['chain']}")
+        if same:
+            keep_first(found, self.chunk.first_caps() if self.chunk else caps)
         ends = {pad.get_target().get_parent_element().get_name(): pad for pad in found.srcpads}  # which are in any order
         ends = [ends[f"end{k}"] for k in range(len(self.video_pads))]
         ends[0].add_probe(Gst.PadProbeType.BUFFER, self._guarded(self._count))
@@ -272,7 +277,7 @@ class Transcode:
         if "frames" + FIELDS in before:
             self._own(found, FIELDS, "fields", None)
         for k in range(len(self.video_pads)):
-            self._watch_format(found, k, kind, codec)
+            self._watch_format(found, k, kind, codec, same)
             pad = found.get_by_name(f"encode{k}").get_static_pad("sink")
             if self.chunk:
                 self.chunk.drop_lead(pad, self._guarded)
@@ -330,16 +335,9 @@ class Transcode:
 
         pad.add_probe(Gst.PadProbeType.BUFFER, self._guarded(seen))
 
-    def _watch_format(self, found, place, kind, codec):
-        """Tells what the encoder does not hold of pictures of a Kind and, before a muxer, keeps the format and the size of the first one."""
-        same, scale, state = found.get_by_name(f"same{place}"), found.get_by_name(f"scale{place}"), {"first": True}
-
-        def sized(_, data):  # the first one is not scaled, not even to a size that the encoder takes
-            event = data.get_event()
-            if event.type == Gst.EventType.CAPS and state["first"]:
-                size = structure_of(event.parse_caps())
-                same.set_property("caps", Gst.Caps.from_string(f"video/x-raw(ANY),width={size.get_value('width')},height={size.get_value('height')}"))
-            return Gst.PadProbeReturn.OK
+    def _watch_format(self, found, place, kind, codec, keep):
+        """Tells what the encoder does not hold of pictures of a Kind, and has later ones converted to the format of the first one, if `keep`."""
+        same = found.get_by_name(f"same{place}")
 
         def seen(pad, _):  # a frame: caps before it may change once more, by a tag that turns it
             caps = pad.get_current_caps()
@@ -349,13 +347,10 @@ class Transcode:
                     self._warn(text)
                 if not self.container.muxer and info.par_n != info.par_d and codec != "exr":
                     self._warn(f"{self.task['container']} does not say that its pixels have a shape of {info.par_n}:{info.par_d}: a player shows them square")
-            state["first"] = False
-            if scale:
+            if keep:
                 same.set_property("caps", without(caps, "framerate"))
             return Gst.PadProbeReturn.REMOVE
 
-        if scale:
-            scale.get_static_pad("sink").add_probe(Gst.PadProbeType.EVENT_DOWNSTREAM, self._guarded(sized))
         same.get_static_pad("src").add_probe(Gst.PadProbeType.BUFFER, self._guarded(seen))
 
     def _watch_sizes(self, pad, info):
@@ -397,6 +392,8 @@ class Transcode:
             if template.direction == Gst.PadDirection.SINK and template.static_caps.get().can_intersect(caps):
                 pad = self.mux.request_pad_simple(template.name_template)
                 pad.add_probe(Gst.PadProbeType.BUFFER, self._guarded(self._cut))
+                if template.name_template.startswith("video"):
+                    give_lengths(pad)
                 self._describe(pad)
                 return pad
         return None
@@ -488,6 +485,7 @@ class Transcode:
             self.video_pads.append(self.mux.request_pad_simple("video_%u") if self.mux else
                                    self._stream(index) if self.chunk else self._pictures(layer))
             if self.mux:
+                give_lengths(self.video_pads[-1])
                 self._describe(self.video_pads[-1], layer)
                 self.video_pads[-1].add_probe(Gst.PadProbeType.EVENT_DOWNSTREAM, self._guarded(self._see_formats))
         if self.task["parts"]:
