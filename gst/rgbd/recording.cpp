@@ -314,7 +314,8 @@ void read_meta(const std::string& path, Listing& listing, Warnings& warnings) {
       listing.unit = 1 / steps;
     }
     for (const auto& frame : json.value("frames", nlohmann::json::array())) {
-      const auto number = frame.contains("frame") ? json_count(frame["frame"]) : std::optional(index);
+      const auto number =
+          frame.contains("frame") ? json_count(frame["frame"]) : std::optional(index);
       ++index;
       const auto found = number ? by_number.find(std::to_string(*number)) : by_number.end();
       if (found == by_number.end() || !frame.contains("camera")) continue;
