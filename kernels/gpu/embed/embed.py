@@ -15,8 +15,6 @@ import subprocess
 import sys
 import tempfile
 
-from variants import included
-
 # SPIR-V specification 1.x, sections 2.3 and 3.
 OP_NAME, OP_MEMBER_NAME, OP_CAPABILITY, OP_CONSTANT, OP_VARIABLE, OP_DECORATE, OP_MEMBER_DECORATE = 5, 6, 17, 43, 59, 71, 72
 TYPE_INT, TYPE_FLOAT, TYPE_VECTOR, TYPE_ARRAY, TYPE_RUNTIME_ARRAY, TYPE_STRUCT, TYPE_POINTER = 21, 22, 23, 28, 29, 30, 32
@@ -27,6 +25,17 @@ SUBGROUP_ARITHMETIC = 63  # a capability
 VARIANTS = {"fast": [], "no_subgroups": ["NO_SUBGROUPS"], "portable": ["NO_SUBGROUPS", "NO_TEXEL_VIEWS"]}  # of KernelSource
 MAX_STORAGE_BUFFERS = 8  # a stage, with texel views: V3D has no more
 WORKGROUP, SUBGROUPS = 0, 99  # constants that Kernel gives
+
+
+def included(file, root, known):
+    """The file and all that it includes, in any variant, as keys of `known`."""
+    if file in known:
+        return known
+    known[file] = None
+    for name in re.findall(r'#include "(.+)"', file.read_text()):
+        beside = file.parent / name
+        included(beside if beside.exists() else root / name, root, known)
+    return known
 
 
 def text_of(words):

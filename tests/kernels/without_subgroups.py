@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Runs the tests of kernels on another variant, but for those that call no kernel in which variants differ.
+"""Runs the tests of kernels without subgroups, but for those that call no kernel that has a version without.
 
-usage: on_variant.py KERNEL_TESTS LEFT_OUT [OPTION OF GOOGLETEST …]     LEFT_OUT: patterns with ':' between
+usage: without_subgroups.py KERNEL_TESTS BUILT_KERNELS LEFT_OUT [OPTION OF GOOGLETEST …]     LEFT_OUT: patterns with ':' between
 """
 import os
 import pathlib
@@ -10,9 +10,18 @@ import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(ROOT / "kernels" / "gpu" / "embed"))
-sys.dont_write_bytecode = True
-import variants
+
+
+def reducing(built):
+    """Names of the shaders of which embed.py wrote a version without subgroups."""
+    found = set()
+    for written in pathlib.Path(built).glob("*.spv.inc"):
+        name = None
+        for line in written.read_text().splitlines():
+            name = line.split()[1] if line.startswith("namespace ") and not line.startswith("namespace {") else name
+            if "slots_no_subgroups[]" in line:
+                found.add(name)
+    return found
 
 
 def reached(file, known, shaders):
@@ -32,11 +41,11 @@ def reached(file, known, shaders):
 
 
 def main():
-    program, left_out, *options = sys.argv[1:]
-    varying = variants.varying(ROOT / "kernels")
+    program, built, left_out, *options = sys.argv[1:]
+    shaders = reducing(built)
     patterns = [left_out] if left_out else []
     for test in sorted((ROOT / "tests" / "kernels").rglob("*_test.cpp")):
-        if not reached(test, set(), set()) & varying:
+        if not reached(test, set(), set()) & shaders:
             suites = set(re.findall(r"^(?:TYPED_)?TEST(?:_[FP])?\((\w+)", test.read_text(), re.MULTILINE))
             patterns += [f"{prefix}{suite}.*" for suite in sorted(suites) for prefix in ("", "*/")]
     os.execv(program, [program, f"--gtest_filter=-{':'.join(patterns)}", *options])
