@@ -59,8 +59,8 @@ class GlobalMethod final : public SolveMethod<GlobalIntrinsic> {
   GlobalMethod() : SolveMethod(table(), global_levels()) {}
 
   uint64_t decompose(FrameContext& frame) override {
-    return SolveMethod::decompose(
-        frame, {.shares = !frame.draw || settings_.params().show == Show::layer});
+    return SolveMethod::solve(frame,
+                              {.shares = !frame.draw || settings_.params().show == Show::layer});
   }
 
   bool typical(uint64_t number) const override {

@@ -23,7 +23,7 @@ const PropertyTable<Params>& table() {
 class IntrinsicMethod final : public SolveMethod<ScaledIntrinsic> {
  public:
   IntrinsicMethod() : SolveMethod(table(), intrinsic_levels()) {}
-  uint64_t decompose(FrameContext& frame) override { return SolveMethod::decompose(frame, {}); }
+  uint64_t decompose(FrameContext& frame) override { return SolveMethod::solve(frame, {}); }
   bool typical(uint64_t number) const override { return inverse::typical(method_->stats(number)); }
   Work work(uint64_t number) const override {
     return solve_work(method_->stats(number), method_->findings(number));

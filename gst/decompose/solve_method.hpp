@@ -67,7 +67,7 @@ class SolveMethod : public DecompositionMethod {
  protected:
   /// Decomposes a frame with what the method needs to know of it besides strokes. Returns the
   /// method's number for it.
-  uint64_t decompose(FrameContext& frame, typename Method::FrameInfo info) {
+  uint64_t solve(FrameContext& frame, typename Method::FrameInfo info) {
     const Params& params = settings_.params();
     const uint64_t number = method_->recorded();
     stroke_work_.take(frame, number, params, frame.draw && params.show == Show::mosaic);

@@ -28,7 +28,7 @@ struct Exposure {
 /// folder) under its lights, a camera. The element has the clock and the pad.
 class TestSource {
  public:
-  explicit TestSource(GstElement* element) : element_(element), context_(element) {}
+  explicit TestSource(GstElement* element) : context_(element) {}
   ~TestSource();
 
   Parameters<TestSourceParams>& parameters() { return parameters_; }
@@ -75,7 +75,6 @@ class TestSource {
              GstBuffer* buffer) const;
   void publish(const Exposure& exposure, double wall_ms);
 
-  GstElement* element_;
   DeviceContext context_;
   Parameters<TestSourceParams> parameters_{test_source_properties()};
   mutable std::mutex mutex_;  // stats_
