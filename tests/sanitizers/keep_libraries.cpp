@@ -5,20 +5,34 @@
 #include <dlfcn.h>
 #include <sanitizer/lsan_interface.h>
 
-#include <string>
-
 extern "C" int dlclose(void*) noexcept { return 0; }
 
-extern "C" [[gnu::weak]] unsigned g_quark_from_string(const char* text);
-
-// Ignores allocations of libraries while they load, and GLib's tables of quarks: it drops a table
-// that is full, since others may read it without a lock. One that no test fills is made here.
+// Ignores allocations of libraries while they load.
 static void libraries_begin(int, char**, char**) { __lsan_disable(); }
 [[gnu::section(".preinit_array"),
   gnu::used]] static void (*const before_libraries)(int, char**, char**) = libraries_begin;
-[[gnu::constructor]] static void libraries_are_loaded() {
-  constexpr unsigned kQuarks = 20000;
-  for (unsigned quark = 0; g_quark_from_string != nullptr && quark < kQuarks;)
-    quark = g_quark_from_string(("gst-inverse-test-" + std::to_string(quark)).c_str());
+[[gnu::constructor]] static void libraries_are_loaded() { __lsan_enable(); }
+
+// GLib drops its table of quarks when it is full, since others may read it without a lock.
+template <typename Function>
+static auto without_leaks(const char* name, const char* text) {
+  const auto next = reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
+  __lsan_disable();
+  const auto result = next(text);
   __lsan_enable();
+  return result;
+}
+using ToQuark = unsigned(const char*);
+using ToInterned = const char*(const char*);
+extern "C" unsigned g_quark_from_string(const char* text) {
+  return without_leaks<ToQuark>(__func__, text);
+}
+extern "C" unsigned g_quark_from_static_string(const char* text) {
+  return without_leaks<ToQuark>(__func__, text);
+}
+extern "C" const char* g_intern_string(const char* text) {
+  return without_leaks<ToInterned>(__func__, text);
+}
+extern "C" const char* g_intern_static_string(const char* text) {
+  return without_leaks<ToInterned>(__func__, text);
 }
