@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <numbers>
 
 #include "common/error.hpp"
 #include "light_map.hpp"
@@ -16,7 +15,6 @@
 namespace inverse::testing {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 using Rgb = std::array<float, 3>;
 
 Environment painted(uint32_t rows, const std::function<Rgb(uint32_t, uint32_t)>& color) {
