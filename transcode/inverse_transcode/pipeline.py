@@ -220,10 +220,11 @@ class Transcode:
             found.add_pad(Gst.GhostPad.new(None, pad))
         return found
 
-    @staticmethod
-    def _join(source, sink, what):
-        if source.link(sink) != Gst.PadLinkReturn.OK:
-            raise TranscodeError(what)
+    def _join(self, source, sink, what):
+        try:
+            source.link(sink)
+        except Gst.LinkError:
+            raise TranscodeError(f"{what}{self.small}") from None
 
     def _video_bin(self, caps):
         """What is between decoded frames and the muxer."""
@@ -561,7 +562,7 @@ class Transcode:
         self.head.add_probe(Gst.PadProbeType.EVENT_DOWNSTREAM, self._guarded(self._watch_sizes))
         if self.chunk:
             self.chunk.cut(self.head, self._guarded)
-        self._join(source, self.head, "its frames cannot be brought to the elements")
+        self._join(source, self.head, "the elements do not take its frames: check caps and sizes")
 
     @staticmethod
     def _decodable(caps):
