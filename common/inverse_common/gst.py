@@ -17,6 +17,12 @@ def structure_of(thing, index=0):
     return found.copy() if found is not None else None
 
 
+def size_of(caps):
+    """(width, height) of fixed caps."""
+    structure = structure_of(caps)
+    return structure.get_value("width"), structure.get_value("height")
+
+
 def without(caps, field):
     """Caps of one structure without a field."""
     return Gst.Caps.from_string(re.sub(rf", {field}=\([A-Za-z]+\)[^,;]*", "", caps.to_string()))

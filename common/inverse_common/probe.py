@@ -21,7 +21,7 @@ class ProbeError(Exception):
 
 @dataclass
 class Probe:
-    """Of the video stream that is decoded: the first one that is no still image."""
+    """Of the video stream that is decoded: the first one that is not compressed picture by picture, else the first."""
 
     seconds: float  # of the file; 0: not known
     turned: bool = False  # whether a player is to turn it, by a tag
@@ -33,6 +33,10 @@ class Probe:
     depth_stream: int | None = None  # the index of a second video stream, of gray pictures of 16 bits
     missing: list = field(default_factory=list)  # decoders of other streams that are not installed
     attached: list = field(default_factory=list)  # what the file has beside its streams: cover pictures, fonts
+
+    def decodes(self, name):
+        """Whether a stream whose caps have this name may be the one that is decoded."""
+        return name.startswith("image/" if self.still else "video/")
 
 
 def probe(uri, seconds=60):
@@ -50,7 +54,11 @@ def probe(uri, seconds=60):
         raise ProbeError(f"it cannot be read ({info.get_result().value_nick})")
     if not known:
         raise ProbeError("it has no video")
-    video = next((v for v in known if not v.is_image()), known[0])
+    bits = [v.get_depth() for v in videos]
+    depth_stream = bits.index(16) if len(bits) == 2 and bits.count(16) == 1 else None
+    colors = [v for v in known if depth_stream is None or v is not videos[depth_stream]] or known
+    # A stream of image/jpeg before one of video is a cover.
+    video = next((v for v in colors if not structure_of(v.get_caps()).get_name().startswith("image/")), colors[0])
     name = structure_of(video.get_caps()).get_name()
     if any(name in text for text in missing):  # the one to decode
         raise ProbeError(f"a plugin is missing: {', '.join(missing)}")
@@ -60,10 +68,9 @@ def probe(uri, seconds=60):
     tags = video.get_tags() or general
     found, orientation = tags.get_string("image-orientation") if tags else (False, "")
     rate = video.get_framerate_num() / max(video.get_framerate_denom(), 1)
-    bits = [v.get_depth() for v in videos]
     return Probe(length, found and orientation != "rotate-0", name.startswith("image/"), rate or Probe.rate,
                  bool(general) and general.get_double("geo-location-latitude")[0], video.is_interlaced(), bool(info.get_audio_streams()),
-                 bits.index(16) if len(bits) == 2 and bits.count(16) == 1 else None, missing, _attached(general))
+                 depth_stream, missing, _attached(general))
 
 
 def _missing(info):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Plays a source through a project's elements: states, seeks, the end, and what goes wrong."""
 from gi.repository import GLib, Gst, GstVideo
-from inverse_common.gst import structure_of
+from inverse_common.gst import size_of, structure_of
 
 from . import messages, source
 from .chain import discard
@@ -205,8 +205,7 @@ class Playback:
             time = segment.parse_segment().to_stream_time(Gst.Format.TIME, buffer.pts)
             if time != Gst.CLOCK_TIME_NONE:
                 self._find(time / Gst.SECOND, buffer)
-        caps = structure_of(pad.get_current_caps())
-        self.width, self.height = caps.get_value("width"), caps.get_value("height")
+        self.width, self.height = size_of(pad.get_current_caps())
         return Gst.PadProbeReturn.OK
 
     def _find(self, time, buffer):

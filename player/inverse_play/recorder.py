@@ -4,7 +4,7 @@ import os
 
 from gi.repository import GLib, Gst
 from inverse_common import files, media
-from inverse_common.gst import structure_of, without
+from inverse_common.gst import size_of, without
 
 from . import sound
 
@@ -122,7 +122,7 @@ class Recorder:
         self._frame = self._segment.to_stream_time(Gst.Format.TIME, buffer.pts) / Gst.SECOND, self._length(buffer)
 
     def _take_caps(self, caps):
-        size = _size_of(caps)
+        size = size_of(caps)
         if self._caps is None:
             self._size = size
             media.keep_first(self._pipeline, caps)
@@ -211,11 +211,6 @@ class Recorder:
             files.settle(self._draft, self.path)
         except OSError as error:
             self.failure = self.failure or f"{self._draft} cannot get the name {self.path}: {error.strerror}"
-
-
-def _size_of(caps):
-    structure = structure_of(caps)
-    return structure.get_value("width"), structure.get_value("height")
 
 
 def _reason(message, path):

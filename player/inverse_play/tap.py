@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Reads colors of the reflectance in the middle of a chain."""
 from gi.repository import Gst
-from inverse_common.gst import structure_of
+from inverse_common.gst import size_of
 
 LINE = ("tee name=tee tee. ! queue max-size-buffers=1 max-size-bytes=0 max-size-time=0 leaky=downstream ! "
         "intrinsiccompose show=reflectance ! videoconvert ! video/x-raw,format=RGB ! "
@@ -22,15 +22,14 @@ class Tap:
         self.element.get_by_name("last").get_static_pad("sink").add_probe(Gst.PadProbeType.BUFFER, self._on_buffer)
 
     def _on_buffer(self, pad, info):
-        self._last = info.get_buffer(), structure_of(pad.get_current_caps())
+        self._last = info.get_buffer(), size_of(pad.get_current_caps())
         return Gst.PadProbeReturn.OK
 
     def color_at(self, x, y):
         """The reflectance around a pixel of the frame as 0xffRRGGBB; None before the first frame."""
         if not self._last:
             return None
-        buffer, caps = self._last
-        width, height = caps.get_value("width"), caps.get_value("height")
+        buffer, (width, height) = self._last
         data = buffer.extract_dup(0, buffer.get_size())
         return _median(data, len(data) // height, _range(x, width), _range(y, height))
 

@@ -114,6 +114,17 @@ class Batch(Case):
                 frames = [(caps.get_value("width"), caps.get_value("height")) for caps, _ in frames_of(self.path(f"out.{ending}"))]
                 self.assertEqual(frames, [(160, 120)] * 90)
 
+    def test_a_cover_before_the_video_is_not_what_is_transcoded(self):
+        self.make("cover.mkv", "videotestsrc num-buffers=1 ! video/x-raw,width=64,height=48,framerate=1/1 ! jpegenc ! queue ! c. "
+                  + VIDEO.format(frames=90, form="I420") + "vp8enc deadline=1 keyframe-max-dist=10 ! queue ! c. matroskamux name=c")
+        words = ["--video", "ffv1", "--video-options", "gop-size=1", "cover.mkv", "--", "identity"]
+        self.assertIn("90 frames", self.run_it("-o", "whole.mkv", *words))
+        self.run_it("--batch", "b", "--chunk", "1", "--divide-shots", "-o", "out.mkv", *words)
+        self.work("b")
+        self.same("whole.mkv", "out.mkv")
+        streams = [(stream.name, stream.packets) for stream in streams_of(self.path("out.mkv"))[0]]
+        self.assertEqual(sorted(streams), [("image/jpeg", 1), ("video/x-ffv", 90)])
+
     def test_a_record_that_cannot_be_read_is_not_done(self):
         """As a power failure may leave it."""
         self.clip()

@@ -131,11 +131,12 @@ def _stream_time(pad, buffer):
 def divide(uri, seconds, overlap, shots):
     """Chunks of at least some `seconds`, each with `overlap` frames of lead. They begin at cuts; with `shots`, where there is no cut for
     another half of that time, without one. Throws ProbeError."""
-    found, starts, first = probe(uri), [], _first_caps(uri)
+    found, starts = probe(uri), []
+    first = _first_caps(uri, found)
     length = int(seconds * Gst.SECOND)
     while found.seconds * Gst.SECOND - max(starts, default=0) > 1.5 * length:
         target = max(starts, default=0) + length
-        start = _first_cut(uri, target, target + length // 2 if shots else None)
+        start = _first_cut(uri, found, target, target + length // 2 if shots else None)
         if start is None and not shots:
             break
         starts.append(target if start is None else start)
@@ -146,35 +147,24 @@ def divide(uri, seconds, overlap, shots):
     return [Chunk(start, end, lead, first) for start, end, lead in zip([0, *starts], [*starts, None], [0, *leads])]
 
 
-def _first_caps(uri):
-    """The caps of the first frame as it is decoded, as text. Throws ProbeError."""
-    pipeline = Gst.parse_launch("uridecodebin name=decode caps=video/x-raw(ANY) expose-all-streams=false ! fakesink name=sink")
-    pipeline.get_by_name("decode").set_property("uri", uri)
+def _first_caps(uri, found):
+    """The caps of the first frame as it is decoded, as text. `found`: the file's Probe. Throws ProbeError."""
+    pipeline = _decoding(uri, found, "fakesink name=sink")
     try:
         pipeline.set_state(Gst.State.PAUSED)
-        message = pipeline.get_bus().timed_pop_filtered(Gst.CLOCK_TIME_NONE, Gst.MessageType.ASYNC_DONE | Gst.MessageType.ERROR | Gst.MessageType.EOS)
-        if message.type != Gst.MessageType.ASYNC_DONE:
+        if not _reached(pipeline, Gst.MessageType.ASYNC_DONE):
             raise ProbeError("its first frame cannot be decoded")
         return pipeline.get_by_name("sink").get_static_pad("sink").get_current_caps().to_string()
     finally:
         pipeline.set_state(Gst.State.NULL)
 
 
-def _first_cut(uri, begin, end):
-    """The time of the first frame of the first shot that begins in [begin, end), or None. `end` None: to the end of the file."""
-    pipeline = Gst.parse_launch("parsebin name=parse decodebin name=decode ! videoconvert ! videoscale ! "
-                                "video/x-raw,format=I420,width=160,height=90 ! scenechange ! fakesink name=sink sync=false")
-    source, parse = Gst.Element.make_from_uri(Gst.URIType.SRC, uri, None), pipeline.get_by_name("parse")
-    pipeline.add(source)
-    source.link(parse)
+def _first_cut(uri, found, begin, end):
+    """The time of the first frame of the first shot that begins in [begin, end), or None. `found`: the file's Probe; `end` None: to the end of
+    the file."""
+    pipeline = _decoding(uri, found, "videoconvert ! videoscale ! video/x-raw,format=I420,width=160,height=90 ! scenechange ! "
+                                     "fakesink name=sink sync=false")
     state = {"cut": False, "time": None}
-
-    def added(_, pad):
-        target = pipeline.get_by_name("decode").get_static_pad("sink")
-        if pad.query_caps().to_string().startswith(("video/", "image/")) and not target.is_linked():
-            pad.link(target)
-        else:
-            pad.add_probe(Gst.PadProbeType.DATA_DOWNSTREAM, lambda *_: Gst.PadProbeReturn.DROP)
 
     def seen(pad, info):
         if info.type & Gst.PadProbeType.EVENT_DOWNSTREAM:
@@ -191,21 +181,41 @@ def _first_cut(uri, begin, end):
         state["cut"] = False
         return Gst.PadProbeReturn.OK
 
-    def wait(kind):
-        """Whether such a message came before an error or the end."""
-        message = pipeline.get_bus().timed_pop_filtered(Gst.CLOCK_TIME_NONE, kind | Gst.MessageType.ERROR | Gst.MessageType.EOS)
-        return message.type == kind
-
-    parse.connect("pad-added", added)
     pipeline.get_by_name("sink").get_static_pad("sink").add_probe(Gst.PadProbeType.EVENT_DOWNSTREAM | Gst.PadProbeType.BUFFER, seen)
     try:
         pipeline.set_state(Gst.State.PAUSED)
-        if wait(Gst.MessageType.ASYNC_DONE) and pipeline.seek_simple(Gst.Format.TIME, Gst.SeekFlags.FLUSH | Gst.SeekFlags.KEY_UNIT, begin):
+        if (_reached(pipeline, Gst.MessageType.ASYNC_DONE)
+                and pipeline.seek_simple(Gst.Format.TIME, Gst.SeekFlags.FLUSH | Gst.SeekFlags.KEY_UNIT, begin)):
             pipeline.set_state(Gst.State.PLAYING)
-            wait(Gst.MessageType.EOS)
+            _reached(pipeline, Gst.MessageType.EOS)
         return state["time"]
     finally:
         pipeline.set_state(Gst.State.NULL)
+
+
+def _decoding(uri, found, rest):
+    """A pipeline of a file's decoded video and of the elements of `rest`. `found`: its Probe."""
+    pipeline = Gst.parse_launch(f"parsebin name=parse decodebin name=decode ! {rest}")
+    source, parse = Gst.Element.make_from_uri(Gst.URIType.SRC, uri, None), pipeline.get_by_name("parse")
+    pipeline.add(source)
+    source.link(parse)
+
+    def added(_, pad):
+        target = pipeline.get_by_name("decode").get_static_pad("sink")
+        structure = structure_of(pad.query_caps())
+        if structure and found.decodes(structure.get_name()) and not target.is_linked():
+            pad.link(target)
+        else:
+            pad.add_probe(Gst.PadProbeType.DATA_DOWNSTREAM, lambda *_: Gst.PadProbeReturn.DROP)
+
+    parse.connect("pad-added", added)
+    return pipeline
+
+
+def _reached(pipeline, kind):
+    """Whether such a message came before an error or the end."""
+    message = pipeline.get_bus().timed_pop_filtered(Gst.CLOCK_TIME_NONE, kind | Gst.MessageType.ERROR | Gst.MessageType.EOS)
+    return message.type == kind
 
 
 def keep_plain(pad):

@@ -12,7 +12,7 @@ import gi
 gi.require_version("Gst", "1.0")
 gi.require_version("GstVideo", "1.0")
 from gi.repository import GLib, Gst, GstVideo  # noqa: E402
-from inverse_common.gst import structure_of, without  # noqa: E402
+from inverse_common.gst import size_of, structure_of, without  # noqa: E402
 from inverse_common.media import LIKE_FIRST, deinterlaces, give_lengths, keep_first  # noqa: E402
 from inverse_common.probe import DIRECTIONS, Probe, jpeg_orientation, probe  # noqa: E402
 
@@ -65,7 +65,7 @@ class Transcode:
         self.gates = []  # what holds other streams back until the muxer knows the format of the video: (pad, probe)
         self.clipped = collections.Counter()  # pixels that the elements output too bright for the result
         if self.chunk:
-            self.size = tuple(structure_of(self.chunk.first_caps()).get_value(name) for name in ("width", "height"))
+            self.size = size_of(self.chunk.first_caps())
         self.probe, source = self._source(task)
         if self.chunk and self.chunk.end:
             self.probe.seconds = self.chunk.end / Gst.SECOND
@@ -358,7 +358,7 @@ class Transcode:
         """Tells where decoded pictures change their size, if they go to a muxer."""
         event = info.get_event()
         if event.type == Gst.EventType.CAPS:
-            size = tuple(structure_of(event.parse_caps()).get_value(name) for name in ("width", "height"))
+            size = size_of(event.parse_caps())
             if self.size and size != self.size and self.container.muxer:
                 self._warn(f"its pictures change from {self.size[0]}x{self.size[1]} to {size[0]}x{size[1]} after {self.time:.1f} s: they are scaled to the first size")
             self.size = self.size or size
@@ -366,7 +366,7 @@ class Transcode:
 
     def _watch_size(self, pad, _):
         """Warns of openh264enc, which leaves out the last column or row of an odd number."""
-        width, height = (structure_of(pad.get_current_caps()).get_value(name) for name in ("width", "height"))
+        width, height = size_of(pad.get_current_caps())
         if width % 2 or height % 2:
             self.warnings.append(f"h264 has {width // 2 * 2}x{height // 2 * 2} pixels of {width}x{height}, as openh264enc takes even numbers: end the "
                                  "elements with videoscale and caps of an even size, or choose another codec")
@@ -426,7 +426,7 @@ class Transcode:
         name = self._name(pad)
         if self.mux and self.task["container"] not in formats.MATROSKA:
             pad.add_probe(Gst.PadProbeType.EVENT_DOWNSTREAM, self._guarded(self._see_chapters))
-        if not self.video_pads and name.startswith("image/" if self.probe.still else "video/"):
+        if not self.video_pads and self.probe.decodes(name):
             self._link_video(pad)
         elif self.chunk:
             self._drop(pad)
