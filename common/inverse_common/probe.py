@@ -26,6 +26,7 @@ class Probe:
     seconds: float  # of the file; 0: not known
     turned: bool = False  # whether a player is to turn it, by a tag
     still: bool = False  # its pictures are compressed one by one
+    behind: str = ""  # the name of its caps, if a cover picture is before it
     rate: float = 25  # frames a second; 25 where the file has none
     placed: bool = False  # whether the file says where it was recorded
     interlaced: bool = False
@@ -56,10 +57,11 @@ def probe(uri, seconds=60):
         raise ProbeError("it has no video")
     bits = [v.get_depth() for v in videos]
     depth_stream = bits.index(16) if len(bits) == 2 and bits.count(16) == 1 else None
+    names = {v: structure_of(v.get_caps()).get_name() for v in known}
     colors = [v for v in known if depth_stream is None or v is not videos[depth_stream]] or known
     # A stream of image/jpeg before one of video is a cover.
-    video = next((v for v in colors if not structure_of(v.get_caps()).get_name().startswith("image/")), colors[0])
-    name = structure_of(video.get_caps()).get_name()
+    video = next((v for v in colors if not names[v].startswith("image/")), colors[0])
+    name = names[video]
     if any(name in text for text in missing):  # the one to decode
         raise ProbeError(f"a plugin is missing: {', '.join(missing)}")
     if name == "image/gst-libav-gif":
@@ -68,7 +70,7 @@ def probe(uri, seconds=60):
     tags = video.get_tags() or general
     found, orientation = tags.get_string("image-orientation") if tags else (False, "")
     rate = video.get_framerate_num() / max(video.get_framerate_denom(), 1)
-    return Probe(length, found and orientation != "rotate-0", name.startswith("image/"), rate or Probe.rate,
+    return Probe(length, found and orientation != "rotate-0", name.startswith("image/"), name if video is not colors[0] else "", rate or Probe.rate,
                  bool(general) and general.get_double("geo-location-latitude")[0], video.is_interlaced(), bool(info.get_audio_streams()),
                  depth_stream, missing, _attached(general))
 

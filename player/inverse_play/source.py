@@ -105,6 +105,8 @@ def _video(path, kind):
         return line, False  # playing it says why
     if kind == "video/x-matroska" and found.depth_stream is not None and Gst.ElementFactory.find("rgbdmerge"):
         return _with_depth(path, found.depth_stream), found.sound
+    if found.behind:
+        line = f"filesrc location={quoted(path)} ! parsebin ! {found.behind} ! decodebin"
     if found.interlaced:
         line += f" ! {deinterlace_line()}"
     return upright(line, "auto" if found.turned else "identity"), found.sound

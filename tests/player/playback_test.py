@@ -466,6 +466,17 @@ class Recording(support.Case):
             self.assertEqual(viewer.session.troubles, [])
             self.assertIn("deinterlace", viewer.player.source.line)
 
+    def test_the_video_plays_and_not_a_cover_before_it(self):
+        clip = self.path("cover.mkv")
+        support.run_line("videotestsrc num-buffers=1 ! video/x-raw,width=64,height=48,framerate=1/1 ! jpegenc ! queue ! mux. "
+                         "videotestsrc num-buffers=20 ! video/x-raw,format=I420,width=160,height=120,framerate=10/1 ! vp8enc deadline=1 ! queue ! "
+                         f"mux. matroskamux name=mux ! filesink location={clip}")
+        viewer = Viewer(self, every_frame=True).open(clip)
+        viewer.ends()
+        self.assertEqual((viewer.player.width, viewer.player.height), (160, 120))
+        self.assertEqual(len(viewer.times), 20)
+        self.assertEqual(viewer.session.troubles, [])
+
     def test_a_seek_goes_on_in_the_file(self):
         viewer = Viewer(self).open(self.clip(80))
         viewer.wait(lambda: viewer.player.seekable)
