@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <sstream>
 #include <string>
@@ -108,11 +109,33 @@ struct Figures {
   std::string error;  ///< why it cannot be measured
 };
 
+void for_elements(GstHarness* harness, const std::function<void(GstElement*)>& visit) {
+  GstIterator* elements = gst_bin_iterate_recurse(GST_BIN(harness->element));
+  GValue item = G_VALUE_INIT;
+  while (gst_iterator_next(elements, &item) == GST_ITERATOR_OK) {
+    visit(GST_ELEMENT(g_value_get_object(&item)));
+    g_value_reset(&item);
+  }
+  g_value_unset(&item);
+  gst_iterator_free(elements);
+}
+
+/// Elements time their stages while their category logs at DEBUG; main() lets nothing print that.
+void time_stages(GstHarness* harness, bool wanted) {
+  for_elements(harness, [&](GstElement* element) {
+    const char* category = gst_plugin_feature_get_name(gst_element_get_factory(element));
+    if (wanted)
+      gst_debug_set_threshold_for_name(category, GST_LEVEL_DEBUG);
+    else
+      gst_debug_unset_threshold_for_name(category);
+  });
+}
+
 /// Adds the last frame's `stats` of all elements of a line: its stages, or all but them.
 void add_stats(GstHarness* harness, bool of_stages, Figures& figures) {
   double device = 0;
   std::map<std::string, double> stages, counts;
-  const auto add = [&](GstElement* element) {
+  for_elements(harness, [&](GstElement* element) {
     if (!g_object_class_find_property(G_OBJECT_GET_CLASS(element), "stats")) return;
     GstStructure* stats = nullptr;
     g_object_get(element, "stats", &stats, nullptr);
@@ -139,15 +162,7 @@ void add_stats(GstHarness* harness, bool of_stages, Figures& figures) {
         gst_structure_get_uint(stats, "colors", &colors))
       figures.layers = static_cast<int>(colors);
     gst_structure_free(stats);
-  };
-  GstIterator* elements = gst_bin_iterate_recurse(GST_BIN(harness->element));
-  GValue item = G_VALUE_INIT;
-  while (gst_iterator_next(elements, &item) == GST_ITERATOR_OK) {
-    add(GST_ELEMENT(g_value_get_object(&item)));
-    g_value_reset(&item);
-  }
-  g_value_unset(&item);
-  gst_iterator_free(elements);
+  });
   for (const auto& [name, value] : stages)
     if (of_stages) figures.stages[name].push_back(value);
   if (of_stages) return;
@@ -256,6 +271,7 @@ void measure(const Subject& subject, Size size, const std::vector<GstBuffer*>& c
   GstBufferPool* pool = nullptr;
   for (size_t i = 0; i < count; ++i) {
     GstBuffer* in = nullptr;
+    if (i == plain) time_stages(harness, true);
     if (harness->srcpad) {
       const size_t period = std::max<size_t>(2 * clip.size() - 2, 1), at = i % period;
       if (!pool) pool = pool_for(harness, info);
@@ -289,9 +305,9 @@ void measure(const Subject& subject, Size size, const std::vector<GstBuffer*>& c
       figures.wall.push_back(milliseconds(Clock::now() - push));
       figures.processor.push_back(processor_ms() - processor);
     }
-    // Stages of the frames after the first call are timed.
     if (i + 1 >= plain) add_stats(harness, i >= plain, figures);
   }
+  time_stages(harness, false);
   if (pool) gst_buffer_pool_set_active(pool, FALSE);
   gst_clear_object(&pool);
   gst_element_set_bus(harness->element, nullptr);
@@ -374,6 +390,7 @@ std::string json_row(const Subject& subject, Size size, const Figures& f) {
 
 int main(int count, char** arguments) {
   gst_init(&count, &arguments);
+  if (!g_getenv("GST_DEBUG")) gst_debug_remove_log_function(nullptr);  // the default one
   std::string clip = "media/clip.webm", json;
   std::vector<Size> sizes;
   std::vector<std::string> lines;
