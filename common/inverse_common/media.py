@@ -13,7 +13,8 @@ from .gst import structure_of, with_field  # noqa: E402
 
 HEAD = 1 << 16  # bytes that tell what a file is
 # What is no video itself, but names others, on this machine or elsewhere.
-_LISTS = ("application/x-hls", "application/dash+xml", "application/vnd.ms-sstr+xml", "application/sdp", "text/uri-list")
+_LISTS = ("application/x-hls", "application/dash+xml", "application/vnd.ms-sstr+xml", "application/sdp", "text/uri-list", "application/xges",
+          "text/x-xptv")
 
 
 def is_list(path):
@@ -28,6 +29,27 @@ def is_list(path):
 
 
 LIST_ADVICE = "is a list of streams, which may be on other hosts: open one of them by its address, if you trust it"
+
+
+def allow_lists(allowed):
+    """Whether what decodes in this process from now on plays lists of streams, also those within a file, and so opens connections to the hosts
+    that they name: if the user typed an address. In shell: pipelines/common.sh, in C++: tools/runner/input.cpp."""
+    for name in _LISTS:
+        for factory in Gst.ElementFactory.list_filter(_demuxers(), Gst.Caps.from_string(name), Gst.PadDirection.SINK, False):
+            _ranks.setdefault(factory.get_name(), factory.get_rank())
+            factory.set_rank(_ranks[factory.get_name()] if allowed else Gst.Rank.NONE)
+
+
+_ranks = {}  # of these elements, as they were
+
+
+def _demuxers():
+    return Gst.ElementFactory.list_get_elements(Gst.ELEMENT_FACTORY_TYPE_DEMUXER, Gst.Rank.NONE)
+
+
+def names_list(kinds):
+    """Whether a list of streams is among these kinds: names of caps, or a message that has some."""
+    return any(name in kinds for name in _LISTS)
 
 
 def formats_of(element):

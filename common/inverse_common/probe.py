@@ -9,6 +9,7 @@ gi.require_version("Gst", "1.0")
 gi.require_version("GstPbutils", "1.0")
 from gi.repository import GLib, Gst, GstPbutils  # noqa: E402
 
+from . import media  # noqa: E402
 from .gst import structure_of  # noqa: E402
 
 _APP1, _ORIENTATION = 0xE1, 0x112
@@ -17,6 +18,10 @@ _MISSING = GstPbutils.DiscovererResult.MISSING_PLUGINS
 
 class ProbeError(Exception):
     """A file that cannot be decoded, and why."""
+
+
+class ListError(ProbeError):
+    """A file that is a list of streams, or has one in it."""
 
 
 @dataclass
@@ -41,11 +46,14 @@ class Probe:
 
 
 def probe(uri, seconds=60):
-    """Reads the beginning of a file. Throws ProbeError."""
+    """Reads the beginning of a file. Throws ProbeError. From then on no list of streams is played (media.allow_lists)."""
+    media.allow_lists(False)
+    kinds, discoverer = [], GstPbutils.Discoverer.new(seconds * Gst.SECOND)
+    discoverer.connect("source-setup", lambda _, source: source.get_parent().connect("autoplug-continue", _see, kinds))
     try:
-        info = GstPbutils.Discoverer.new(seconds * Gst.SECOND).discover_uri(uri)
+        info = discoverer.discover_uri(uri)
     except GLib.Error as error:
-        raise ProbeError(error.message) from error
+        raise ListError(f"it {media.LIST_ADVICE}") if media.names_list(kinds) else ProbeError(error.message) from error
     videos = sorted(info.get_video_streams(), key=lambda stream: stream.get_stream_number())
     known = [v for v in videos if v.get_caps() and not structure_of(v.get_caps()).get_name().endswith("/x-unknown")]
     missing = _missing(info)
@@ -73,6 +81,11 @@ def probe(uri, seconds=60):
     return Probe(length, found and orientation != "rotate-0", name.startswith("image/"), name if video is not colors[0] else "", rate or Probe.rate,
                  bool(general) and general.get_double("geo-location-latitude")[0], video.is_interlaced(), bool(info.get_audio_streams()),
                  depth_stream, missing, _attached(general))
+
+
+def _see(_, __, caps, kinds):
+    kinds.append(structure_of(caps).get_name())
+    return True
 
 
 def _missing(info):

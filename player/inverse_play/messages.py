@@ -4,6 +4,7 @@ import dataclasses
 import re
 
 from gi.repository import Gst
+from inverse_common import media
 
 
 @dataclasses.dataclass(frozen=True)
@@ -52,6 +53,8 @@ def describe(message):
     if "elayed linking failed" in error.message + (debug or ""):
         return Trouble("There is no video in it.", "Choose a file that has one.")  # a warning, then nothing comes
     advice = ADVICE.get((error.domain, error.code), "")
+    if advice is NO_DECODER and media.names_list(debug or ""):
+        return Trouble("It is a list of streams, which may be on other hosts.", "Open one of them by its address, if you trust it.", fatal)
     if not advice and fatal:
         advice = "Try again; GST_DEBUG=3 in the environment prints more."
     stopped = re.search("streaming stopped, reason ([a-z-]+)", debug or "")  # a flow: not-linked, not-negotiated, error

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Plays a source through a project's elements: states, seeks, the end, and what goes wrong."""
 from gi.repository import GLib, Gst, GstVideo
+from inverse_common import media
 from inverse_common.gst import size_of, structure_of
 
 from . import messages, source
@@ -38,6 +39,7 @@ class Playback:
         """Plays from the beginning. Raises SourceError or ElementError."""
         self.close()
         self.source = opened
+        media.allow_lists(opened.remote)
         self._pipeline = _parse(opened)
         self._pipeline.get_bus().add_signal_watch()
         try:

@@ -6,7 +6,7 @@ import os
 from gi.repository import Gio, GLib, Gst
 from inverse_common import media
 from inverse_common.media import deinterlace_line, upright
-from inverse_common.probe import DIRECTIONS, ProbeError, jpeg_orientation, probe
+from inverse_common.probe import DIRECTIONS, ListError, ProbeError, jpeg_orientation, probe
 
 TEST_LINE = "videotestsrc is-live=true ! video/x-raw,width=640,height=480,framerate=30/1"
 ROOM_LINE = "rgbdtestsrc samples=1 ! video/x-raw,width=640,height=480,framerate=15/1"
@@ -19,12 +19,14 @@ class SourceError(Exception):
 
 @dataclasses.dataclass(frozen=True)
 class Source:
-    """`line` outputs decoded video, among other streams; `live` frames cannot wait; `sound`: the file `text` has some."""
+    """`line` outputs decoded video, among other streams; `live` frames cannot wait; `sound`: the file `text` has some; `remote`: it names an
+    address, so that connections may be opened."""
     text: str  # as it was named
     title: str
     line: str
     live: bool = False
     sound: bool = False
+    remote: bool = False
 
 
 def quoted(text):
@@ -54,7 +56,7 @@ def _uri(text):
     if not Gst.uri_protocol_is_supported(Gst.URIType.SRC, protocol):
         raise SourceError(f'nothing installed here opens "{protocol}://"; install gstreamer1.0-plugins-good '
                           "for http://, https:// and rtsp://")
-    return Source(text, text, f"uridecodebin uri={quoted(text)}", live=protocol in ("rtsp", "rtp", "udp", "srt"))
+    return Source(text, text, f"uridecodebin uri={quoted(text)}", live=protocol in ("rtsp", "rtp", "udp", "srt"), remote=True)
 
 
 def unreadable(path):
@@ -101,6 +103,8 @@ def _video(path, kind):
         return line, False
     try:
         found = probe(Gst.filename_to_uri(path), DISCOVER_SECONDS)
+    except ListError:
+        raise SourceError(f"{path} {media.LIST_ADVICE}") from None
     except ProbeError:
         return line, False  # playing it says why
     if kind == "video/x-matroska" and found.depth_stream is not None and Gst.ElementFactory.find("rgbdmerge"):
@@ -146,7 +150,8 @@ def _line(text):
         pipeline = Gst.parse_launch(f"{text} ! identity")
     except GLib.Error as error:
         raise SourceError(f"this is no launch line: {error.message}") from None
-    return Source(text, text.partition(" ")[0], text, live=_is_live(pipeline) or "v4l2src" in text)
+    remote = "://" in text.lower().replace("file://", "")
+    return Source(text, text.partition(" ")[0], text, live=_is_live(pipeline) or "v4l2src" in text, remote=remote)
 
 
 def kind_of(text):

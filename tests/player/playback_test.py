@@ -337,7 +337,9 @@ class Files(support.Case):
             file.write("this is no video")
         support.run_line("audiotestsrc num-buffers=20 ! vorbisenc ! matroskamux ! "
                          f"filesink location={self.path('a.mkv')}")
-        for name, advice in (("text.mp4", "another file"), ("a.mkv", "a file that has one")):
+        with open(self.path("list.png"), "wb") as file:
+            file.write(b"ID3\x04\0\0\0\0\0\0#EXTM3U\n#EXT-X-TARGETDURATION:2\n#EXTINF:2,\nhttp://127.0.0.1:9/x.ts\n")
+        for name, advice in (("text.mp4", "another file"), ("a.mkv", "a file that has one"), ("list.png", "if you trust it")):
             viewer = Viewer(self)
             viewer.session.open(self.path(name))
             viewer.wait(lambda viewer=viewer: viewer.told)

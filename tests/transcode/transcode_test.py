@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 import signal
+import socket
 import struct
 import subprocess
 import sys
@@ -361,6 +362,21 @@ class Transcode(Case):
         with open(self.path("list.mkv"), "w", encoding="ascii") as file:
             file.write("#EXTM3U\n#EXT-X-TARGETDURATION:2\n#EXTINF:2,\nhttp://127.0.0.1:9/x.ts\n")
         self.assertIn("it is a list of streams", self.run_it("list.mkv", "-o", "out.mkv", status=1))
+
+    def test_a_list_within_a_file_opens_no_connection(self):
+        listener = socket.create_server(("127.0.0.1", 0))
+        self.addCleanup(listener.close)
+        listed = f"#EXTM3U\n#EXT-X-VERSION:3\n#EXT-X-TARGETDURATION:2\n#EXTINF:2,\nhttp://127.0.0.1:{listener.getsockname()[1]}/a.ts\n#EXT-X-ENDLIST\n".encode()
+        part = b"--b\r\nContent-Type: application/x-hls\r\nContent-Length: %d\r\n\r\n%s\r\n" % (len(listed), listed)
+        for name, content in (("id3.mp4", b"ID3\x04\0\0\0\0\0\0" + listed), ("parts.mp4", 3 * part + b"--b--\r\n")):
+            with open(self.path(name), "wb") as file:
+                file.write(content)
+            with self.subTest(name):
+                said = self.run_it(name, "-o", "out.mkv", status=1)
+                self.assertIn(f"{name}: it is a list of streams", said)
+        listener.setblocking(False)
+        with self.assertRaises(BlockingIOError):
+            listener.accept()
 
     def test_the_muxer_waits_for_slow_video(self):
         """Raw sound is there at once, its video much later."""
