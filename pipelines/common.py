@@ -5,6 +5,8 @@ import os
 import pathlib
 import sys
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "common"))
+
 
 def split(words, chain):
     """Options, and the elements of a launch line after --, or `chain`."""
@@ -26,7 +28,12 @@ def port(text):
 
 
 def source_of(program, given, after_camera="", after_file=""):
-    """The first elements of a launch line for a camera, a file or a URI, or SOURCE of the environment; ends the program if there is none."""
+    """The first elements of a launch line for a camera, a file or a URI, or SOURCE of the environment; ends the program if there is none. After
+    Gst.init: from then on lists of streams are played only if the user typed an address."""
+    from inverse_common import media, probe  # here: the scripts say what to install if gi is missing
+
+    text = os.environ.get("SOURCE") or given
+    media.allow_lists("://" in text.lower().replace("file://", ""))
     if os.environ.get("SOURCE"):
         return os.environ["SOURCE"]
     if given.startswith("/dev/video"):
@@ -37,4 +44,11 @@ def source_of(program, given, after_camera="", after_file=""):
         if not os.path.isfile(given):
             sys.exit(f"{program}: there is no file {given}")
         given = pathlib.Path(os.path.abspath(given)).as_uri()
+    if given.lower().startswith("file://"):
+        try:
+            probe.probe(given)
+        except probe.ListError as error:
+            sys.exit(f"{program}: {given}: {error}")
+        except probe.ProbeError:
+            pass  # playing it says why
     return f"uridecodebin uri={quoted(given)} caps=video/x-raw(ANY) expose-all-streams=false{after_file}"

@@ -14,6 +14,24 @@ fail() { echo "$(basename "$0"): $*" >&2; exit 1; }
 usage() { sed -n '3,/^[^#]/{s/^# \{0,1\}//p}' "$0"; exit "${1:-0}"; }
 case "${1:-}" in -h | --help) usage ;; esac
 
+# Takes --overwrite out of the words of the script, and looks whether one is an address.
+overwrite='' remote='' given=()
+while [ $# -gt 0 ] && [ "$1" != -- ]; do
+  if [ "$1" = --overwrite ]; then overwrite=$1; else given+=("$1"); fi
+  shift
+done
+set -- "${given[@]}" "$@"
+for word in "${given[@]}" ${SOURCE:-}; do
+  word=${word#*=} word=${word//\"/} && word=${word,,}
+  [[ $word != [a-z]*://* || $word == file://* || ${word%%://*} == *[^a-z0-9.+-]* ]] || remote=true
+done
+
+# Files open no connections: elements that play lists of streams, which name other hosts, are for addresses that the user typed.
+# In Python: inverse_common.media.allow_lists.
+lists="hlsdemux hlsdemux2 dashdemux dashdemux2 mssdemux mssdemux2 sdpdemux gesdemux"
+ranks="${lists// /:NONE,}:NONE"
+[ -n "$remote" ] || export GST_PLUGIN_FEATURE_RANK=${GST_PLUGIN_FEATURE_RANK:+$GST_PLUGIN_FEATURE_RANK,}$ranks
+
 # The plugin: installed, on GST_PLUGIN_PATH (./dev shell), or built here.
 command -v gst-launch-1.0 >/dev/null || fail "gst-launch-1.0 is missing: install gstreamer1.0-tools"
 if ! gst-inspect-1.0 --exists --atleast-version=0.0.0 intrinsicdecomp 2>/dev/null; then
@@ -32,6 +50,32 @@ need_environment() { [ -z "$1" ] || [ -r "$1" ] || fail "there is no environment
 
 # Fails if the folder of a result is missing.
 need_folder_of() { [ -d "$(dirname "$1")" ] || fail "there is no folder $(dirname "$1") to write to"; }
+
+# Fails if there is something at the place of a result, unless --overwrite is among the words; always if it is one of the inputs, which follow.
+need_new() {
+  local result=$1 input
+  shift
+  for input; do
+    [ ! "$result" -ef "$input" ] || fail "the result would replace the input $input: name another"
+  done
+  [ -n "$overwrite" ] || { [ ! -e "$result" ] && [ ! -L "$result" ]; } ||
+    fail "$result is there already: name another result, or give --overwrite to replace it"
+}
+
+# Plays a line that decodes an input, and names the file if it cannot be decoded.
+play() {
+  local input=$1
+  shift
+  [ -z "$remote${SOURCE:-}" ] || exec gst-launch-1.0 -e "$@"
+  exec gst-launch-1.0 -e "$@" 2> >(
+    trap '' INT TERM
+    while IFS= read -r line || [ -n "$line" ]; do
+      echo "$line"
+      [[ $line != "ERROR: from element "*decodebin* ]] || failed=true
+    done >&2
+    [ -z "${failed:-}" ] ||
+      fail "cannot play $input; if it is a list of streams, or has one in it, open one of them by its address, if you trust it")
+}
 
 # A window. sync=false shows a camera's frames on arrival.
 window() {

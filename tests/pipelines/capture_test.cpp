@@ -26,9 +26,11 @@ TEST_F(Capture, AnIncompleteOneIsAnError) {
   const std::string part =
       "lightstagetestsrc is-live=false program=static:20 num-buffers=15 ! "
       "video/x-raw,format=RGBA64_LE,width=160,height=120";
-  const std::vector<std::string> words{"static:20", file("set")};
+  const std::vector<std::string> words{"static:20", file("set"), "--overwrite"};
   expect_failure("static-capture", words, "11 of 20 lights", {{"SOURCE", part}});
-  ASSERT_EQ(run("static-capture", {"static:20", file("set"), "160", "120"}), 0) << output_;
+  ASSERT_EQ(run("static-capture", {"static:20", file("set"), "160", "120", "--overwrite"}), 0)
+      << output_;
+  expect_failure("static-capture", {"static:20", file("set")}, "there already");
   expect_failure("static-capture", words, "there is no new capture", {{"SOURCE", part}});
   expect_failure("static-capture", words, "there is no new capture",
                  {{"SOURCE", "videotestsrc num-buffers=20"}});

@@ -3,12 +3,15 @@
 """pipelines/rtsp with eight clients, of which one stops reading, and pipelines/hls: what players get."""
 import os
 import pathlib
+import re
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+import unittest.mock
 
 try:
     import gi
@@ -20,6 +23,7 @@ except (ImportError, ValueError) as problem:
     print(f"{problem}: install python3-gi, gir1.2-gst-rtsp-server-1.0")
     sys.exit(77)
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "common"))
+from inverse_common import media  # noqa: E402
 from inverse_common.gst import structure_of  # noqa: E402
 
 Gst.init(None)
@@ -120,6 +124,57 @@ class Serve(Case):
             client = Client(server.stdout.readline().strip(), "tcp")
             self.addCleanup(client.close)
             self.assertIn("rtsp: ", server.stderr.readline())
+
+    def test_a_list_within_a_file_opens_no_connection(self):
+        listener = socket.create_server(("127.0.0.1", 0))
+        self.addCleanup(listener.close)
+        environment = unittest.mock.patch.dict(os.environ, SINK="fakesink")
+        environment.start()
+        self.addCleanup(environment.stop)
+        listed = f"#EXTM3U\n#EXT-X-VERSION:3\n#EXT-X-TARGETDURATION:2\n#EXTINF:2,\nhttp://127.0.0.1:{listener.getsockname()[1]}/a.ts\n#EXT-X-ENDLIST\n".encode()
+        part = b"--b\r\nContent-Type: application/x-hls\r\nContent-Length: %d\r\n\r\n%s\r\n" % (len(listed), listed)
+        with tempfile.TemporaryDirectory() as folder:
+            for name, content in (("plain.m3u8", listed), ("id3.mp4", b"ID3\x04\0\0\0\0\0\0" + listed), ("parts.mp4", 3 * part + b"--b--\r\n")):
+                path = pathlib.Path(folder, name)
+                path.write_bytes(content)
+                for words, source in ((("playbin", path, "identity"), ""), (("playbin", path.as_uri(), "identity"), ""), (("rtp-out", path), ""),
+                                      (("rtsp", path, "--port", "0"), ""), (("webcam",), f"filesrc location={path}")):
+                    with self.subTest(words):
+                        process = self.start(SCRIPTS / words[0], *map(str, words[1:]), source=source)
+                        _, errors = process.communicate(timeout=LIMIT)
+                        self.assertNotEqual(process.returncode, 0)
+                        if not source:
+                            self.assertRegex(errors, f"{words[0]}: .*{name}.* list of streams")
+        listener.setblocking(False)
+        with self.assertRaises(BlockingIOError):
+            listener.accept()
+        playing = self.start(SCRIPTS / "playbin", f"http://127.0.0.1:{listener.getsockname()[1]}/a.m3u8", "identity", source="")
+        listener.settimeout(LIMIT)
+        connection, _ = listener.accept()
+        with connection:
+            connection.recv(1 << 16)
+            connection.sendall(b"HTTP/1.0 200 OK\r\nContent-Type: application/vnd.apple.mpegurl\r\n\r\n" + listed)
+        connection, _ = listener.accept()  # what the list names
+        with connection:
+            self.assertIn(b"a.", connection.recv(1 << 16))
+        playing.kill()
+
+    def test_every_element_that_plays_lists_is_left_out(self):
+        media.allow_lists(False)
+        self.addCleanup(media.allow_lists, True)
+        named = re.search('lists="(.*)"', (SCRIPTS / "common.sh").read_text(encoding="utf-8"))[1].split()
+        adaptive = [f for f in Gst.ElementFactory.list_get_elements(Gst.ELEMENT_FACTORY_TYPE_DEMUXER, Gst.Rank.NONE) if "Adaptive" in f.get_metadata("klass")]
+        self.assertEqual([f.get_name() for f in adaptive if f.get_rank() > 0 or f.get_name() not in named], [])
+
+    def test_hls_replaces_nothing(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("live.m3u8", "00000.ts"):
+                mine = pathlib.Path(folder, name)
+                mine.write_text("mine", encoding="ascii")
+                writer = self.start(SCRIPTS / "hls", "unused", folder)
+                self.assertIn(f"{name} is there already", writer.communicate(timeout=LIMIT)[1])
+                self.assertEqual(mine.read_text(encoding="ascii"), "mine")
+                mine.unlink()
 
     def test_hls(self):
         if not any(Gst.ElementFactory.find(name) for name in ("x264enc", "openh264enc")):

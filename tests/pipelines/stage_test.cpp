@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Lines of the virtual light stage.
+#include <fstream>
+
 #include "pipeline_test.hpp"
 
 namespace inverse::testing {
@@ -42,6 +44,21 @@ TEST_F(Stage, APerformanceIsRelit) {
   EXPECT_EQ(movie.frames[0].width, 96);
   const double relit[] = {32.1, 27.9, 27.1};  // in the studio's light
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(movie.frames[5].mean(c), relit[c], 1) << c;
+}
+
+TEST_F(Stage, NoResultIsReplacedUnasked) {
+  for (const auto& [name, first] : {std::pair{"virtual-stage", "performance:8"}, {"relight", ""}}) {
+    std::ofstream(file("mine.mkv")) << "mine";
+    std::vector<std::string> words{first, file("mine.mkv"), "48", "48"};
+    const Process::Environment few{{"FRAMES", "13"}, {"LIGHT_COUNT", "8"}};
+    expect_failure(name, words, "mine.mkv is there already", few);
+    EXPECT_EQ(std::filesystem::file_size(file("mine.mkv")), 4u);
+    words.push_back("--overwrite");
+    EXPECT_EQ(run(name, words, few), 0) << output_;
+    EXPECT_GT(std::filesystem::file_size(file("mine.mkv")), 500u);
+  }
+  const std::string program = file("mine.mkv");
+  expect_failure("virtual-stage", {program, program, "--overwrite"}, "would replace the input");
 }
 
 TEST_F(Stage, MissingInputIsAnError) {
