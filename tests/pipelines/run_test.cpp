@@ -134,6 +134,31 @@ TEST_F(Run, UnreadableInputsAreErrors) {
   expect_complaint(file("sound.mkv"), "no video in");
 }
 
+TEST_F(Run, NothingIsReplacedUnasked) {
+  const std::string in = clip(5), movie = file("out/decomposition.mkv");
+  const auto size = [&] { return std::filesystem::file_size(movie); };
+  ASSERT_EQ(run_it({in, "--", "identity"}), 0) << output_;
+  const auto before = size();
+  EXPECT_EQ(run_it({in, "--", "identity"}), 1);
+  expect_contains(output_, "give --overwrite to replace it");
+  EXPECT_EQ(run_it({"--overwrite", movie, "--", "identity"}), 1);
+  expect_contains(output_, "would replace the input");
+  EXPECT_EQ(run_it({"--overwrite", in, "--", "nosuchelement"}), 1);
+  EXPECT_EQ(size(), before);
+  ASSERT_EQ(run_it({"--overwrite", clip(9), "--", "identity"}), 0) << output_;
+  EXPECT_EQ(read_media(movie).frames.size(), 9u);
+  // Nothing else is left there.
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(file("out")), {}), 2);
+}
+
+TEST_F(Run, AListWithinAFileIsNotOpened) {
+  for (const std::string& head : {std::string(), std::string("ID3\4\0\0\0\0\0\0", 10)}) {
+    std::ofstream(file("list.mp4"), std::ios::binary)
+        << head << "#EXTM3U\n#EXT-X-TARGETDURATION:2\n#EXTINF:2,\nhttp://127.0.0.1:9/a.ts\n";
+    expect_complaint(file("list.mp4"), "it is a list of streams");
+  }
+}
+
 TEST_F(Run, ElementsThatDoNotFitAreErrors) {
   const std::string in = clip(5);
   for (const auto& [elements, text] :

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
 #include <stdexcept>
+
+#include "common/replace_file.hpp"
 
 namespace inverse::run {
 namespace {
@@ -73,9 +74,7 @@ void ContactSheet::write(const std::string& path) const {
              &tile[static_cast<size_t>(y) * kTileWidth * 3], static_cast<size_t>(kTileWidth) * 3);
   }
   const std::vector<char> png = encode_png(sheet, width, height);
-  std::ofstream file(path, std::ios::binary);
-  file.write(png.data(), static_cast<std::streamsize>(png.size()));
-  if (!file) throw std::runtime_error("cannot write " + path);
+  replace_file(path, {png.data(), png.size()});
 }
 
 }  // namespace inverse::run

@@ -1,14 +1,36 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "input.hpp"
 
-#include <gst/gst.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <iterator>
 #include <stdexcept>
 
 namespace inverse::run {
 namespace {
+
+constexpr const char* kLists[] = {
+    "application/x-hls", "application/dash+xml", "application/vnd.ms-sstr+xml",
+    "application/sdp",   "text/uri-list",        "application/xges",
+    "text/x-xptv"};
+
+/// From then on no element that plays lists is chosen. In Python:
+/// inverse_common.media.allow_lists.
+void play_no_lists() {
+  GList* demuxers =
+      gst_element_factory_list_get_elements(GST_ELEMENT_FACTORY_TYPE_DEMUXER, GST_RANK_NONE);
+  for (const char* name : kLists) {
+    GstCaps* caps = gst_caps_new_empty_simple(name);
+    GList* found = gst_element_factory_list_filter(demuxers, caps, GST_PAD_SINK, FALSE);
+    for (GList* item = found; item; item = item->next)
+      gst_plugin_feature_set_rank(GST_PLUGIN_FEATURE(item->data), GST_RANK_NONE);
+    gst_plugin_feature_list_free(found);
+    gst_caps_unref(caps);
+  }
+  gst_plugin_feature_list_free(demuxers);
+}
 
 Input camera(const std::string& device) {
   if (access(device.c_str(), F_OK) != 0) {
@@ -37,6 +59,7 @@ Input uri(const std::string& text) {
     const bool there = path && access(path, R_OK) == 0;
     g_free(path);
     if (!there) throw std::runtime_error("cannot read " + text);
+    play_no_lists();
   }
   return {false, text, text};
 }
@@ -55,12 +78,18 @@ Input file(const std::string& path) {
     g_clear_error(&error);
     throw std::runtime_error("cannot open " + path + ": " + reason);
   }
+  play_no_lists();
   Input input{false, location, path};
   g_free(location);
   return input;
 }
 
 }  // namespace
+
+bool is_list(const GstCaps* caps) {
+  const char* name = gst_structure_get_name(gst_caps_get_structure(caps, 0));
+  return std::find(std::begin(kLists), std::end(kLists), std::string(name)) != std::end(kLists);
+}
 
 Input parse_input(const std::string& text) {
   if (text.rfind("/dev/video", 0) == 0) return camera(text);

@@ -14,14 +14,15 @@
 namespace {
 
 constexpr const char* kUsage =
-    "inverse-run --clip FILE [--window | --file] [--seconds S] [--out FOLDER] "
+    "inverse-run --clip FILE [--window | --file] [--seconds S] [--out FOLDER] [--overwrite] "
     "[FILE|URI|/dev/videoN] [-- ELEMENTS]\n"
     "  shows input, reflectance, shading and the input with one color repainted\n"
     "  ELEMENTS    instead of these: a piece of a gst-launch-1.0 line, raw video in and out\n"
     "  --clip      the bundled clip, played if no other input is named\n"
     "  --window    show a window or fail; --file: write files even where there is a display\n"
     "  --seconds   stop after that much video\n"
-    "  --out       where to write decomposition.mkv and contact-sheet.png (out)\n";
+    "  --out       where to write decomposition.mkv and contact-sheet.png (out)\n"
+    "  --overwrite replace those that are there\n";
 
 // In the bundled clip, red is painted blue. In other input, Paint finds a color that stands out.
 constexpr const char* kClipColors = "key=0xffe01e32 target=0xff2878f0 tolerance=0.5";
@@ -89,6 +90,8 @@ inverse::run::Options parse(int count, char** words) {
         throw std::runtime_error("--seconds takes a number above 0, not \"" + text + "\"");
     } else if (word == "--out") {
       options.folder = value();
+    } else if (word == "--overwrite") {
+      options.overwrite = true;
     } else if (word == "--clip") {
       clip = value();
     } else if (word.size() > 1 && word[0] == '-') {

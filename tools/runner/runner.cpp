@@ -22,6 +22,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/replace_file.hpp"
 #include "contact_sheet.hpp"
 #include "paint.hpp"
 
@@ -102,7 +103,13 @@ class Session {
   void add_paint();
   void add_window();
   void add_file();
+  void check_place(const std::string& result) const;
+  void publish() const;
   static void on_pad(GstElement*, GstPad* pad, Session* self) { self->connect(pad); }
+  static gboolean see(GstElement*, GstPad*, const GstCaps* caps, Session* self) {
+    if (is_list(caps)) self->list_ = true;
+    return TRUE;
+  }
   void connect(GstPad* pad);
   void connect_sound(GstPad* pad);
   void limit(GstPad* pad);
@@ -118,6 +125,7 @@ class Session {
   const std::string window_sink_;
   const bool window_;
   const std::string movie_, sheet_path_;
+  const std::string draft_;  // of the movie, until it is whole
   GstElement* pipeline_ = gst_pipeline_new("run");
   GstElement* chain_ = nullptr;
   GstElement* mux_ = nullptr;
@@ -126,7 +134,7 @@ class Session {
   std::vector<guint> sources_;
   std::string error_;
   std::vector<std::string> missing_;
-  std::atomic<bool> stopping_{false}, arrived_{false};
+  std::atomic<bool> stopping_{false}, arrived_{false}, list_{false};
   bool first_reported_ = false;
   Clock::time_point shown_ = Clock::now();
 
@@ -146,7 +154,8 @@ Session::Session(const Options& options)
       window_sink_(options.view == View::file ? "" : window_sink()),
       window_(!window_sink_.empty()),
       movie_(options.folder + "/decomposition.mkv"),
-      sheet_path_(options.folder + "/contact-sheet.png") {
+      sheet_path_(options.folder + "/contact-sheet.png"),
+      draft_(options.folder + "/.decomposition." + std::to_string(getpid()) + ".mkv") {
   if (options.view == View::window && !window_)
     throw std::runtime_error(
         "no window can be shown: neither DISPLAY nor WAYLAND_DISPLAY names a display that answers");
@@ -188,6 +197,7 @@ Session::~Session() {
   gst_element_set_state(pipeline_, GST_STATE_NULL);
   gst_object_unref(pipeline_);
   g_main_loop_unref(loop_);
+  if (!error_.empty() || frames_ == 0) unlink(draft_.c_str());  // if it is there
 }
 
 void Session::add_source() {
@@ -203,6 +213,7 @@ void Session::add_source() {
     g_object_set(decoder, "uri", options_.input.location.c_str(), nullptr);
     if (!window_) gst_util_set_object_arg(G_OBJECT(decoder), "caps", kVideoOrSound);
     gst_bin_add(GST_BIN(pipeline_), decoder);
+    g_signal_connect(decoder, "autoplug-continue", G_CALLBACK(see), this);
   }
   g_signal_connect(decoder, "pad-added", G_CALLBACK(on_pad), this);
   g_signal_connect(decoder, "no-more-pads",
@@ -230,12 +241,41 @@ void Session::add_file() {
   std::filesystem::create_directories(options_.folder, code);
   if (code || access(options_.folder.c_str(), W_OK) != 0)
     throw std::runtime_error("cannot write into the folder " + options_.folder);
+  for (const std::string& result : {movie_, sheet_path_}) check_place(result);
   GstElement* encoder = parse_bin(kFileSink);
   mux_ = make("matroskamux", "gstreamer1.0-plugins-good");
   GstElement* file = make("filesink", "gstreamer1.0-plugins-base");
-  g_object_set(file, "location", movie_.c_str(), nullptr);
+  g_object_set(file, "location", draft_.c_str(), nullptr);
   gst_bin_add_many(GST_BIN(pipeline_), encoder, mux_, file, nullptr);
   gst_element_link_many(chain_, encoder, mux_, file, nullptr);
+}
+
+/// Throws if a result would replace the input, or what is there without `overwrite`.
+void Session::check_place(const std::string& result) const {
+  std::error_code none;
+  gchar* input = g_filename_from_uri(options_.input.location.c_str(), nullptr, nullptr);
+  const bool same = input && std::filesystem::equivalent(input, result, none);
+  g_free(input);
+  if (same)
+    throw std::runtime_error("the result would replace the input " + result +
+                             ": name another folder with --out");
+  if (!options_.overwrite &&
+      std::filesystem::symlink_status(result, none).type() != std::filesystem::file_type::not_found)
+    throw std::runtime_error(result +
+                             " is there already: name another folder with --out, or give "
+                             "--overwrite to replace it");
+}
+
+/// Gives the movie its name.
+void Session::publish() const {
+  try {
+    check_place(movie_);  // a file may have come meanwhile
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(std::string(error.what()) + "; the new one is " + draft_);
+  }
+  sync_path(draft_);
+  std::filesystem::rename(draft_, movie_);
+  sync_path(options_.folder);
 }
 
 void Session::connect(GstPad* pad) {
@@ -378,7 +418,11 @@ void Session::on_error(GstMessage* message) {
   const bool closed = window_ &&
                       g_error_matches(error, GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_NOT_FOUND) &&
                       strstr(error->message, "window was closed");
-  if (!closed && error_.empty()) {
+  if (!closed && error_.empty() && list_) {
+    error_ =
+        "it is a list of streams, which may be on other hosts: open one of them by its address, if "
+        "you trust it";
+  } else if (!closed && error_.empty()) {
     error_ = std::string(GST_OBJECT_NAME(GST_MESSAGE_SRC(message))) + ": " + error->message;
     // basesrc's message only repeats that something failed; the details contain the reason.
     if (debug && g_error_matches(error, GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED))
@@ -459,15 +503,18 @@ void Session::play() {
   fprintf(stderr, "%s %s; Ctrl-C ends\n", window_ ? "showing" : "decomposing",
           options_.input.described.c_str());
   started_ = Clock::now();
+  if (!window_) NewFile(draft_).close();
   gst_element_set_state(pipeline_, GST_STATE_PLAYING);
   g_main_loop_run(loop_);
   if (isatty(STDERR_FILENO)) fprintf(stderr, "\r\033[K");
   gst_element_set_state(pipeline_, GST_STATE_NULL);
   if (!error_.empty()) {
-    if (!window_ && frames_ == 0) unlink(movie_.c_str());
+    if (!window_ && frames_ > 0 && !std::filesystem::exists(movie_)) publish();
     throw std::runtime_error("cannot play " + options_.input.described + ": " + error_);
   }
   if (!window_) {
+    if (frames_ > 0) publish();
+    check_place(sheet_path_);
     sheet_.write(sheet_path_);
     printf("wrote %s (%dx%d, VP8%s)\nwrote %s\n", movie_.c_str(), width_, height_,
            sounds_ ? ", sound as it came" : "", sheet_path_.c_str());
