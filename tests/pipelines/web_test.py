@@ -3,6 +3,8 @@
 """pipelines/web in headless Chromium: both videos play, a control changes the layer. INVERSE_SCREENSHOTS: a folder for a picture."""
 import asyncio
 import base64
+import importlib.machinery
+import importlib.util
 import json
 import os
 import pathlib
@@ -12,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import types
 import unittest
 import urllib.error
 import urllib.request
@@ -162,6 +165,34 @@ class Web(unittest.TestCase):
             self.addCleanup(connection.close)
         self.assertEqual([connection.recv(1) for connection in idle], [b""] * len(idle))
         self.assertIn("v=0", json.loads(self.post(uri + "offer", **right))["sdp"])
+
+    def test_half_a_request_keeps_nobody_out(self):
+        server = self.serve()
+        uri = server.stdout.readline().strip().partition("#")[0]
+        address = "127.0.0.1", int(uri.split(":")[2].strip("/"))
+        halves = [socket.create_connection(address, timeout=LIMIT) for _ in range(16)]
+        for half in halves:
+            self.addCleanup(half.close)
+            half.sendall(b"GET / HTTP/1.1\r\nX-")
+        with urllib.request.urlopen(uri, timeout=LIMIT) as reply:
+            self.assertEqual(reply.status, 200)
+        # One that goes on byte by byte ends all the same.
+        with self.assertRaises(OSError):
+            for _ in range(60):
+                halves[-1].sendall(b"x")
+                time.sleep(0.5)
+
+    def test_names_of_the_server(self):
+        loader = importlib.machinery.SourceFileLoader("serve", str(SERVE))
+        serve = importlib.util.module_from_spec(importlib.util.spec_from_loader("serve", loader))
+        loader.exec_module(serve)
+        for given, bound, host, named in (("127.0.0.1", ("127.0.0.1", 80), "127.0.0.1", True), ("127.0.0.1", ("127.0.0.1", 80), "localhost:80", True),
+                                          ("127.0.0.1", ("127.0.0.1", 8080), "127.0.0.1", False), ("127.0.0.1", ("127.0.0.1", 80), "evil.example", False),
+                                          ("a-host", ("127.0.1.1", 8080), "A-Host:8080", True), ("a-host", ("127.0.1.1", 8080), "b-host:8080", False),
+                                          ("0.0.0.0", ("0.0.0.0", 80), "10.0.0.7", True), ("0.0.0.0", ("0.0.0.0", 80), "evil.example", False),
+                                          ("::", ("::", 80), "[::1]", True), ("::", ("::", 81), "[::1]:81", True), ("::", ("::", 81), "[::1]", False)):
+            server = types.SimpleNamespace(given=given, server_address=bound)
+            self.assertEqual(serve.Server.is_named(server, host), named, (given, bound, host))
 
     def test_what_is_wrong(self):
         for words, source, text in ((["--controls", "nosuch"], None, "has no nosuch"), (["--controls", "strokes"], None, "strokes is no number and no choice"), (["/none.mp4"], "", "there is no file /none.mp4"),
