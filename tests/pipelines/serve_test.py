@@ -85,6 +85,29 @@ class Serve(Case):
         self.wait(lambda: client.frames > 2)
         self.assertEqual(client.size, (160, 120))
 
+    def test_udp_listens_where_it_serves_alone(self):
+        server = self.start(SCRIPTS / "rtsp", "--port", "0")
+        client = Client(server.stdout.readline().strip(), "udp")
+        self.addCleanup(client.close)
+        self.wait(lambda: client.frames > 2)
+        names = (os.path.join(f"/proc/{server.pid}/fd", name) for name in os.listdir(f"/proc/{server.pid}/fd"))
+        open_ones = {os.readlink(name)[8:-1] for name in names if os.path.exists(name) or os.path.islink(name)}
+        rows = [line.split() for kind in ("udp", "udp6") for line in pathlib.Path(f"/proc/{server.pid}/net/{kind}").read_text(encoding="ascii").splitlines()[1:]]
+        bound = [row[1].split(":")[0] for row in rows if row[9] in open_ones]
+        self.assertEqual(set(bound), {"0100007F"})
+
+    def test_clients_that_ask_for_nothing_keep_nobody_out(self):
+        server = self.start(SCRIPTS / "rtsp", "--port", "0")
+        uri = server.stdout.readline().strip()
+        silent = [socket.create_connection(("127.0.0.1", int(uri.split(":")[2].split("/")[0])), timeout=LIMIT) for _ in range(40)]
+        for connection in silent:
+            self.addCleanup(connection.close)
+            connection.sendall(b"OPTIONS rtsp")
+        self.assertEqual([connection.recv(1) for connection in silent[:8]], [b""] * 8)  # as new ones came
+        client = Client(uri, "tcp")
+        self.addCleanup(client.close)
+        self.wait(lambda: client.frames > 2)
+
     def test_eight_clients_and_one_that_stops_reading(self):
         server = self.start(SCRIPTS / "rtsp", "--port", "0")
         uri = server.stdout.readline().strip()
