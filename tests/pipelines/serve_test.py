@@ -198,6 +198,9 @@ class Serve(Case):
                 self.assertIn(f"{name} is there already", writer.communicate(timeout=LIMIT)[1])
                 self.assertEqual(mine.read_text(encoding="ascii"), "mine")
                 mine.unlink()
+            mine.write_text("mine", encoding="ascii")
+            writer = self.start(SCRIPTS / "hls", mine, folder, "--overwrite", source="")
+            self.assertIn("would replace the input", writer.communicate(timeout=LIMIT)[1])
 
     def test_hls(self):
         if not any(Gst.ElementFactory.find(name) for name in ("x264enc", "openh264enc")):
