@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -11,6 +10,7 @@
 #include "common/error.hpp"
 #include "common/json.hpp"
 #include "common/open_file.hpp"
+#include "common/replace_file.hpp"
 #include "light_program.hpp"
 
 namespace inverse {
@@ -128,7 +128,7 @@ LightStep read_step(const Json& json, const std::string& where) {
       known = true;
     }
   if (!known)
-    object.refuse("is of a kind \"" + kind +
+    object.refuse("is of a kind \"" + kind.substr(0, 40) +
                   "\"; there are olat, gradient-a, gradient-b, tracking, black and custom");
   if (step.kind == StepKind::olat)
     step.light = static_cast<uint32_t>(object.count("light", LightProgram::kMaxLights - 1));
@@ -180,7 +180,8 @@ LightProgram LightProgram::parse(std::string_view text, const std::string& name)
     size_t m = 0;
     while (m < kMarkers.size() && marker != kMarkers[m]) ++m;
     if (m == kMarkers.size())
-      object.refuse("has a \"marker\" \"" + marker + "\"; there are none, start and pass");
+      object.refuse("has a \"marker\" \"" + marker.substr(0, 40) +
+                    "\"; there are none, start and pass");
     program.marker = static_cast<Marker>(m);
   }
   const Json& lights = object.list("lights");
@@ -235,11 +236,6 @@ std::string LightProgram::json() const {
   return text + "\n}\n";
 }
 
-void LightProgram::save(const std::string& path) const {
-  std::ofstream file(path, std::ios::binary);
-  file << json();
-  if (!file.flush())
-    throw Error(ErrorKind::output, "the light program cannot be written to " + path);
-}
+void LightProgram::save(const std::string& path) const { replace_file(path, json()); }
 
 }  // namespace inverse

@@ -6,13 +6,15 @@
 #include <filesystem>
 
 #include "stage/program/light_program.hpp"
+#include "tests/expect_error.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 namespace {
 
 /// Its output and exit status.
-std::pair<std::string, int> tool(const std::string& arguments) {
-  FILE* pipe = popen((std::string(TOOL) + " " + arguments + " 2>&1").c_str(), "r");
+std::pair<std::string, int> tool(const std::string& arguments, const std::string& before = {}) {
+  FILE* pipe = popen((before + TOOL + " " + arguments + " 2>&1").c_str(), "r");
   std::string text;
   for (int c; (c = fgetc(pipe)) != EOF;) text += static_cast<char>(c);
   const int status = pclose(pipe);
@@ -24,7 +26,7 @@ TEST(ProgramTool, WritesProgramsAtAnyRate) {
   ASSERT_EQ(status, 0) << text;
   EXPECT_EQ(LightProgram::parse(text).id(), light_program("static:96", 30).id());
   const std::string file = ::testing::TempDir() + "/program.json";
-  ASSERT_EQ(tool("performance --rate 30000/1001 " + file).second, 0);
+  ASSERT_EQ(tool("performance --rate 30000/1001 --overwrite " + file).second, 0);
   const LightProgram program = LightProgram::load(file);
   EXPECT_EQ(program.rate_numerator, 30000U);
   EXPECT_EQ(program.rate_denominator, 1001U);
@@ -33,6 +35,25 @@ TEST(ProgramTool, WritesProgramsAtAnyRate) {
   EXPECT_EQ(LightProgram::parse(tool(file + " --rate 60").first).id(),
             performance(program.lights).id());
   std::filesystem::remove(file);
+}
+
+TEST(ProgramTool, KeepsAFileThatExists) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("a.json", "mine");
+  const auto [text, refused] = tool("static:4 " + file);
+  EXPECT_EQ(refused, 1);
+  expect_contains(text, file + " exists: give another name, or --overwrite");
+  EXPECT_EQ(std::filesystem::file_size(file), 4U);
+  // A write that fails leaves what was there, and nothing beside it.
+  EXPECT_EQ(tool("static:4 --overwrite " + file, "trap '' XFSZ; ulimit -f 1; ").second, 1);
+  EXPECT_EQ(std::filesystem::file_size(file), 4U);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+  EXPECT_EQ(tool("static:4 --overwrite " + file).second, 0);
+  EXPECT_EQ(LightProgram::load(file).lights.size(), 4U);
+  const std::string longest = folder / (std::string(250, 'a') + ".json");
+  EXPECT_EQ(tool("static:4 " + longest).second, 0);
+  EXPECT_EQ(LightProgram::load(longest).lights.size(), 4U);
+  EXPECT_EQ(tool("static:4 /dev/null").second, 0);
 }
 
 TEST(ProgramTool, UnknownArgumentsAreErrors) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// inverse-light-program PROGRAM [--rate STEPS] [FILE]: writes a light program as JSON
+// inverse-light-program PROGRAM [--rate STEPS] [--overwrite] [FILE]: writes a light program as JSON
 // (docs/reference/light-program.md), such as "static:96" at 30 or 30000/1001 steps a second.
 #include <charconv>
 #include <cstdio>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/error.hpp"
+#include "common/replace_file.hpp"
 #include "stage/program/light_program.hpp"
 
 namespace {
@@ -15,10 +16,10 @@ namespace {
 using namespace inverse;
 
 constexpr const char* kUsage =
-    "usage: inverse-light-program PROGRAM [--rate STEPS] [FILE]\n"
+    "usage: inverse-light-program PROGRAM [--rate STEPS] [--overwrite] [FILE]\n"
     "  PROGRAM  performance or static, also with a number of lights as static:96; or a file\n"
     "  STEPS    a second: a number, or a fraction as 30000/1001; 60 where it is left out\n"
-    "  FILE     to write; else it is printed\n";
+    "  FILE     to write; else it is printed. One that exists is replaced only with --overwrite\n";
 
 uint32_t number(std::string_view text) {
   uint32_t value = 0;
@@ -38,10 +39,12 @@ void set_rate(LightProgram& program, std::string_view rate) {
 int run(const std::vector<std::string>& words) {
   std::vector<std::string> names;
   std::string rate;
-  bool understood = true, help = false;
+  bool understood = true, help = false, overwrite = false;
   for (size_t i = 0; i < words.size(); ++i) {
     if (words[i] == "--rate" && i + 1 < words.size())
       rate = words[++i];
+    else if (words[i] == "--overwrite")
+      overwrite = true;
     else if (words[i] == "--help" || words[i] == "-h")
       help = true;
     else if (words[i].starts_with("-"))
@@ -60,7 +63,7 @@ int run(const std::vector<std::string>& words) {
   LightProgram program = light_program(names[0]);
   if (!rate.empty()) set_rate(program, rate);
   if (names.size() == 2)
-    program.save(names[1]);
+    write_file(names[1], program.json(), overwrite);
   else
     std::puts(program.json().c_str());
   return 0;
