@@ -4,6 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+// After cstdio, which it needs.
+#include <jpeglib.h>
+
 #include "tests/expect_error.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -146,6 +153,59 @@ TEST(PictureFile, RefusesWhatIsNone) {
   std::string damaged = png(3);
   for (size_t i = 45; i < damaged.size() - 16; ++i) damaged[i] = '\x55';
   refused("damaged.png", damaged, "damaged");
+}
+
+TEST(PictureFile, ReadsNoMoreThanAHeaderAllows) {
+  const TemporaryFolder folder;
+  for (const auto& [bytes, why] : {std::pair(""s, "no picture"),
+                                   {"\xff\xd8"s, "no picture"},
+                                   {jpeg(), "larger than 128 MiB"},
+                                   {png(3), "larger than a picture of 32x16 pixels can be"}}) {
+    const std::string path = folder.write("sparse", bytes);
+    std::filesystem::resize_file(path, uint64_t{900} << 20);
+    expect_error(ErrorKind::file, why, [&] { load_picture(path); });
+  }
+}
+
+TEST(PictureFile, ReadsInksAndGray) {
+  const TemporaryFolder folder;
+  // By libjpeg: 8x8 pixels of Adobe CMYK (stored as 255 - ink), and of gray.
+  const auto encoded = [](int channels, J_COLOR_SPACE space, std::vector<uint8_t> pixel) {
+    jpeg_compress_struct info{};
+    jpeg_error_mgr errors{};
+    info.err = jpeg_std_error(&errors);
+    jpeg_create_compress(&info);
+    unsigned char* bytes = nullptr;
+    unsigned long size = 0;
+    jpeg_mem_dest(&info, &bytes, &size);
+    info.image_width = info.image_height = 8;
+    info.input_components = channels;
+    info.in_color_space = space;
+    jpeg_set_defaults(&info);
+    jpeg_set_quality(&info, 100, TRUE);
+    jpeg_start_compress(&info, TRUE);
+    std::vector<uint8_t> row;
+    for (int x = 0; x < 8; ++x) row.insert(row.end(), pixel.begin(), pixel.end());
+    for (int y = 0; y < 8; ++y) {
+      JSAMPROW line = row.data();
+      jpeg_write_scanlines(&info, &line, 1);
+    }
+    jpeg_finish_compress(&info);
+    jpeg_destroy_compress(&info);
+    std::string out(reinterpret_cast<char*>(bytes), size);
+    free(bytes);
+    return out;
+  };
+  const auto first = [&](const std::string& bytes) {
+    const Picture8 picture = load_picture(folder.write("a.jpg", bytes));
+    EXPECT_EQ(picture.extent, (Extent{8, 8}));
+    return std::vector<int>(picture.rgba.begin(), picture.rgba.begin() + 4);
+  };
+  const std::vector<int> inks = first(encoded(4, JCS_CMYK, {200, 100, 50, 255}));
+  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(inks[c], (std::array{200, 100, 50}[c]), 2);
+  const std::vector<int> gray = first(encoded(1, JCS_GRAYSCALE, {77}));
+  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(gray[c], 77, 1);
+  EXPECT_EQ(gray[3], 255);
 }
 
 TEST(PictureFile, IsReducedInLinearLight) {

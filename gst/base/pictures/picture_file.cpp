@@ -5,11 +5,14 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <string_view>
 
 #include "common/error.hpp"
 #include "common/open_file.hpp"
+#include "common/png_head.hpp"
+#include "jpeg_pixels.hpp"
 
 // Private to this file, because an application may link its own stb.
 #define STB_IMAGE_IMPLEMENTATION
@@ -19,7 +22,6 @@
 #define STBI_MAX_DIMENSIONS 65536
 #define STBI_NO_STDIO
 #define STBI_ONLY_PNG
-#define STBI_ONLY_JPEG
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic ignored "-Wmissing-field-initializers"
@@ -103,7 +105,7 @@ bool for_chunks(std::string_view png, Chunk chunk) {
   constexpr size_t kSignature = 8, kHead = 8, kChecksum = 4;
   for (png.remove_prefix(std::min(kSignature, png.size())); png.size() >= kHead;) {
     const size_t length = Bytes(png).number(0, 4);
-    if (length > png.size() - kHead) return false;
+    if (length > png.size() - kHead || png[4] == '\0') return false;
     if (png.substr(4, 4) == "IEND") return true;
     chunk(png.substr(4, 4), png.substr(kHead, length));
     png.remove_prefix(std::min(kHead + length + kChecksum, png.size()));
@@ -111,40 +113,39 @@ bool for_chunks(std::string_view png, Chunk chunk) {
   return false;
 }
 
-constexpr std::string_view kPng("\x89PNG", 4), kJpeg("\xff\xd8", 2);
+constexpr std::string_view kPng("\x89PNG", 4), kJpeg("\xff\xd8\xff", 3);
 
-/// Whether the Huffman tables of a JPEG have no more codes than there are: stb writes beyond them.
-bool has_good_tables(std::string_view jpeg) {
-  constexpr uint32_t kTables = 0xffc4;
-  constexpr size_t kHead = 17;  // class and place, then how many codes of each length
-  const auto good = [&](size_t at) {
-    const Bytes bytes(jpeg);
-    auto left = static_cast<int64_t>(bytes.number(at + 2, 2)) - 2;
-    for (at += 4; left > 0;) {
-      size_t codes = 0;
-      for (size_t i = 1; i < kHead; ++i) codes += bytes.number(at + i, 1);
-      if (codes > 256) return false;
-      at += kHead + codes;
-      left -= static_cast<int64_t>(kHead + codes);
-    }
-    return true;
-  };
-  bool all = true;
-  size_t at = for_segments(jpeg, [&](uint32_t marker, size_t place) {
-    all = all && (marker != kTables || good(place));
-  });
-  // Between pixels, FF begins a marker or is followed by 0.
-  for (; all && (at = jpeg.find("\xff\xc4", at)) != jpeg.npos; at += 2) all = good(at);
-  return all;
-}
-
-/// Whether a PNG or JPEG has its end, and nothing between its segments: stb reads zeros beyond that
-/// of a file.
+/// Whether a PNG or JPEG has its end, and nothing between its segments: stb and libjpeg go on
+/// beyond that of a file.
 bool has_its_end(std::string_view file) {
   if (file.starts_with(kPng)) return for_chunks(file, [](auto, auto) {});
   if (!file.starts_with(kJpeg)) return true;
   const size_t pixels = for_segments(file, [](auto, auto) {});
   return pixels != std::string_view::npos && file.find("\xff\xd9", pixels) != file.npos;
+}
+
+/// As read_jpeg, of a PNG.
+Picture8 read_png(std::string_view file, const std::function<void(Extent)>& check_size,
+                  std::string& fault) {
+  const auto* bytes = reinterpret_cast<const stbi_uc*>(file.data());
+  const auto size = static_cast<int>(file.size());
+  int width = 0, height = 0, channels = 0;
+  Picture8 picture;
+  const bool known = stbi_info_from_memory(bytes, size, &width, &height, &channels);
+  // stb says only that it does not know a picture that is too large for it.
+  check_size(known ? Extent{static_cast<uint32_t>(width), static_cast<uint32_t>(height)}
+                   : Extent{Bytes(file).number(16, 4), Bytes(file).number(20, 4)});
+  const std::unique_ptr<stbi_uc, void (*)(void*)> decoded(
+      known ? stbi_load_from_memory(bytes, size, &width, &height, &channels, 4) : nullptr,
+      stbi_image_free);
+  if (!decoded) {
+    const char* why = stbi_failure_reason();
+    fault = why ? why : "";
+    return picture;
+  }
+  picture.extent = {static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
+  picture.rgba.assign(decoded.get(), decoded.get() + 4 * picture.extent.pixels());
+  return picture;
 }
 
 float linear(uint8_t code) {
@@ -192,38 +193,42 @@ Picture8 load_picture(const std::string& path, Turn turn) {
                                      "; pictures are PNG or JPEG files: convert others, "
                                      "with gst-launch-1.0 or ImageMagick for example");
   };
-  constexpr uint64_t kMaxBytes = uint64_t{1} << 30;
-  std::string fault;
-  const std::string file = read_file(path, kMaxBytes, fault);
-  if (!fault.empty()) throw Error(ErrorKind::file, path + ": it " + fault);
-  const auto* bytes = reinterpret_cast<const stbi_uc*>(file.data());
-  const auto size = static_cast<int>(file.size());
-  int width = 0, height = 0, channels = 0;
-  if (!file.starts_with(kPng) && !file.starts_with(kJpeg)) refuse("no picture");
-  if (!has_its_end(file)) refuse("it ends too early");
-  if (file.starts_with(kJpeg) && !has_good_tables(file))
-    refuse("a damaged picture (its Huffman tables are too long)");
-  const auto check_size = [&path](uint64_t width, uint64_t height) {
-    if (width * height <= kMaxPixels) return;
-    throw Error(ErrorKind::file, path + ": a picture of " + std::to_string(width) + "x" +
-                                     std::to_string(height) + " pixels; scale it to less than " +
-                                     std::to_string(kMaxPixels >> 20) + " million");
+  const auto fail = [&path](const std::string& why) {
+    throw Error(ErrorKind::file, path + ": it " + why);
   };
-  // stb says only that it does not know a picture that is too large for it.
-  if (file.starts_with(kPng)) check_size(Bytes(file).number(16, 4), Bytes(file).number(20, 4));
-  if (!stbi_info_from_memory(bytes, size, &width, &height, &channels))
-    refuse(std::string("no picture (") + stbi_failure_reason() + ")");
-  const uint64_t pixels = static_cast<uint64_t>(width) * static_cast<uint64_t>(height);
-  check_size(static_cast<uint64_t>(width), static_cast<uint64_t>(height));
-  if (pixels == 0) refuse("no picture (it has no pixels)");
-  // stb takes memory for what a damaged file declares. No coding here shrinks a pixel to less.
-  constexpr uint64_t kMaxRatio = 16 * 1032;
-  if (kMaxRatio * file.size() < pixels) refuse("it ends too early");
-  const std::unique_ptr<stbi_uc, void (*)(void*)> decoded(
-      stbi_load_from_memory(bytes, size, &width, &height, &channels, 4), stbi_image_free);
-  if (!decoded) refuse(std::string("a damaged picture (") + stbi_failure_reason() + ")");
-  Picture8 picture{{static_cast<uint32_t>(width), static_cast<uint32_t>(height)}, {}};
-  picture.rgba.assign(decoded.get(), decoded.get() + 4 * picture.extent.pixels());
+  const OpenFile opened(path);
+  if (!opened.fault().empty()) fail(opened.fault());
+  std::string file(PngHead::kBytes, '\0');
+  file.resize(opened.read(0, file.data(), file.size()));
+  const PngHead head(file);
+  if (!head.png && !file.starts_with(kJpeg)) refuse("no picture");
+  const auto check_size = [&](Extent extent) {
+    const uint64_t pixels = extent.pixels();
+    if (pixels > kMaxPixels)
+      throw Error(ErrorKind::file, path + ": a picture of " + std::to_string(extent.width) + "x" +
+                                       std::to_string(extent.height) +
+                                       " pixels; scale it to less than " +
+                                       std::to_string(kMaxPixels >> 20) + " million");
+    if (pixels == 0) refuse("no picture (it has no pixels)");
+    // A damaged file may declare any size. No coding here shrinks a pixel to less.
+    constexpr uint64_t kMaxRatio = 16 * 1032;
+    if (kMaxRatio * opened.size() < pixels) refuse("it ends too early");
+  };
+  // Before the rest is read.
+  const Extent declared{head.width, head.height};
+  if (declared.pixels() > 0) check_size(declared);
+  constexpr uint64_t kMaxJpeg = uint64_t{128} << 20;  // a byte for each of kMaxPixels
+  if (head.png && opened.size() > head.max_bytes())
+    fail("is larger than a picture of " + std::to_string(head.width) + "x" +
+         std::to_string(head.height) + " pixels can be: store it again");
+  std::string fault;
+  file = read_file(opened, head.png ? head.max_bytes() : kMaxJpeg, fault);
+  if (!fault.empty()) fail(fault);
+  if (!file.starts_with(head.png ? kPng : kJpeg)) fail("changed while it was read; load it again");
+  if (!has_its_end(file)) refuse("it ends too early");
+  const auto read = file.starts_with(kPng) ? read_png : read_jpeg;
+  Picture8 picture = read(file, check_size, fault);
+  if (picture.rgba.empty()) refuse("a damaged picture (" + fault + ")");
   if (turn == Turn::none) return picture;
   return oriented(std::move(picture), exif_orientation(file));
 }
