@@ -295,10 +295,10 @@ CalibratedCamera camera_of(const nlohmann::json& json, const std::string& path) 
 /// meta.json: {"depth_units_per_metre": 5000, "frames": [{"frame": 0, "camera": {"width", "height",
 /// "fx", "fy", "cx", "cy", "cam_to_world_opencv": 4 rows of 4}}]}, frames by the numbers of files.
 void read_meta(const std::string& path, Listing& listing, Warnings& warnings) {
-  constexpr uint64_t kMaxBytes = uint64_t{1} << 28;
+  constexpr uint64_t kMaxBytes = uint64_t{1} << 26;
   std::string fault;
   const std::string text = read_file(path, kMaxBytes, fault);
-  const auto json = parse_json<nlohmann::json>(text, fault);
+  const auto json = fault.empty() ? parse_json<nlohmann::json>(text, fault) : nlohmann::json();
   if (!fault.empty()) refuse(path + ": it " + fault + "; mend it, or remove it");
   std::map<std::string, Entry*> by_number;
   for (Entry& entry : listing.entries)

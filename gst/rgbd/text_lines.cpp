@@ -39,7 +39,7 @@ std::optional<double> time_number(std::string_view word) {
 
 void read_lines(const std::string& path, const char* expected, std::vector<std::string>& warnings,
                 const std::function<bool(const Words&)>& take) {
-  constexpr uint64_t kMaxBytes = uint64_t{1} << 28;
+  constexpr uint64_t kMaxBytes = uint64_t{1} << 26;
   std::string fault;
   const std::string text = read_file(path, kMaxBytes, fault);
   if (!fault.empty()) throw Error(ErrorKind::file, path + ": it " + fault);

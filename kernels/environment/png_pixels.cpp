@@ -7,6 +7,7 @@
 
 #include "common/error.hpp"
 #include "common/open_file.hpp"
+#include "common/png_head.hpp"
 
 // stb_image's decoder, private to this file.
 #define STB_IMAGE_IMPLEMENTATION
@@ -31,7 +32,7 @@ bool has_its_chunks(std::string_view png) {
   for (png.remove_prefix(std::min(kSignature, png.size())); png.size() >= kHead;) {
     size_t length = 0;
     for (size_t i = 0; i < 4; ++i) length = length << 8 | static_cast<unsigned char>(png[i]);
-    if (length > png.size() - kHead) return false;
+    if (length > png.size() - kHead || png[4] == '\0') return false;
     if (png.substr(4, 4) == "IEND") break;
     png.remove_prefix(std::min(kHead + length + kChecksum, png.size()));
   }
@@ -44,9 +45,19 @@ PngPixels read_png_pixels(const std::string& path, const std::string& expected) 
   const auto refuse = [&](const std::string& why) {
     throw Error(ErrorKind::file, path + ": " + why + "; " + expected);
   };
-  constexpr uint64_t kMaxBytes = uint64_t{1} << 30;  // twice the largest one, uncompressed
+  const OpenFile opened(path);
+  if (!opened.fault().empty()) refuse("it " + opened.fault());
+  // Before the rest is read.
+  std::string file(PngHead::kBytes, '\0');
+  file.resize(opened.read(0, file.data(), file.size()));
+  const PngHead head(file);
+  if (!head.png) refuse("no PNG");
+  if (std::max(head.width, head.height) > STBI_MAX_DIMENSIONS) refuse("no PNG (too large)");
+  if (opened.size() > head.max_bytes())
+    refuse("it is larger than a PNG of " + std::to_string(head.width) + "x" +
+           std::to_string(head.height) + " pixels can be");
   std::string fault;
-  const std::string file = read_file(path, kMaxBytes, fault);
+  file = read_file(opened, head.max_bytes(), fault);
   if (!fault.empty()) refuse("it " + fault);
   const auto* bytes = reinterpret_cast<const stbi_uc*>(file.data());
   const auto size = static_cast<int>(file.size());

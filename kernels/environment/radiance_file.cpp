@@ -138,32 +138,43 @@ struct Panorama {
   std::vector<float> rgb;
 };
 
-/// The pixels of a file in camera axes.
-Panorama parse(std::string_view file, const std::string& path) {
-  const stbi_io_callbacks callbacks{Reader::read, Reader::skip, Reader::ended};
+constexpr stbi_io_callbacks kCallbacks{Reader::read, Reader::skip, Reader::ended};
+
+/// What stb makes of a file, or of the beginning that was read of it.
+template <typename Use>
+auto decode(std::string_view file, const std::string& path, Use use) {
+  Reader reader{file};
+  auto result = use(&reader);
+  if (reader.beyond_end) fail(path, "ends too early; it was not copied or written whole");
+  if (!result)
+    fail(path, std::string("is no Radiance picture (.hdr, RGBE, rows from the top) that "
+                           "can be read (") +
+                   stbi_failure_reason() + "); convert others, with Blender for example");
+  return result;
+}
+
+/// The size that the header declares, of a file of so many bytes.
+Extent extent_of(std::string_view head, uint64_t bytes, const std::string& path) {
   int width = 0, height = 0, channels = 0;
-  const auto decode = [&](auto use) {
-    Reader reader{file};
-    auto result = use(&reader);
-    if (reader.beyond_end) fail(path, "ends too early; it was not copied or written whole");
-    if (!result)
-      fail(path, std::string("is no Radiance picture (.hdr, RGBE, rows from the top) that "
-                             "can be read (") +
-                     stbi_failure_reason() + "); convert others, with Blender for example");
-    return result;
-  };
-  decode([&](Reader* reader) {
-    return stbi_info_from_callbacks(&callbacks, reader, &width, &height, &channels);
+  decode(head, path, [&](Reader* reader) {
+    return stbi_info_from_callbacks(&kCallbacks, reader, &width, &height, &channels);
   });
   if (width < 0 || height < 0) fail(path, "has a size below 0 in its header");
   const Extent extent{static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
   Environment::check_size(extent, "environment map " + path);
   // The size in the header may be wrong: a row needs at least two bytes per 127 values.
-  if (file.size() < static_cast<uint64_t>(height) * 8 * (static_cast<uint64_t>(width) / 127))
+  if (bytes < static_cast<uint64_t>(height) * 8 * (static_cast<uint64_t>(width) / 127))
     fail(path, "ends too early; it was not copied or written whole");
-  const auto rgb = decode([&](Reader* reader) {
+  return extent;
+}
+
+/// The pixels of a file in camera axes.
+Panorama parse(std::string_view file, const std::string& path) {
+  const Extent extent = extent_of(file, file.size(), path);
+  int width = 0, height = 0, channels = 0;
+  const auto rgb = decode(file, path, [&](Reader* reader) {
     return std::unique_ptr<float, void (*)(void*)>(
-        stbi_loadf_from_callbacks(&callbacks, reader, &width, &height, &channels, 3),
+        stbi_loadf_from_callbacks(&kCallbacks, reader, &width, &height, &channels, 3),
         stbi_image_free);
   });
   Panorama panorama{extent, {rgb.get(), rgb.get() + 3 * extent.pixels()}};
@@ -180,9 +191,18 @@ Environment Environment::load(const std::string& path, size_t* changed) {
 }
 
 Environment Environment::load(const OpenFile& file, const std::string& path, size_t* changed) {
-  constexpr uint64_t kMaxBytes = uint64_t{1} << 30;  // twice the largest map without runs
+  if (!file.fault().empty()) fail(path, file.fault());
+  // Before the rest is read. Runs of one value take twice the bytes of plain pixels.
+  constexpr uint64_t kMaxHead = uint64_t{1} << 20;
+  std::string head(std::min(file.size(), kMaxHead), '\0');
+  head.resize(file.read(0, head.data(), head.size()));
+  const Extent extent = extent_of(head, file.size(), path);
+  const uint64_t most = 8 * extent.pixels() + kMaxHead;
+  if (file.size() > most)
+    fail(path, "is larger than a map of " + std::to_string(extent.width) + "x" +
+                   std::to_string(extent.height) + " pixels can be; it was not written whole");
   std::string fault;
-  const std::string bytes = read_file(file, kMaxBytes, fault);
+  const std::string bytes = read_file(file, most, fault);
   if (!fault.empty()) fail(path, fault);
   Panorama panorama = parse(bytes, path);
   size_t values = 0;

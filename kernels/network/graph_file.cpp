@@ -191,8 +191,14 @@ Graph from_file(std::span<const std::byte> bytes, const std::string& name) {
 Graph load(const std::string& path) {
   constexpr const char* kRemedy = "; inverse-onnx-import makes a network file of an ONNX file";
   constexpr uint64_t kMaxBytes = uint64_t{1} << 30;
-  std::string fault;
-  const std::string bytes = read_file(path, kMaxBytes, fault);
+  const OpenFile file(path);
+  std::string fault = file.fault();
+  // Of another file, its beginning is enough to say so.
+  std::array<char, sizeof(Header)> head{};
+  const bool whole = fault.empty() && file.read(0, head.data(), head.size()) == head.size();
+  if (whole && std::memcmp(head.data(), kMagic.data(), kMagic.size()) != 0)
+    return from_file(std::as_bytes(std::span(head)), path);
+  const std::string bytes = fault.empty() ? read_file(file, kMaxBytes, fault) : std::string();
   if (!fault.empty()) throw Error(ErrorKind::file, path + ": it " + fault + kRemedy);
   return from_file(std::as_bytes(std::span(bytes)), path);
 }

@@ -14,7 +14,7 @@ constexpr unsigned kMaxCorners = 1000;
 /// one, in triangles, with normals (if it has none: smooth, but for edges sharper than 66
 /// degrees), in the middle and of radius 1. Materials and textures are ignored. Throws
 /// Error(file), which names the file, if it cannot be read, is none of these, has no triangles,
-/// more than Mesh::kMaxTriangles, a polygon of more than kMaxCorners corners, or more than 1 GiB,
+/// more than Mesh::kMaxTriangles, a polygon of more than kMaxCorners corners, or more than 512 MiB,
 /// or if it names a file outside of its folder. Faces whose corners do not exist or are no numbers
 /// are left out; `warning` says so, or is empty.
 Mesh parse_mesh(const std::string& path, std::string& warning);

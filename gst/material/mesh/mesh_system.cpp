@@ -2,10 +2,12 @@
 #include "mesh_system.hpp"
 
 #include <algorithm>
+#include <array>
 #include <assimp/IOStream.hpp>
 #include <cstdint>
 #include <cstring>
 #include <stdexcept>
+#include <string_view>
 
 #include "common/file_extension.hpp"
 #include "common/open_file.hpp"
@@ -15,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uint64_t kMaxBytes = uint64_t{1} << 30;
+constexpr uint64_t kMaxBytes = uint64_t{1} << 29;
 constexpr const char* kRemedy = "; simplify it, with Blender's Decimate for example";
 
 /// A file as Assimp reads it. Some of Assimp's readers loop for ever behind its end: this
@@ -95,7 +97,16 @@ class MeshSystem final : public Assimp::IOSystem {
 }  // namespace
 
 std::string read_mesh(const std::string& path, std::string& fault) {
-  std::string content = read_file(path, kMaxBytes, fault);
+  const OpenFile file(path);
+  fault = file.fault();
+  // Before the rest is read. Only PLY and GLB have bytes that are no text, and they have names.
+  std::array<char, 4096> head{};
+  const size_t got = fault.empty() ? file.read(0, head.data(), head.size()) : 0;
+  const std::string_view start(head.data(), got);
+  if (!start.starts_with("ply") && !start.starts_with("glTF") && start.find('\0') != start.npos)
+    fault = "is no mesh but other data, or damaged";
+  if (!fault.empty()) return {};
+  std::string content = read_file(file, kMaxBytes, fault);
   if (fault.starts_with("is larger")) fault += kRemedy;
   return content;
 }

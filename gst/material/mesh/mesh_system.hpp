@@ -7,7 +7,7 @@
 
 namespace inverse {
 
-/// The content of a mesh, or of a file that it names, of at most 1 GiB. `fault` as read_file.
+/// The content of a mesh, or of a file that it names, of at most 512 MiB. `fault` as read_file.
 std::string read_mesh(const std::string& path, std::string& fault);
 
 /// Whether a file without links in its path is in a folder, or in one of those below.

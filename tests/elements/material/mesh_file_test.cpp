@@ -208,6 +208,11 @@ TEST_F(MeshFile, InvalidFilesAreErrorsWithTheirCause) {
     expect_contains(error(written(name, "")), "cannot be read");
   for (const char* name : {"empty.glb", "empty.gltf"})
     expect_contains(error(written(name, "")), "is not valid JSON at line 1, column");
+  for (const char* name : {"sparse.obj", "sparse.gltf"}) {
+    const std::string sparse = written(name, "");
+    std::filesystem::resize_file(sparse, uint64_t{900} << 20);
+    expect_contains(error(sparse), "is no mesh but other data");
+  }
   expect_contains(error(written("points.obj", "v 0 0 0\nv 1 1 1\n")),
                   "has no triangle with an area");
   expect_contains(error(written("line.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n")),

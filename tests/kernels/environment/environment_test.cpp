@@ -133,6 +133,12 @@ TEST_F(EnvironmentTest, InvalidFilesAreErrorsWithTheirCause) {
   expect_contains(load_error("file:///nowhere/map.hdr"), "a path is needed, not a URI");
   const std::string head = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n";
   expect_contains(load_error(written("size.hdr", head + "-Y -5 +X 10\n")), "a size below 0");
+  // With all its pixels, but also much that is none.
+  std::string pixels = head + "-Y 2 +X 4\n";
+  for (int i = 0; i < 8; ++i) pixels += "\x80\x80\x80\x81";
+  const std::string sparse = written("sparse.hdr", pixels);
+  std::filesystem::resize_file(sparse, uint64_t{900} << 20);
+  expect_contains(load_error(sparse), "larger than a map of 4x2 pixels can be");
   expect_contains(load_error(written("up.hdr", head + "+Y 5 +X 10\n")), "rows from the top");
   expect_contains(load_error(path(".")), "is no file");
   expect_contains(load_error(written("empty.hdr", "")), "ends too early");

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <random>
@@ -153,6 +154,10 @@ TEST(NetworkFile, UnreadableFilesAreNamed) {
   const std::string missing = folder / "a.net";
   EXPECT_EQ(load_error(missing),
             missing + ": it cannot be read: No such file or directory" + remedy);
+  // Not read to its end.
+  const std::string sparse = folder.write("sparse.net", "");
+  std::filesystem::resize_file(sparse, uint64_t{20} << 30);
+  expect_contains(load_error(sparse), "not a .net file");
 }
 
 }  // namespace inverse::testing
