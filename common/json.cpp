@@ -15,7 +15,8 @@ class JsonCheck final : public nlohmann::json_sax<Json> {
  public:
   std::string fault;
 
-  explicit JsonCheck(const std::string& too_many) : too_many_(too_many) {}
+  JsonCheck(const std::string& too_many, size_t max_list)
+      : too_many_(too_many), max_list_(max_list) {}
   bool null() override { return count(); }
   bool boolean(bool) override { return count(); }
   bool number_integer(typename Json::number_integer_t) override { return count(); }
@@ -28,7 +29,7 @@ class JsonCheck final : public nlohmann::json_sax<Json> {
   bool start_object(size_t) override { return open(); }
   bool end_object() override { return close(); }
   bool key(std::string& name) override {
-    if (!names_.back().insert(name).second)
+    if (!open_.back().names.insert(name).second)
       fault = "has the field \"" + name.substr(0, 40) + "\" twice";
     return fault.empty() && count();
   }
@@ -45,23 +46,31 @@ class JsonCheck final : public nlohmann::json_sax<Json> {
 
  private:
   bool count() {
-    if (++values_ > kMaxJsonValues) fault = too_many_;
+    const bool full = !open_.empty() && ++open_.back().values > max_list_;
+    if (full || ++values_ > kMaxJsonValues) fault = too_many_;
     return fault.empty();
   }
   bool open() {
-    names_.emplace_back();
-    if (names_.size() > kMaxJsonDepth)
+    if (!count()) return false;
+    open_.emplace_back();
+    if (open_.size() > kMaxJsonDepth)
       fault = "nests its JSON more than " + std::to_string(kMaxJsonDepth) + " deep";
-    return fault.empty() && count();
+    return fault.empty();
   }
   bool close() {
-    names_.pop_back();
+    open_.pop_back();
     return true;
   }
 
+  struct Bracket {
+    std::unordered_set<std::string> names;
+    size_t values = 0;
+  };
+
   const std::string too_many_;
+  const size_t max_list_;
   size_t values_ = 0;
-  std::vector<std::unordered_set<std::string>> names_;  // in each open bracket
+  std::vector<Bracket> open_;
 };
 
 }  // namespace
@@ -79,16 +88,19 @@ std::optional<uint32_t> json_count(const nlohmann::json& number) {
 }
 
 template <typename Json>
-Json parse_json(std::string_view text, std::string& fault, const std::string& too_many) {
-  JsonCheck<Json> check(too_many.empty() ? "has more than " + std::to_string(kMaxJsonValues) +
-                                               " values in its JSON"
-                                         : too_many);
+Json parse_json(std::string_view text, std::string& fault, const std::string& too_many,
+                size_t max_list) {
+  JsonCheck<Json> check(
+      too_many.empty() ? "has more than " + std::to_string(kMaxJsonValues) + " values in its JSON"
+                       : too_many,
+      max_list);
   const bool good = Json::sax_parse(text, &check);
   fault = check.fault;
   return good ? Json::parse(text) : Json(nlohmann::json::value_t::discarded);
 }
 
-template nlohmann::json parse_json(std::string_view, std::string&, const std::string&);
-template nlohmann::ordered_json parse_json(std::string_view, std::string&, const std::string&);
+template nlohmann::json parse_json(std::string_view, std::string&, const std::string&, size_t);
+template nlohmann::ordered_json parse_json(std::string_view, std::string&, const std::string&,
+                                           size_t);
 
 }  // namespace inverse

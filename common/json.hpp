@@ -24,8 +24,10 @@ std::optional<uint32_t> json_count(const nlohmann::json& number);
 /// Parses JSON from strangers, to nlohmann::json or ordered_json. If it is none, is nested deeper
 /// than kMaxJsonDepth, has more than kMaxJsonValues values or one name twice in an object, of which
 /// readers take either, the result is discarded and `fault` says why, as the end of a message that
-/// starts with the file's name; `too_many` is that of more than kMaxJsonValues.
+/// starts with the file's name; `too_many` is that of more than kMaxJsonValues, or more
+/// than `max_list` in one list.
 template <typename Json>
-Json parse_json(std::string_view text, std::string& fault, const std::string& too_many = {});
+Json parse_json(std::string_view text, std::string& fault, const std::string& too_many = {},
+                size_t max_list = kMaxJsonValues);
 
 }  // namespace inverse

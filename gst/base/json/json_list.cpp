@@ -15,7 +15,9 @@ void refuse(const std::string& what) { throw Error(ErrorKind::unsupported, what)
 
 Json parsed(const std::string& text, const std::string& limit) {
   std::string fault;
-  Json json = parse_json<Json>(text, fault, "has more values than " + limit + "; leave out some");
+  // A list far beyond kMaxPoints is refused before it takes memory.
+  Json json = parse_json<Json>(text, fault, "has more values than " + limit + "; leave out some",
+                               16 * kMaxPoints);
   if (json.is_discarded()) refuse("the text " + fault);
   return json;
 }
@@ -75,13 +77,14 @@ std::vector<Json> entries_of(const std::string& text, const std::string& what, s
     if (!size.is_array() || size.size() != 2) refuse("\"frame\" must be [width, height]");
     frame = {static_cast<uint32_t>(number_of(size[0], 1, kMaxCoordinate, "the width")),
              static_cast<uint32_t>(number_of(size[1], 1, kMaxCoordinate, "the height"))};
-    entries = Json(entries[what]);
+    Json list = std::move(entries[what]);
+    entries = std::move(list);
   }
   if (!entries.is_array()) refuse("the text must be a list of " + what);
   if (entries.size() > max)
     refuse("there are " + std::to_string(entries.size()) + " " + what + "; at most " +
            std::to_string(max) + " are possible: leave out some");
-  return entries.get<std::vector<Json>>();
+  return std::move(entries.get_ref<Json::array_t&>());
 }
 
 std::string text_of(OrderedJson entries, const std::string& what, Extent frame) {
