@@ -289,7 +289,8 @@ void RowParameters::set_tuning(const std::string& text) {
     for (const auto& [name, written] : tuning_entries(text)) {
       const auto row = std::ranges::find_if(
           rows_, [&name = name](const PropertyRow& r) { return r.in_tuning && r.name == name; });
-      if (row == rows_.end()) throw Error(ErrorKind::unsupported, "there is no \"" + name + "\"");
+      if (row == rows_.end())
+        throw Error(ErrorKind::unsupported, "there is no \"" + name.substr(0, 40) + "\"");
       GValue value = G_VALUE_INIT;
       tuning_value(spec_of(*row, defaults_).get(), written, &value);
       entries.push_back({static_cast<size_t>(row - rows_.begin()), value});
@@ -297,7 +298,8 @@ void RowParameters::set_tuning(const std::string& text) {
   } catch (const Error& error) {
     free_entries();
     std::string& wrong = misconfigured_["tuning"];
-    wrong = "tuning=\"" + text + "\": " + error.what() + "; its names are";
+    wrong = "tuning=\"" + text.substr(0, 100) + (text.size() > 100 ? "…" : "") +
+            "\": " + error.what() + "; its names are";
     for (const PropertyRow& row : rows_)
       if (row.in_tuning) wrong += " " + std::string(row.name);
     return;

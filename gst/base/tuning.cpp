@@ -54,7 +54,7 @@ std::vector<std::pair<std::string, std::string>> tuning_entries(const std::strin
     const size_t equals = entry.find('=');
     if (equals == std::string::npos)
       throw Error(ErrorKind::unsupported,
-                  "\"" + entry + "\" has no value; write name=value:name=value");
+                  "\"" + entry.substr(0, 40) + "\" has no value; write name=value:name=value");
     entries.emplace_back(without_spaces_around(entry.substr(0, equals)),
                          without_spaces_around(entry.substr(equals + 1)));
   }
@@ -66,8 +66,8 @@ void tuning_value(GParamSpec* spec, const std::string& text, GValue* value) {
   // Validation changes a value that is out of range, also NaN.
   if (gst_value_deserialize(value, text.c_str()) && !g_param_value_validate(spec, value)) return;
   g_value_unset(value);
-  throw Error(ErrorKind::unsupported,
-              std::string(spec->name) + " takes " + values_of(spec) + ", not \"" + text + "\"");
+  throw Error(ErrorKind::unsupported, std::string(spec->name) + " takes " + values_of(spec) +
+                                          ", not \"" + text.substr(0, 40) + "\"");
 }
 
 }  // namespace inverse

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <vector>
 
 #include "common/error.hpp"
@@ -18,7 +19,7 @@ std::optional<Corners> read_corners(const std::string& text) {
     const size_t end = std::min(text.find_first_of(kBetween, at), text.size());
     double number = 0;
     const auto [last, fault] = std::from_chars(text.data() + at, text.data() + end, number);
-    if (fault != std::errc() || last != text.data() + end) {
+    if (fault != std::errc() || last != text.data() + end || !std::isfinite(number)) {
       numbers.clear();
       break;
     }

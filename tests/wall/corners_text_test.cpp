@@ -17,8 +17,9 @@ TEST(CornersText, ReadsWhatItWrites) {
 }
 
 TEST(CornersText, RefusesWhatIsNoCorners) {
-  for (const char* text : {"1,2 3,4 5,6", "1,2 3,4 5,6 7,8 9", "1,2 3,4 5,6 7,x",
-                           "1,2 3,4 5,6 7,8z", "corners", "1,2 3,4 5,6 7,1e999"})
+  for (const char* text :
+       {"1,2 3,4 5,6", "1,2 3,4 5,6 7,8 9", "1,2 3,4 5,6 7,x", "1,2 3,4 5,6 7,8z", "corners",
+        "1,2 3,4 5,6 7,1e999", "nan,2 3,4 5,6 7,8", "1,2 3,4 5,inf 7,8"})
     expect_error(ErrorKind::unsupported, "four corners", [&] { read_corners(text); });
 }
 

@@ -213,8 +213,8 @@ TEST_F(Texture, APosterThatIsNotFoundIsWarnedOfOnce) {
 TEST_F(Texture, CornersThatCannotBeAreWarnedOfOnce) {
   for (const char* corners :
        {"10,10 10,10 10,10 10,10", "10,10 100,10 20,20 10,100", "10,10 100,100 100,10 10,100",
-        "-500,-500 -400,-500 -400,-400 -500,-400", "nan,10 100,10 100,100 10,100",
-        "10,10 1e30,10 100,100 10,100", "10,10 50,10 100,10 100,100"}) {
+        "-500,-500 -400,-500 -400,-400 -500,-400", "10,10 1e30,10 100,100 10,100",
+        "10,10 50,10 100,10 100,100"}) {
     VideoHarness harness(chain("location=" + pictures.red + " corners=\"" + corners + "\""), kCaps,
                          kCaps);
     for (int n = 0; n < 3; ++n)
