@@ -2,8 +2,10 @@
 """Files and folders that appear whole or not at all, also after a power failure. In C++: common/replace_file.hpp."""
 import ctypes
 import errno
+import hashlib
 import os
 import shutil
+import stat
 import tempfile
 
 _AT_FDCWD, _RENAME_EXCHANGE = -100, 2
@@ -37,16 +39,27 @@ def sync_below(folder):
         sync(base)
 
 
+def key(target):
+    """For names beside a file or a folder: its own may be as long as names can be."""
+    return hashlib.sha256(os.fsencode(os.path.basename(os.path.abspath(target)))).hexdigest()[:16]
+
+
 def write(path, content, mode=None):
     """Writes a file (text or bytes), which takes the place of the one before once it is whole; through symbolic links. It gets the
-    permissions and, where that is allowed, the group of the one before, or `mode` less the umask. Throws OSError."""
+    permissions and, where that is allowed, the group of the one before, or `mode` less the umask. A device or a FIFO stays and gets the
+    content. Throws OSError."""
     target = os.path.realpath(path)
     folder = os.path.dirname(target)
     before = os.stat(target) if os.path.exists(target) else None
-    handle, part = tempfile.mkstemp(prefix=f".{os.path.basename(target)[:100]}.", suffix=".part", dir=folder)
+    data = content if isinstance(content, bytes) else os.fsencode(content)
+    if before and not stat.S_ISREG(before.st_mode):
+        with open(path, "wb") as written:
+            written.write(data)
+        return
+    handle, part = tempfile.mkstemp(prefix=f".{key(target)}.", suffix=".part", dir=folder)
     try:
         with os.fdopen(handle, "wb") as written:
-            written.write(content if isinstance(content, bytes) else os.fsencode(content))
+            written.write(data)
             if before and mode is None:
                 try:
                     os.fchown(written.fileno(), -1, before.st_gid)
@@ -75,8 +88,8 @@ def exchange(one, other):
 
 
 def _before(target):
-    folder, name = os.path.split(os.path.abspath(target))
-    return os.path.join(folder, f".{name}.inverse-before")
+    target = os.path.abspath(target)
+    return os.path.join(os.path.dirname(target), f".{key(target)}.inverse-before")
 
 
 def settle(part, target):

@@ -4,6 +4,7 @@ import glob
 import os
 import shutil
 import signal
+import stat
 import subprocess
 import sys
 import time
@@ -54,6 +55,29 @@ class Files(case.Case):
         with mock.patch.object(os, "fsync", side_effect=OSError(28, "No space left")), self.assertRaises(OSError):
             files.write(target, "three")
         self.assertEqual((self.read("folder/x"), os.listdir(self.path("folder"))), ("two", ["x"]))
+
+    def test_names_as_long_as_they_can_be(self):
+        for name in ("x" * 255, "\u4e00" * 84, "\u4e00" * 85):
+            with self.subTest(name):
+                files.write(self.path(name), "one")
+                files.write(self.path(name), "two")
+                self.assertEqual((self.read(name), os.listdir(self.folder)), ("two", [name]))
+                os.unlink(self.path(name))
+                os.mkdir(self.path(name))
+                os.mkdir(self.path("draft"))
+                with mock.patch.object(files, "exchange", return_value=False):
+                    files.settle(self.path("draft"), self.path(name))
+                self.assertEqual(os.listdir(self.folder), [name])
+                os.rmdir(self.path(name))
+                partial = part.partial_name(name[:-4] + ".mkv" if name[0] == "x" else name[:-2] + ".mkv")
+                self.assertTrue(partial.endswith(".partial.mkv") and len(os.fsencode(partial)) <= 255, partial)
+
+    def test_devices_and_fifos_stay(self):
+        os.mkfifo(self.path("fifo"))
+        with subprocess.Popen(["cat", self.path("fifo")], stdout=subprocess.PIPE) as reader:
+            files.write(self.path("fifo"), "content")
+            self.assertEqual(reader.communicate()[0], b"content")
+        self.assertTrue(stat.S_ISFIFO(os.stat(self.path("fifo")).st_mode))
 
     def test_all_is_on_the_disk_before_it_has_its_name(self):
         done, real = [], (os.fsync, os.replace)

@@ -2,13 +2,14 @@
 """What is written before it is complete: hidden, beside the result, under a lock."""
 import fcntl
 import glob
-import hashlib
 import os
 import shutil
 import socket
 import tempfile
 
 from inverse_common import files
+
+MAX_NAME = 255  # bytes
 
 
 def remove(path):
@@ -19,15 +20,25 @@ def remove(path):
         pass
 
 
+def partial_name(output):
+    """Of the finished part of a file that was stopped."""
+    folder, name = os.path.split(output)
+    stem, ending = os.path.splitext(name)
+    ending = f".partial{ending}"
+    while len(os.fsencode(stem + ending)) > MAX_NAME:
+        stem = stem[:-1]
+    return os.path.join(folder, stem + ending)
+
+
 class Part:
     """A file or a folder at `path` for a result that is not complete. Its lock, a file of its own beside it, is held until `close`, and
     ends with the process on whichever host: locks of folders do not leave a host where NFS keeps files. Throws OSError."""
 
     def __init__(self, output, folder_wanted):
-        folder, name = os.path.split(os.path.abspath(output))
+        folder = os.path.dirname(os.path.abspath(output))
         os.makedirs(folder, exist_ok=True)
         files.restore(output)
-        prefix = f".{hashlib.sha256(os.fsencode(name)).hexdigest()[:16]}."
+        prefix = f".{files.key(output)}."
         _remove_left(os.path.join(folder, prefix))
         self._lock, self._lock_path = _new_lock(folder, f"{prefix}{socket.gethostname()[:32]}-{os.getpid()}-")
         self.path = self._lock_path.removesuffix(".lock") + ".part"

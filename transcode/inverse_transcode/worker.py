@@ -17,7 +17,7 @@ from inverse_common.probe import ProbeError  # noqa: E402
 
 from .formats import MATROSKA, SEQUENCES, FormatError  # noqa: E402
 from .matroska import mend_tags  # noqa: E402
-from .part import Part, remove  # noqa: E402
+from .part import Part, partial_name, remove  # noqa: E402
 from .pipeline import Transcode, TranscodeError  # noqa: E402
 from .plan import is_result_folder  # noqa: E402
 
@@ -31,12 +31,6 @@ os.dup2(2, 1)
 def say(**what):
     WORDS.write(json.dumps(what) + "\n")
     WORDS.flush()
-
-
-def partial_name(output):
-    """Of the finished part of a file that was stopped."""
-    stem, ending = os.path.splitext(output)
-    return f"{stem}.partial{ending}"
 
 
 def _remove_partial(path):
