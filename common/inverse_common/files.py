@@ -50,7 +50,7 @@ def write(path, content, mode=None):
     content. Throws OSError."""
     target = os.path.realpath(path)
     folder = os.path.dirname(target)
-    before = os.stat(target) if os.path.exists(target) else None
+    before = os.stat(path) if os.path.exists(path) else None
     data = content if isinstance(content, bytes) else os.fsencode(content)
     if before and not stat.S_ISREG(before.st_mode):
         with open(path, "wb") as written:

@@ -487,6 +487,28 @@ class Transcode(Case):
         self.run_it("clip.mkv", "-o", "out.mkv", "--", 'intrinsicedit layer=shading effect="videobalance contrast=1.2"')
         self.assertEqual(streams_of(self.path("out.mkv"))[0][0].packets, 6)
 
+    def test_a_report_replaces_only_a_report(self):
+        self.clip()
+        with open(self.path("notes"), "w", encoding="ascii") as file:
+            file.write("{}")
+        self.make("p/%d.png", "videotestsrc num-buffers=1")  # a name that is no pattern
+        os.rename(self.path("p/%d.png"), self.path("p/1.png"))
+        before = os.path.getsize(self.path("clip.mkv")), os.path.getsize(self.path("notes"))
+        for words, text in ((["clip.mkv", "--report", "clip.mkv"], "would replace an input"), (["clip.mkv", "--report", "./clip.mkv", "--overwrite"], "would replace an input"),
+                            (["clip.mkv", "-o", "new.mkv", "--report", "new.mkv"], "in the place of a result"), (["clip.mkv", "--report", "notes"], "is no report"),
+                            (["p/%d.png", "--report", "p/2.png"], "would replace an input"), (["clip.mkv", "--report", "."], "it is a folder")):
+            with self.subTest(words):
+                self.assertIn(text, self.run_it(*words, "--", "identity", status=2))
+        self.assertEqual((os.path.getsize(self.path("clip.mkv")), os.path.getsize(self.path("notes")), os.path.exists(self.path("out"))), (*before, False))
+        for words in (["report"], ["report"], ["notes", "--overwrite"]):
+            self.run_it("clip.mkv", "--report", *words, "--", "identity")
+        for name in ("report", "notes"):
+            with open(self.path(name), encoding="ascii") as file:
+                self.assertEqual(json.load(file)["counts"], {"present": 1})
+        self.assertEqual(json.loads(self.run_it("clip.mkv", "--quiet", "--report", "-", "--", "identity"))["counts"], {"present": 1})
+        self.run_it("clip.mkv", "--report", "/dev/null", "--", "identity")
+        self.assertFalse(os.path.isfile("/dev/null"))
+
     def test_dry_run_writes_nothing(self):
         self.clip()
         self.assertIn("clip.mkv -> out/transcode/clip.mkv", self.run_it("clip.mkv", "--dry-run"))

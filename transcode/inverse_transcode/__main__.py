@@ -20,10 +20,11 @@ from inverse_common.probe import ProbeError, probe  # noqa: E402
 from . import formats, slurm  # noqa: E402
 from .batch import Batch, BatchError, make  # noqa: E402
 from .lines import tell, warn  # noqa: E402
-from .plan import PlanError, Settings, is_exr, is_pattern, numbered, picture, plan  # noqa: E402
+from .plan import PlanError, Settings, is_exr, is_numbered, is_pattern, numbered, picture, plan  # noqa: E402
 from .run import Runner  # noqa: E402
 
 OVERLAP = 16  # frames
+REPORT_KEYS = {"version", "settings", "counts", "files"}
 DEFAULT_CHAIN = "intrinsicdecomp show=reflectance"
 EPILOG = """
 ELEMENTS are those of a launch line between the decoder and the encoder. Sound and subtitles are copied where the container takes
@@ -63,8 +64,9 @@ def parse(words):
                         help="layers of intrinsicsplit that the end of the elements has, each a video stream of the file")
     parser.add_argument("--jobs", metavar="N", type=int, default=1, help="files at a time (1)")
     parser.add_argument("--again", action="store_true", help="also where there is a result that is newer than the input")
+    parser.add_argument("--overwrite", action="store_true", help="--report also replaces a file that is no report")
     parser.add_argument("--dry-run", action="store_true", help="print what would be done")
-    parser.add_argument("--report", metavar="FILE", help="write what was done as JSON")
+    parser.add_argument("--report", metavar="FILE", help="write what was done as JSON; -: to stdout")
     parser.add_argument("--quiet", action="store_true", help="print failures only")
     parser.add_argument("--verbose", action="store_true", help="print what GStreamer says (GST_DEBUG)")
     many = parser.add_argument_group("many files, on one host or on many (docs/guides/cluster.md)")
@@ -187,9 +189,43 @@ def count(results):
     return collections.Counter(result["status"] for result in results)
 
 
+def _is_report(path):
+    """Whether a file is a report of this program."""
+    try:
+        with open(path, encoding="ascii") as read:
+            start = read.read(64)
+            return start.startswith('{') and not REPORT_KEYS - set(json.loads(start + read.read()))
+    except (ValueError, RecursionError):
+        return False
+
+
+def check_report(path, tasks, overwrite):
+    """Whether a report may be written there. `tasks`: (input, output). Throws PlanError, OSError."""
+    if path == "-":
+        return
+    place = os.path.realpath(path)
+    folder = os.path.dirname(place)
+    if os.path.isdir(place) or not os.path.exists(path) and not os.access(folder, os.W_OK):
+        why = "it is a folder" if os.path.isdir(place) else f"{folder} {'is read-only' if os.path.isdir(folder) else 'is no folder'}"
+        raise PlanError(f"the report cannot be written: {why}")
+    for given, output in tasks:
+        result = os.path.realpath(output)
+        if place == result or folder == result or folder.startswith(result + os.sep):
+            raise PlanError(f"the report would be in the place of a result: {path}; name another file")
+        pictures = is_pattern(given) and folder == os.path.realpath(os.path.dirname(given) or ".") and is_numbered(given, os.path.basename(place))
+        if pictures or place == os.path.realpath(given):
+            raise PlanError(f"the report would replace an input: {path}; name another file")
+    if os.path.isfile(place) and not overwrite and not _is_report(place):
+        raise PlanError(f"there is a file that is no report at the place of the report: {path}; name another one, or --overwrite replaces it")
+
+
 def write_report(path, settings, results):
-    report = {"version": formats.version(), "settings": vars(settings), "counts": count(results), "files": results}
-    files.write(path, json.dumps(report, indent=1))
+    """Writes to a file, or to stdout for "-"."""
+    text = json.dumps({"version": formats.version(), "settings": vars(settings), "counts": count(results), "files": results}, indent=1)
+    if path == "-":
+        print(text)
+    else:
+        files.write(path, text)
 
 
 def print_status(results, quiet):
@@ -230,6 +266,8 @@ def batch_main(arguments, batch):
         jobs = slurm.submit(batch, shlex.split(arguments.sbatch))
         print(f"Slurm: {' and '.join(f'job {job}' for job in jobs)}" if jobs else "there is nothing to do")
         return 0
+    if arguments.report:
+        check_report(arguments.report, [(task["input"], task["output"]) for task in batch.tasks + batch.manifest["others"]], arguments.overwrite)
     results = batch.report()
     print_status(results, arguments.quiet)
     if arguments.report:
@@ -265,12 +303,12 @@ def transcode_main(arguments):
         raise PlanError(f"{arguments.output} does not end in .{arguments.to}")
     if arguments.output and ending in formats.SEQUENCES and arguments.output.lower().endswith(f".{ending}"):
         raise PlanError(f"{ending} is written to a folder of numbered pictures: name one, such as {os.path.splitext(arguments.output)[0]}")
-    if arguments.report and not os.access(place := os.path.dirname(os.path.abspath(arguments.report)), os.W_OK):
-        raise PlanError(f"the report cannot be written: {place} {'is read-only' if os.path.isdir(place) else 'is no folder'}")
     check(settings, arguments.inputs)
     if arguments.chunk:
         formats.need(["gdppay", "gdpdepay", "scenechange"], "chunks")
     tasks = plan(arguments.inputs, arguments.output, arguments.out or "out/transcode", ending, arguments.again)
+    if arguments.report:
+        check_report(arguments.report, [(task.input, task.output) for task in tasks], arguments.overwrite)
     if arguments.dry_run:
         for task in tasks:
             task.problem = task.problem or unreadable(task.input)

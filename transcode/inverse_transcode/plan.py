@@ -74,12 +74,21 @@ def picture(pattern, number):
     return os.path.join(os.path.dirname(pattern), f"{head}{number:0{digits}}{tail}" if digits else f"{head}{number}{tail}")
 
 
+def _form(pattern):
+    head, digits, tail = pattern_parts(pattern)
+    return re.compile(re.escape(head) + f"([0-9]{{{max(digits, 1)},}})" + re.escape(tail))
+
+
+def is_numbered(pattern, name):
+    """Whether a pattern such as frames/%04d.png names a picture of that name in its folder."""
+    return bool(_form(pattern).fullmatch(name))
+
+
 def numbered(pattern):
-    """The numbers of the pictures that a pattern such as frames/%04d.png names, in order."""
-    folder, (head, digits, tail) = os.path.dirname(pattern) or ".", pattern_parts(pattern)
+    """The numbers of the pictures that a pattern names, in order."""
+    folder = os.path.dirname(pattern) or "."
     names = os.listdir(folder) if os.path.isdir(folder) else []
-    form = re.compile(re.escape(head) + f"([0-9]{{{max(digits, 1)},}})" + re.escape(tail))
-    return sorted(int(found.group(1)) for found in map(form.fullmatch, names) if found)
+    return sorted(int(found.group(1)) for found in map(_form(pattern).fullmatch, names) if found)
 
 
 def _videos(folder, results):
