@@ -267,6 +267,22 @@ class Batch(Case):
         self.assertIn("it is not the file that the manifest lists", self.work("other", status=2))
         self.assertEqual(os.path.exists(self.path("results")), False)
 
+    def test_a_folder_with_files_of_somebody_is_no_batch(self):
+        self.clip()
+        for name in ("run", "Makefile", "tasks", "done/0"):
+            with self.subTest(name):
+                folder = self.path("of " + name.replace("/", " "))
+                os.makedirs(os.path.dirname(os.path.join(folder, name)))
+                with open(os.path.join(folder, name), "w", encoding="ascii") as file:
+                    file.write("all: mine\n")
+                self.assertIn("is in the place of a part of the batch", self.run_it("--batch", folder, "clip.mkv", "--", "identity", status=2))
+                self.assertEqual([names for _, _, names in os.walk(folder) if names], [[os.path.basename(name)]])
+        # What a run that was interrupted left is no hindrance.
+        self.run_it("--batch", "b", "clip.mkv", "--", "identity")
+        os.unlink(self.path("b/manifest.json"))
+        self.run_it("--batch", "b", "clip.mkv", "--", "identity")
+        self.assertIn("is no report", self.run_it("--batch", "b", "--status", "--report", "b/manifest.json", status=2))
+
     def test_a_full_disk(self):
         os.mkdir(self.path("small"))
         if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=200k", "none", self.path("small")], check=False, stderr=subprocess.DEVNULL).returncode:

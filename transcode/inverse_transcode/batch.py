@@ -14,6 +14,7 @@ import fcntl
 import hashlib
 import json
 import os
+import re
 import shlex
 import shutil
 import socket
@@ -27,6 +28,9 @@ from .pipeline import uri_of
 from .plan import Settings, Task, is_pattern, numbered, picture
 from .run import Runner
 
+FOLDERS = ("done", "failed", "running", "parts", "logs")
+RUN_HEAD = "#!/bin/sh\n# Runs tasks of this batch: run NUMBER...\n"
+MAKE_HEAD = "# Runs all tasks that are not done: make -C FOLDER -j N. What is there counts, not how old it is."
 SAMPLES, SAMPLE_BYTES = 16, 1 << 16
 ENVIRONMENT = ("GST_PLUGIN_PATH", "GST_PLUGIN_SYSTEM_PATH", "GST_PRESET_PATH", "GST_REGISTRY", "INVERSE_MODELS", "LD_LIBRARY_PATH",
                "VK_ICD_FILENAMES", "VK_DRIVER_FILES")
@@ -71,6 +75,24 @@ def _chunks(task, division, warn):
     return chunks if len(chunks) > 1 else None
 
 
+def _check_free(folder):
+    """Whether a folder has no files of somebody under the names that a batch takes. What an interrupted `make` left is written anew; records of
+    tasks would be taken for those of the new ones. Throws BatchError, OSError."""
+    starts = {"run": RUN_HEAD, "Makefile": MAKE_HEAD, "tasks": "", "joins": ""}
+    for name in (*starts, *FOLDERS):
+        path = os.path.join(folder, name)
+        if not os.path.lexists(path):
+            continue
+        if name in FOLDERS:
+            free = os.path.isdir(path) and not os.listdir(path)
+        else:
+            with open(path, "rb") as file:
+                free = os.path.isfile(path) and (file.read(len(starts[name])) == starts[name].encode() if starts[name] else
+                                                 re.fullmatch(rb"([0-9]+\n)*", file.read()))
+        if not free:
+            raise BatchError(f"{path} is in the place of a part of the batch: name a new folder")
+
+
 def make(folder, settings, tasks, division, warn):
     """Writes a batch of planned tasks. `division`: of files in chunks, as chunk.divide has it; `seconds` 0: not. `warn` gets texts. Returns
     the batch. Throws BatchError, OSError."""
@@ -78,6 +100,7 @@ def make(folder, settings, tasks, division, warn):
     path = os.path.join(folder, "manifest.json")
     if os.path.exists(path):
         raise BatchError(f"there is a batch in {folder}: go on with it without inputs, or name a new folder")
+    _check_free(folder)
     listed, others = [], []
     for task in tasks:
         task = dataclasses.replace(task, input=os.path.abspath(task.input), output=os.path.abspath(task.output))
@@ -102,7 +125,7 @@ def make(folder, settings, tasks, division, warn):
             listed.append(base)
     manifest = {"version": formats.version(), "settings": dataclasses.asdict(settings), "tasks": listed, "others": others}
     manifest["digest"] = _digest(manifest)
-    for name in ("done", "failed", "running", "parts", "logs"):
+    for name in FOLDERS:
         os.makedirs(os.path.join(folder, name), exist_ok=True)
     files.write(os.path.join(folder, "run"), _run_script(folder), 0o777)
     files.write(os.path.join(folder, "Makefile"), _makefile(listed))
@@ -115,7 +138,7 @@ def make(folder, settings, tasks, division, warn):
 def _run_script(folder):
     kept = "".join(f"export {name}={shlex.quote(os.environ[name])}\n" for name in ENVIRONMENT if os.environ.get(name))
     launcher = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "inverse-transcode")
-    return (f"#!/bin/sh\n# Runs tasks of this batch: run NUMBER...\n{kept}exec {shlex.quote(launcher)} --batch {shlex.quote(folder)} "
+    return (f"{RUN_HEAD}{kept}exec {shlex.quote(launcher)} --batch {shlex.quote(folder)} "
             '--task "$@"\n')
 
 
@@ -128,7 +151,7 @@ def _lists(tasks):
 def _makefile(tasks):
     lines = [f"done/{n}: | " + " ".join(f"done/{part}" for part in task["parts"]) for n, task in enumerate(tasks) if task.get("parts")]
     return "\n".join([
-        "# Runs all tasks that are not done: make -C FOLDER -j N. What is there counts, not how old it is.",
+        MAKE_HEAD,
         "MAKEFLAGS += --keep-going",
         "all: " + " ".join(f"done/{n}" for n in range(len(tasks))),
         "done/%:", "\t./run $*", *lines, ""])
