@@ -12,6 +12,7 @@ import sys
 import tempfile
 import unittest
 import unittest.mock
+import zlib
 
 from case import Case, Gst, GstVideo, LIMIT, ROOT, SOUND, VIDEO, frames_of, streams_of, structure_of
 
@@ -162,6 +163,28 @@ class Transcode(Case):
         os.unlink(self.path("frames/shading/000004.jpg"))
         self.assertIn("is missing (1 in all)", self.run_it("frames/shading/%06d.jpg", status=1))
         self.assertIn("there are no such pictures", self.run_it("frames/%03d.png", status=1))
+
+    def test_damaged_pictures_are_named_and_the_others_kept(self):
+        head = struct.pack(">II", 60000, 60000)
+        for ending, encoder in (("png", "pngenc"), ("jpg", "jpegenc")):
+            self.make("x", VIDEO.format(frames=1, form="RGB") + f"videoconvert ! {encoder}")
+            with open(self.path("x"), "rb") as file:
+                whole = file.read()
+            middle = len(whole) // 2
+            large = whole[:16] + head + whole[24:29] + struct.pack(">I", zlib.crc32(whole[12:16] + head + whole[24:29])) + whole[33:]
+            for wrong, why in ((b"", "it is empty"), (b"text, not a picture", "it is no image/"), (whole[:middle], "it is cut short"),
+                               *([(whole[:middle] + bytes(40) + whole[middle + 40:], "its data is damaged"), (large, "it is 60000x60000")] if ending == "png" else [])):
+                with self.subTest((ending, why)):
+                    os.makedirs(self.path("in"), exist_ok=True)
+                    for k in range(5):
+                        with open(self.path(f"in/{k}.{ending}"), "wb") as file:
+                            file.write(wrong if k == 2 else whole)
+                    said = self.run_it(f"in/%d.{ending}", "-o", "out.mkv", "--again", "--", "identity")
+                    self.assertIn(f"in/2.{ending} is left out: {why}", said)
+                    self.assertNotIn("came out of", said)
+                    self.assertEqual(streams_of(self.path("out.mkv"))[0][0].packets, 4)
+            os.truncate(self.path(f"in/3.{ending}"), 20 << 30)
+            self.assertRegex(self.run_it(f"in/%d.{ending}", "-o", "out.mkv", "--again", "--", "identity", status=1), f"in/3.{ending}: it has .* it is damaged")
 
     def test_version_is_that_of_the_elements(self):
         wanted = (ROOT / "VERSION").read_text(encoding="utf-8").strip()

@@ -14,6 +14,7 @@ gi.require_version("GstVideo", "1.0")
 from gi.repository import GLib, Gst, GstVideo  # noqa: E402
 from inverse_common.gst import size_of, structure_of, without  # noqa: E402
 from inverse_common.media import LIKE_FIRST, deinterlaces, give_lengths, keep_first  # noqa: E402
+from inverse_common.picture import damage, too_large  # noqa: E402
 from inverse_common.probe import DIRECTIONS, Probe, jpeg_orientation, probe  # noqa: E402
 
 from . import formats, losses, marks  # noqa: E402
@@ -120,14 +121,29 @@ class Transcode:
         ending = os.path.splitext(path)[1][1:].lower()
         if ending not in _PICTURES:
             raise TranscodeError(f"pictures that end in {ending!r} are not read; those in {', '.join(_PICTURES)}, exr are")
-        self.direction = self._direction_of([picture(path, number) for number in numbers])
+        files = [picture(path, number) for number in numbers]
+        for file in files:
+            if why := too_large(file):  # it would be read at once
+                raise TranscodeError(f"{file}: {why}")
+        self.direction = self._direction_of(files)
         source = Gst.ElementFactory.make("multifilesrc")
         head, digits, tail = (part.replace("%", "%%") if isinstance(part, str) else part for part in pattern_parts(path))
         location = os.path.join(os.path.dirname(path).replace("%", "%%"), f"{head}%0{digits}d{tail}" if digits else f"{head}%d{tail}")
         for name, value in (("location", location), ("start-index", numbers[0]), ("stop-index", numbers[-1])):
             source.set_property(name, value)
         source.set_property("caps", Gst.Caps.from_string(f"{_PICTURES[ending]},framerate={task['rate']}"))
+        source.get_static_pad("src").add_probe(Gst.PadProbeType.BUFFER, self._guarded(self._see_picture), iter(files), _PICTURES[ending])
         return found, source
+
+    def _see_picture(self, _, info, files, form):
+        """Leaves a damaged picture out. Each buffer is a file."""
+        file, buffer = next(files), info.get_buffer()
+        why = damage(buffer.extract_dup(0, buffer.get_size()), form)
+        if not why:
+            return Gst.PadProbeReturn.OK
+        self.pictures -= 1
+        self._warn(f"{file} is left out: {why}")
+        return Gst.PadProbeReturn.DROP
 
     @staticmethod
     def _direction_of(files):
