@@ -204,6 +204,18 @@ class Transcode(Case):
                     continue  # is not installed
                 self.assertIn("it may be damaged", self.run_it("clip.mkv", "-o", *words, "--", "identity"))
 
+    def test_a_file_whose_sound_is_longer_is_not_damaged(self):
+        for name, mux in (("tail.mkv", "matroskamux"), ("tail.mov", "qtmux"), ("tail.avi", "avimux")):
+            with self.subTest(name):
+                self.make(name, VIDEO.format(frames=30, form="I420") + "jpegenc ! queue ! mux. " + SOUND.format(buffers=140) + f"queue ! mux. {mux} name=mux")
+                self.assertNotIn("damaged", self.run_it(name, "-o", name + ".mkv", "--", "identity"))
+
+    def test_a_cut_avi_is_told_of(self):
+        """The demuxer takes its length from what there is."""
+        self.make("clip.avi", VIDEO.format(frames=60, form="I420") + "jpegenc ! avimux")
+        os.truncate(self.path("clip.avi"), os.path.getsize(self.path("clip.avi")) * 6 // 10)
+        self.assertRegex(self.run_it("clip.avi", "-o", "out.mkv", "--", "identity"), "its pictures end 0.[89] s before they should")
+
     def pictures(self, *lines, folder="in"):
         """Numbered PNG pictures, one of each line."""
         os.makedirs(self.path(folder))

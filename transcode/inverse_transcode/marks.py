@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What a file says of its tracks that GStreamer neither reads nor writes."""
+"""What a file says of its tracks that GStreamer does not tell or write."""
 import struct
 
 from . import matroska
@@ -10,7 +10,6 @@ _DEFAULT = 0x88
 _FLAGS = {_DEFAULT: ("not default", 1), 0x55AA: ("forced", 0), 0xB9: ("disabled", 1), 0x55AB: ("for the hearing impaired", 0),
           0x55AC: ("for the visually impaired", 0), 0x55AD: ("text descriptions", 0), 0x55AE: ("original language", 0), 0x55AF: ("commentary", 0)}
 _KINDS = {1: "video", 2: "sound", 17: "subtitles"}
-_BOXES = {b"moov": (b"trak",), b"trak": (b"mdia",), b"mdia": (b"hdlr",)}  # of MP4, on the way to the kind of a track
 
 
 def left_out(path):
@@ -23,7 +22,7 @@ def left_out(path):
             tracks = [_track(file, start, stop) for start, stop in list(_entries(file, end))]
             flags = [text for track in tracks for text in _flags(track, tracks)]
             return [f"marks of tracks are left out, as GStreamer writes none: {', '.join(flags)}"] if flags else []
-        if head[4:8] == b"ftyp" and b"tmcd" in _handlers(file, end, b"moov"):
+        if head[4:8] == b"ftyp" and b"tmcd" in [file.read(12)[8:] for _ in _find(file, end, (b"moov", b"trak", b"mdia", b"hdlr"))]:
             return ["the time code is left out, as GStreamer does not read it"]
     return []
 
@@ -54,8 +53,8 @@ def _flags(track, tracks):
             yield f"{words} ({_KINDS.get(track.get(_KIND), 'track')} {track.get(_NUMBER, '')})"
 
 
-def _handlers(file, end, wanted):
-    """Kinds of the tracks of an MP4 file, of four letters."""
+def _boxes(file, end):
+    """(name, end) of the boxes of MP4 up to a place in the file, which is at the start of their data."""
     while (start := file.tell()) + 8 <= end:
         size, name = struct.unpack(">I4s", file.read(8))
         if size == 1:
@@ -63,9 +62,52 @@ def _handlers(file, end, wanted):
         stop = min(start + size, end) if size else end
         if stop < start + 8:
             return
-        if name == wanted == b"hdlr":
-            yield file.read(12)[8:12]
-        elif name == wanted:
-            for below in _BOXES[name]:
-                yield from _handlers(file, stop, below)
+        yield name, stop
         file.seek(stop)
+
+
+def _find(file, end, names):
+    """(start, end) of the data of boxes at a path of names, as matroska.find."""
+    for name, stop in _boxes(file, end):
+        if name == names[0]:
+            if len(names) == 1:
+                yield file.tell(), stop
+            else:
+                yield from _find(file, stop, names[1:])
+
+
+def video_seconds(path):
+    """How long a file says that its video is, where that is of the video alone: MP4, AVI; else 0. Throws OSError."""
+    with open(path, "rb") as file:
+        head = file.read(1 << 12)
+        end = file.seek(0, 2)
+        file.seek(0)
+        if head[4:8] == b"ftyp":
+            return _mp4_seconds(file, end)
+    place = head.find(b"vids", 0, len(head) - 36) if head[:4] == b"RIFF" and head[8:12] == b"AVI " else -1
+    if place < 0:
+        return 0
+    scale, rate, start, length = struct.unpack_from("<4I", head, place + 20)
+    return (start + length) * scale / rate if rate else 0
+
+
+def _mp4_seconds(file, end):
+    """Of the longest track of video, with its edits; 0 where fragments have it."""
+    scale, ticks = 1, [0]
+    for _ in _find(file, end, (b"moov", b"mvhd")):
+        scale = _numbers(file, 12, ">I", 20, ">I") or 1
+    file.seek(0)
+    for start, stop in _find(file, end, (b"moov", b"trak")):
+        kinds = [file.read(12)[8:] for _ in _find(file, stop, (b"mdia", b"hdlr"))]
+        file.seek(start)
+        for _ in _find(file, stop, (b"tkhd",)):
+            length = _numbers(file, 20, ">I", 28, ">Q")
+            ticks.append(length if b"vide" in kinds and length not in (0xFFFFFFFF, 0xFFFFFFFFFFFFFFFF) else 0)
+    return max(ticks) / scale
+
+
+def _numbers(file, place, form, place_1, form_1):
+    """A number of a box: where it is and its form in version 0 and 1; 0 where the box is too short."""
+    data = file.read(place_1 + 8)
+    place, form = (place_1, form_1) if data[:1] == b"\1" else (place, form)
+    return struct.unpack_from(form, data, place)[0] if len(data) >= place + struct.calcsize(form) else 0

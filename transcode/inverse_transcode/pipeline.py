@@ -32,6 +32,7 @@ _PICTURES = {"png": "image/png", "jpg": "image/jpeg", "jpeg": "image/jpeg"}  # s
 _HDR = (GstVideo.VideoTransferFunction.SMPTE2084, GstVideo.VideoTransferFunction.ARIB_STD_B67)
 _STYLED = ("application/x-ass", "application/x-ssa")  # subtitles
 FIELDS = "fields"  # in the names of the elements that deinterlace
+LATE, LATE_SHARE = 0.25, 0.05  # seconds, and a part of the file, that pictures may end early
 SMALL = 64  # pixels a side, which every encoder takes
 _NO_LIGHT = ("reflectance", "mask", "clusters")  # layers that have no exposure
 
@@ -43,6 +44,13 @@ class TranscodeError(Exception):
 def uri_of(path):
     """The URI of a file."""
     return pathlib.Path(os.path.abspath(path)).as_uri()  # also of names that are no UTF-8
+
+
+def _stream_seconds(pad, buffer):
+    """The stream time of a buffer's begin in seconds, or 0."""
+    segment = pad.get_sticky_event(Gst.EventType.SEGMENT, 0)
+    time = segment.parse_segment().to_stream_time(Gst.Format.TIME, buffer.pts) if segment and buffer.pts != Gst.CLOCK_TIME_NONE else Gst.CLOCK_TIME_NONE
+    return 0 if time == Gst.CLOCK_TIME_NONE else time / Gst.SECOND
 
 
 class Transcode:
@@ -57,6 +65,8 @@ class Transcode:
         self.made, self.frames = 0, 0  # frames that came out of the elements, and of the encoder
         self.container = formats.container(task["container"])
         self.pictures = len(numbered(task["input"])) if is_pattern(task["input"]) else 0
+        self.said = 0 if is_pattern(task["input"]) else marks.video_seconds(task["input"])  # how long the video is, 0: not known
+        self.reached = {}  # seconds that packets of the file reached, by "video" and "audio"
         self.chunk = Chunk(**task["chunk"]) if task["chunk"] else None
         self.small = ""  # what to do about an error if pictures are so small that it may be due to that
         self.exr = None  # the source of EXR pictures
@@ -393,12 +403,8 @@ class Transcode:
         return Gst.PadProbeReturn.OK
 
     def _count(self, pad, info):
-        buffer = info.get_buffer()
         self.frames += 1
-        segment = pad.get_sticky_event(Gst.EventType.SEGMENT, 0).parse_segment()
-        time = segment.to_stream_time(Gst.Format.TIME, buffer.pts) if buffer.pts != Gst.CLOCK_TIME_NONE else Gst.CLOCK_TIME_NONE
-        if time != Gst.CLOCK_TIME_NONE:  # encoders shift what they output
-            self.time = max(self.time, time / Gst.SECOND)
+        self.time = max(self.time, _stream_seconds(pad, info.get_buffer()))  # encoders shift what they output
         return Gst.PadProbeReturn.OK
 
     def _mux_pad(self, caps):
@@ -438,8 +444,23 @@ class Transcode:
         self.pipeline.add(found)
         return found
 
+    def should_last(self):
+        """Seconds that the pictures should last. A file without an end of its own for video is as long as its longest stream: if none is cut,
+        the video is as long as its packets."""
+        seconds, tolerance = self.said or self.probe.seconds, max(LATE, self.probe.seconds * LATE_SHARE)
+        if not self.said and self.probe.seconds - max(self.reached.values(), default=0) <= tolerance:
+            seconds = self.reached.get("video", seconds)
+        return min(seconds, self.chunk.end / Gst.SECOND) if self.chunk and self.chunk.end else seconds
+
+    def _see_packet(self, pad, info, kind):
+        self.reached[kind] = max(self.reached.get(kind, 0), _stream_seconds(pad, info.get_buffer()))
+        return Gst.PadProbeReturn.OK
+
     def _link(self, pad):
         name = self._name(pad)
+        kind = "video" if self.probe.decodes(name) else name.partition("/")[0]
+        if kind in ("video", "audio"):
+            pad.add_probe(Gst.PadProbeType.BUFFER, self._guarded(self._see_packet), kind)
         if self.mux and self.task["container"] not in formats.MATROSKA:
             pad.add_probe(Gst.PadProbeType.EVENT_DOWNSTREAM, self._guarded(self._see_chapters))
         if not self.video_pads and self.probe.decodes(name):

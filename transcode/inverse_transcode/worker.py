@@ -18,7 +18,7 @@ from inverse_common.probe import ProbeError  # noqa: E402
 from .formats import MATROSKA, SEQUENCES, FormatError  # noqa: E402
 from .matroska import mend_tags  # noqa: E402
 from .part import Part, partial_name, remove  # noqa: E402
-from .pipeline import Transcode, TranscodeError  # noqa: E402
+from .pipeline import LATE, LATE_SHARE, Transcode, TranscodeError  # noqa: E402
 from .plan import is_result_folder  # noqa: E402
 
 CLOSING_SECONDS = 30
@@ -81,9 +81,9 @@ def work(task):
         run.start()
         loop.run()
         run.close()
-        short, whole = run.probe.seconds - run.time, not run.error and not run.stopping
-        if whole and short > max(0.25, run.probe.seconds / 20):
-            run.warnings.append(f"its pictures end {short:.1f} s before the file should: it may be damaged")
+        should, whole = run.should_last(), not run.error and not run.stopping
+        if whole and should - run.time > max(LATE, should * LATE_SHARE):
+            run.warnings.append(f"its pictures end {should - run.time:.1f} s before they should: it may be damaged")
         if whole and run.pictures not in (0, run.made):
             run.warnings.append(f"of {run.pictures} pictures, {run.made} came out of the elements")
         if whole and run.made not in (0, run.frames):
