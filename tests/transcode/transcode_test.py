@@ -3,6 +3,7 @@
 import filecmp
 import json
 import os
+import re
 import shutil
 import signal
 import socket
@@ -333,6 +334,57 @@ class Transcode(Case):
             content = file.read()
         for text in (b"S_TEXT/ASS", b"{\\i1}Words", head):
             self.assertIn(text, content)
+        self.assertIn("the style and place of subtitles (ASS) is left out", self.run_it("clip.mkv", "-o", "out.mov", "--", "identity"))
+
+    def test_what_a_container_does_not_say_of_pictures_is_told(self):
+        self.make("clip.mkv", VIDEO.format(frames=12, form="I420") + "vp8enc deadline=1 ! "
+                  "capssetter caps=\"video/x-vp8,multiview-mode=(string)side-by-side\" ! matroskamux")
+        for container, told in (("mkv", False), ("mov", True)):
+            self.assertEqual("stereo (side-by-side) is left out: mkv keeps it" in self.run_it("clip.mkv", "-o", f"out.{container}", "--", "identity"), told)
+
+    def test_the_mastering_display_is_kept(self):
+        self.need("vp9enc")
+        self.make("clip.mkv", VIDEO.format(frames=3, form="I420_10LE") + "capssetter caps=\"video/x-raw,colorimetry=bt2100-pq,"
+                  "mastering-display-info=34000:16000:13250:34500:7500:3000:15635:16450:10000000:50\" ! vp9enc ! matroskamux")
+        matroska.mend_mastering(self.path("clip.mkv"), (1000, 0.005))
+        self.run_it("clip.mkv", "-o", "out.mkv", "--", "identity")
+        with open(self.path("out.mkv"), "rb") as file:
+            content = file.read()
+        for name, value in ((b"\x55\xd9", 1000), (b"\x55\xda", 0.005)):
+            self.assertIn(name + b"\x88" + struct.pack(">d", value), content)
+
+    def test_closed_captions_are_told_of(self):
+        self.need("openh264enc", "h264parse")
+        self.make("plain.h264", VIDEO.format(frames=12, form="I420") + "openh264enc ! h264parse ! video/x-h264,stream-format=byte-stream")
+        with open(self.path("plain.h264"), "rb") as file:
+            plain = file.read()
+        captions = b"\0\0\1\x06\x04\x0e\xb5\0\x31GA94\x03\x41\xff\xfc\x94\x20\xff\x80"  # before the slice of each picture
+        with open(self.path("captions.h264"), "wb") as file:
+            file.write(re.sub(b"\0\0\1[\x41\x61\x65]", lambda found: captions + found[0], plain))
+        for name, told in (("plain", False), ("captions", True)):
+            self.assertEqual("closed captions in its pictures are left out" in self.run_it(f"{name}.h264", "-o", f"{name}.mkv", "--", "identity"), told)
+
+    def test_chapters_of_mp4_are_told_of(self):
+        def box(name, data):
+            return struct.pack(">I4s", 8 + len(data), name) + data
+
+        for moov, told in ((box(b"udta", box(b"chpl", bytes(9))), 1), (box(b"trak", box(b"tref", box(b"chap", bytes(4)))) * 2, 1), (box(b"udta", b""), 0)):
+            with open(self.path("x.mp4"), "wb") as file:
+                file.write(box(b"ftyp", b"isom\0\0\0\0isom") + box(b"moov", moov))
+            self.assertEqual(len(marks.left_out(self.path("x.mp4"))), told)
+
+    def test_the_title_of_a_track_is_not_that_of_the_file(self):
+        pipeline = Gst.parse_launch(VIDEO.format(frames=12, form="I420") + "vp8enc deadline=1 ! queue ! mux. " + SOUND.format(buffers=12) +
+                                    f"vorbisenc name=sound ! queue ! mux. matroskamux name=mux ! filesink location={self.path('named.mkv')}")
+        tags = Gst.TagList.new_empty()
+        tags.add_value(Gst.TagMergeMode.REPLACE, Gst.TAG_TITLE, "Comment")
+        pipeline.get_by_name("sound").merge_tags(tags, Gst.TagMergeMode.REPLACE)
+        pipeline.set_state(Gst.State.PLAYING)
+        pipeline.get_bus().timed_pop_filtered(LIMIT * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR)
+        pipeline.set_state(Gst.State.NULL)
+        said = self.run_it("named.mkv", "-o", "out.mov", "--", "identity")
+        self.assertIn("mov takes no title of a track from GStreamer: 'Comment' is left out", said)
+        self.assertNotIn("title", streams_of(self.path("out.mov"))[1])
 
     def test_attachments_are_told_of(self):
         with open(self.clip(), "rb") as file:

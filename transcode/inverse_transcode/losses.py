@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from gi.repository import GstVideo
+from inverse_common.gst import structure_of
 
 _FLAGS = GstVideo.VideoFormatFlags
 _NAMES = {(0, 0): "4:4:4", (1, 0): "4:2:2", (1, 1): "4:2:0", (2, 0): "4:1:1", (2, 2): "4:1:0", (0, 1): "4:4:0"}
@@ -40,6 +41,13 @@ def lost(before, after, codec):
         yield f"{codec} has {form}, the input {_NAMES.get(before.sub, 'more')}{' (RGB)' if before.rgb else ''}: --video ffv1, and --to png, keep it"
     if after.bits < before.bits:
         yield f"{codec} has {after.bits} bits a sample, the input {before.bits}"
+
+
+def lost_marks(before, after, matroska):
+    """What is lost of caps of pictures between the decoder and the encoder, or in a container, Matroska or not; in words, a text each."""
+    stereo = structure_of(before).get_string("multiview-mode")
+    if stereo and stereo != "mono" and (not matroska or stereo != structure_of(after).get_string("multiview-mode")):
+        yield f"that its pictures are stereo ({stereo}) is left out" + ("" if matroska else ": mkv keeps it")
 
 
 def faithful(formats, kind):

@@ -22,9 +22,18 @@ def left_out(path):
             tracks = [_track(file, start, stop) for start, stop in list(_entries(file, end))]
             flags = [text for track in tracks for text in _flags(track, tracks)]
             return [f"marks of tracks are left out, as GStreamer writes none: {', '.join(flags)}"] if flags else []
-        if head[4:8] == b"ftyp" and b"tmcd" in [file.read(12)[8:] for _ in _find(file, end, (b"moov", b"trak", b"mdia", b"hdlr"))]:
-            return ["the time code is left out, as GStreamer does not read it"]
-    return []
+        return list(_left_out_of_mp4(file, end)) if head[4:8] == b"ftyp" else []
+
+
+def _left_out_of_mp4(file, end):
+    """Of a file, from its start."""
+    if b"tmcd" in [file.read(12)[8:] for _ in _find(file, end, (b"moov", b"trak", b"mdia", b"hdlr"))]:
+        yield "the time code is left out, as GStreamer does not read it"
+    for path in ((b"moov", b"udta", b"chpl"), (b"moov", b"trak", b"tref", b"chap")):
+        file.seek(0)
+        if any(_find(file, end, path)):
+            yield "chapters are left out, as GStreamer does not read them from MP4"
+            return
 
 
 def _entries(file, end):

@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Tags of Matroska files as matroskamux of GStreamer 1.22 to 1.26 writes them: texts with spaces or letters beyond ASCII in quotes, and
-escaped."""
+"""What matroskamux of GStreamer 1.22 to 1.26 writes otherwise than it is: texts of tags with spaces or letters beyond ASCII in quotes, and
+escaped; the light of a mastering display as a fifth."""
 import functools
 import os
 import re
+import struct
 
 from gi.repository import Gst
 
 SEGMENT, _TAGS, _TAG, _SIMPLE, _STRING = 0x18538067, 0x1254C367, 0x7373, 0x67C8, 0x4487
+_MASTERING = (SEGMENT, 0x1654AE6B, 0xAE, 0xE0, 0x55B0, 0x55D0)  # tracks, track, video, color
+_LIGHT = {0x55D9: 0, 0x55DA: 1}  # the highest, the lowest
 _ESCAPE = re.compile(rb"\\([0-3][0-7]{2}|.)", re.DOTALL)
 
 
@@ -83,3 +86,14 @@ def mend_tags(path):
             text = file.read(end - start)
             file.seek(start)
             file.write(plain(text.rstrip(b"\0")).ljust(len(text), b"\0"))
+
+
+def mend_mastering(path, light):
+    """Writes the highest and the lowest luminance of the display that a video was mastered on, in cd/m², as they are."""
+    with open(path, "r+b") as file:
+        for start, end in list(find(file, os.path.getsize(path), _MASTERING)):
+            file.seek(start)
+            for name, behind in list(children(file, end)):
+                if name in _LIGHT:
+                    file.seek(behind - 8)
+                    file.write(struct.pack(">d", light[_LIGHT[name]]))

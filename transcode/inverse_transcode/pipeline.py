@@ -71,6 +71,8 @@ class Transcode:
         self.small = ""  # what to do about an error if pictures are so small that it may be due to that
         self.exr = None  # the source of EXR pictures
         self.formats = {}  # by pads of it
+        self.captions = set()  # where pictures had closed captions
+        self.mastering = None  # the highest and the lowest luminance of the display that it was mastered on
         self.direction = "identity"  # how pictures are turned
         self.size = None  # of the first one
         self.gates = []  # what holds other streams back until the muxer knows the format of the video: (pad, probe)
@@ -108,8 +110,7 @@ class Transcode:
             parse = Gst.ElementFactory.make("parsebin")
             self.pipeline.add(parse)
             source.link(parse)
-            if self.task["container"] == "mkv":  # which takes them as they are; else they become plain text
-                parse.connect("autoplug-continue", lambda _, __, caps: structure_of(caps).get_name() not in _STYLED)
+            parse.connect("autoplug-continue", self._guarded(self._parses))
             parse.connect("pad-added", self._guarded(lambda _, pad: self._link(pad)))
         self.pipeline.get_bus().add_signal_watch()
         self.pipeline.get_bus().connect("message", self._message)
@@ -190,6 +191,8 @@ class Transcode:
             self.warnings += self.exr.warnings()
         self.warnings += [f"{count} pixels{layer} were as bright as frames can be, {limit}, or brighter and clipped"
                           for (layer, limit), count in self.clipped.items()]
+        if self.captions == {"decoded"}:
+            self._warn("closed captions in its pictures are left out")
         for reader in self.readers:
             reader.stdout.close()
             if reader.wait() and not self.stopping:
@@ -301,10 +304,12 @@ class Transcode:
         ends[0].add_probe(Gst.PadProbeType.BUFFER, self._guarded(self._count))
         if encoders[0].startswith("openh264enc"):
             found.get_by_name("encode0").get_static_pad("sink").add_probe(Gst.PadProbeType.BUFFER, self._guarded(self._watch_size))
+        if encoders[0].startswith("x264enc"):  # which writes them
+            found.get_by_name("encode0").get_static_pad("sink").add_probe(Gst.PadProbeType.BUFFER, self._guarded(self._see_captions), "encoded")
         if "frames" + FIELDS in before:
             self._own(found, FIELDS, "fields", None)
         for k in range(len(self.video_pads)):
-            self._watch_format(found, k, kind, codec, same)
+            self._watch_format(found, k, kind, codec, same, caps)
             pad = found.get_by_name(f"encode{k}").get_static_pad("sink")
             if self.chunk:
                 self.chunk.drop_lead(pad, self._guarded)
@@ -362,15 +367,15 @@ class Transcode:
 
         pad.add_probe(Gst.PadProbeType.BUFFER, self._guarded(seen))
 
-    def _watch_format(self, found, place, kind, codec, keep):
-        """Tells what the encoder does not hold of pictures of a Kind, and has later ones converted to the format of the first one, if `keep`."""
+    def _watch_format(self, found, place, kind, codec, keep, decoded):
+        """Tells what the encoder does not hold of pictures of a Kind, whose caps are `decoded`, and has later ones converted to the format of the first one, if `keep`."""
         same = found.get_by_name(f"same{place}")
 
         def seen(pad, _):  # a frame: caps before it may change once more, by a tag that turns it
             caps = pad.get_current_caps()
             info = GstVideo.VideoInfo.new_from_caps(caps)
             if place == 0 and info:
-                for text in losses.lost(kind, losses.kind_of(info.finfo), codec):
+                for text in (*losses.lost(kind, losses.kind_of(info.finfo), codec), *losses.lost_marks(decoded, caps, self.task["container"] in formats.MATROSKA)):
                     self._warn(text)
                 if not self.container.muxer and info.par_n != info.par_d and codec != "exr":
                     self._warn(f"{self.task['container']} does not say that its pixels have a shape of {info.par_n}:{info.par_d}: a player shows them square")
@@ -379,6 +384,12 @@ class Transcode:
             return Gst.PadProbeReturn.REMOVE
 
         same.get_static_pad("src").add_probe(Gst.PadProbeType.BUFFER, self._guarded(seen))
+
+    def _see_captions(self, _, info, place):
+        if not info.get_buffer().get_meta(GstVideo.video_caption_meta_api_get_type()):
+            return Gst.PadProbeReturn.OK
+        self.captions.add(place)
+        return Gst.PadProbeReturn.REMOVE
 
     def _watch_sizes(self, pad, info):
         """Tells where decoded pictures change their size, if they go to a muxer."""
@@ -418,6 +429,7 @@ class Transcode:
                 if template.name_template.startswith("video"):
                     give_lengths(pad)
                 self._describe(pad)
+                self._drop_title(pad)
                 return pad
         return None
 
@@ -438,6 +450,25 @@ class Transcode:
             return Gst.PadProbeReturn.REMOVE
 
         pad.add_probe(Gst.PadProbeType.BUFFER, self._guarded(first))
+
+    def _drop_title(self, pad):
+        """Keeps the title of a track from becoming that of the file, as it does where tracks have none."""
+        if self.task["container"] in formats.MATROSKA:
+            return
+
+        def seen(pad, info):
+            event = info.get_event()
+            tags = event.parse_tag() if event.type == Gst.EventType.TAG else None
+            if not tags or tags.get_scope() != Gst.TagScope.STREAM or not tags.get_string(Gst.TAG_TITLE)[0]:
+                return Gst.PadProbeReturn.OK
+            self._warn(f"{self.task['container']} takes no title of a track from GStreamer: {tags.get_string(Gst.TAG_TITLE)[1]!r} is left out")
+            others = tags.copy()
+            others.remove_tag(Gst.TAG_TITLE)
+            if not others.is_empty():
+                pad.send_event(Gst.Event.new_tag(others))
+            return Gst.PadProbeReturn.DROP
+
+        pad.add_probe(Gst.PadProbeType.EVENT_DOWNSTREAM, self._guarded(seen))
 
     def _add(self, description):
         found = self._bin(description)
@@ -473,6 +504,14 @@ class Transcode:
             self._drop(pad)
         else:
             self._link_other(pad)
+
+    def _parses(self, _, __, caps):
+        """Whether packets are parsed further."""
+        if structure_of(caps).get_name() not in _STYLED:
+            return True
+        if self.mux and self.task["container"] not in formats.MATROSKA:
+            self._warn(f"{self.task['container']} takes plain text: the style and place of subtitles (ASS) is left out; mkv keeps it")
+        return self.task["container"] != "mkv"
 
     def _see_chapters(self, _, info):
         if info.get_event().type == Gst.EventType.TOC:
@@ -511,6 +550,9 @@ class Transcode:
         if before:
             return Gst.PadProbeReturn.DROP if now == before else Gst.PadProbeReturn.OK
         self.formats[pad] = now
+        display = structure_of(info.get_event().parse_caps()).get_string("mastering-display-info")
+        if display:  # ends with the highest and the lowest luminance, in steps of a ten-thousandth
+            self.mastering = [int(part) / 10000 for part in display.split(":")[-2:]]
         if len(self.formats) == len(self.video_pads):
             gates, self.gates = self.gates, None
             for gate, block in gates or []:
@@ -525,6 +567,7 @@ class Transcode:
             if self.mux:
                 give_lengths(self.video_pads[-1])
                 self._describe(self.video_pads[-1], layer)
+                self._drop_title(self.video_pads[-1])
                 self.video_pads[-1].add_probe(Gst.PadProbeType.EVENT_DOWNSTREAM, self._guarded(self._see_formats))
         if self.task["parts"]:
             pad.add_probe(Gst.PadProbeType.DATA_DOWNSTREAM, self._guarded(self._instead))
@@ -597,6 +640,7 @@ class Transcode:
         self.head = video.sinkpads[0]
         self.head.add_probe(Gst.PadProbeType.BUFFER, self._guarded(self._cut))
         self.head.add_probe(Gst.PadProbeType.EVENT_DOWNSTREAM, self._guarded(self._watch_sizes))
+        self.head.add_probe(Gst.PadProbeType.BUFFER, self._guarded(self._see_captions), "decoded")
         if self.chunk:
             self.chunk.cut(self.head, self._guarded)
         self._join(source, self.head, "the elements do not take its frames: check caps and sizes")

@@ -16,7 +16,7 @@ from inverse_common.files import settle  # noqa: E402
 from inverse_common.probe import ProbeError  # noqa: E402
 
 from .formats import MATROSKA, SEQUENCES, FormatError  # noqa: E402
-from .matroska import mend_tags  # noqa: E402
+from .matroska import mend_mastering, mend_tags  # noqa: E402
 from .part import Part, partial_name, remove  # noqa: E402
 from .pipeline import LATE, LATE_SHARE, Transcode, TranscodeError  # noqa: E402
 from .plan import is_result_folder  # noqa: E402
@@ -96,6 +96,8 @@ def work(task):
         target = partial_name(output) if run.stopping else output
         if task["container"] in MATROSKA and not task["chunk"]:
             mend_tags(part.path)
+            if run.mastering:
+                mend_mastering(part.path, run.mastering)
         settle(part.path, target)
         if target == output and not task["chunk"]:
             _remove_partial(partial_name(output))  # of a run before this one
