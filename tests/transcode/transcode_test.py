@@ -509,18 +509,22 @@ class Transcode(Case):
         # Results below the folder named are no inputs.
         self.assertEqual(len(self.run_it("day one", "day one", "--dry-run", "--out", "day one/deep").splitlines()), 1)
 
-    def test_what_is_older_than_the_input_is_not_replaced(self):
-        for name in ("out.mkv", "out/transcode/clip.mkv"):
+    def test_what_is_no_result_or_older_is_not_replaced(self):
+        self.clip()
+        for words, name in ((["-o", "out.mkv"], "out.mkv"), (["-o", "out.mov"], "out.mov"), ([], "out/transcode/clip.mkv")):
             os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
             with open(self.path(name), "w", encoding="ascii") as file:
                 file.write("of somebody")
-            os.utime(self.path(name), (1, 1))
-        self.clip()
-        for words, name in ((["-o", "out.mkv"], "out.mkv"), ([], "out/transcode/clip.mkv")):
-            self.assertIn("--again replaces it", self.run_it("clip.mkv", *words, "--", "identity", status=1))
+            for more in ([], ["--again"]):
+                self.assertIn("--overwrite replaces it", self.run_it("clip.mkv", *words, *more, "--", "identity", status=1))
             self.assertEqual(os.path.getsize(self.path(name)), 11)
+            self.run_it("clip.mkv", *words, "--overwrite", "--", "identity")
+            self.assertEqual(streams_of(self.path(name))[0][0].packets, 12)
+            self.assertIn("present", self.run_it("clip.mkv", *words, "--", "identity"))
+            os.utime(self.path(name), (1, 1))
+            self.assertIn("--again replaces it", self.run_it("clip.mkv", *words, "--", "identity", status=1))
             self.run_it("clip.mkv", *words, "--again", "--", "identity")
-            self.assertGreater(os.path.getsize(self.path(name)), 1000)
+            self.assertGreater(os.path.getmtime(self.path(name)), 1)
 
     def test_two_inputs_of_one_output(self):
         self.clip("in/a.mkv")

@@ -64,7 +64,7 @@ def parse(words):
                         help="layers of intrinsicsplit that the end of the elements has, each a video stream of the file")
     parser.add_argument("--jobs", metavar="N", type=int, default=1, help="files at a time (1)")
     parser.add_argument("--again", action="store_true", help="also where there is a result that is newer than the input")
-    parser.add_argument("--overwrite", action="store_true", help="--report also replaces a file that is no report")
+    parser.add_argument("--overwrite", action="store_true", help="also replace files that are no result, or no report, of this program")
     parser.add_argument("--dry-run", action="store_true", help="print what would be done")
     parser.add_argument("--report", metavar="FILE", help="write what was done as JSON; -: to stdout")
     parser.add_argument("--quiet", action="store_true", help="print failures only")
@@ -306,7 +306,7 @@ def transcode_main(arguments):
     check(settings, arguments.inputs)
     if arguments.chunk:
         formats.need(["gdppay", "gdpdepay", "scenechange"], "chunks")
-    tasks = plan(arguments.inputs, arguments.output, arguments.out or "out/transcode", ending, arguments.again)
+    tasks = plan(arguments.inputs, arguments.output, arguments.out or "out/transcode", ending, arguments.again, arguments.overwrite)
     if arguments.report:
         check_report(arguments.report, [(task.input, task.output) for task in tasks], arguments.overwrite)
     if arguments.dry_run:

@@ -5,11 +5,15 @@ import glob
 import os
 import shutil
 import socket
+import struct
 import tempfile
 
 from inverse_common import files
 
+from .matroska import SEGMENT, find
+
 MAX_NAME = 255  # bytes
+MARK = b"written by inverse-transcode"
 
 
 def remove(path):
@@ -18,6 +22,28 @@ def remove(path):
         shutil.rmtree(path) if os.path.isdir(path) else os.unlink(path)
     except FileNotFoundError:
         pass
+
+
+def mark(path, matroska):
+    """Marks a complete file as a result of this program: by an element at its end that players pass over, Void or `free`."""
+    with open(path, "r+b") as file:
+        end = file.seek(0, os.SEEK_END)
+        file.write((bytes([0xEC, 0x80 | len(MARK)]) if matroska else struct.pack(">I4s", 8 + len(MARK), b"free")) + MARK)
+        behind = file.tell()
+        file.seek(0)
+        for start, stop in find(file, end, (SEGMENT,)) if matroska else ():
+            file.seek(start - 8)  # its size
+            if stop == end and file.read(1) == b"\1":  # of eight bytes
+                file.seek(start - 8)
+                file.write(struct.pack(">Q", 1 << 56 | behind - start))
+            return
+
+
+def is_marked(path):
+    """Whether a file is a result of this program. Throws OSError."""
+    with open(path, "rb") as file:
+        file.seek(max(file.seek(0, os.SEEK_END) - len(MARK), 0))
+        return file.read() == MARK
 
 
 def partial_name(output):

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, field
 from inverse_common import media
 
 from .formats import SEQUENCES, is_element, is_layer
+from .part import is_marked
 
 PICTURES = re.compile(r"%0?\d*d")  # in the name of an input: numbered pictures
 RESULT = re.compile(r"[0-9]{6,}\.(" + "|".join(SEQUENCES) + ")")  # of such a folder
@@ -159,9 +160,17 @@ def _below(path, below, ending):
     return stem if ending in SEQUENCES else f"{stem}.{ending}"
 
 
-def plan(inputs, output, folder, ending, again=False):
+def _is_of_somebody(target, ending):
+    """Whether a file at an output is not known to be a result."""
+    try:
+        return ending not in SEQUENCES and os.path.isfile(target) and not is_marked(target)
+    except OSError:
+        return True
+
+
+def plan(inputs, output, folder, ending, again=False, overwrite=False):
     """The tasks for files and folders. `output`: the file to write, for one input; else they go to `folder`, as they lie below the
-    folders named. Nothing that exists is replaced but by `again`, and then no input and no folder of other files. Throws PlanError."""
+    folders named. Results are replaced by `again` only, other files by `overwrite`; inputs and folders of other files never. Throws PlanError."""
     pairs, seen = [], set()
     for given in inputs:
         given = given.rstrip("/") or "/"
@@ -190,10 +199,13 @@ def plan(inputs, output, folder, ending, again=False):
             task.problem = f"its output would replace that of {taken[key]}: {target}"
         taken.setdefault(key, path)
         task.problem = task.problem or _in_the_way(target, ending, sources)
-        if not task.problem and not again and os.path.exists(target) and (os.path.isfile(target) or os.listdir(target)):
+        if not task.problem and _is_of_somebody(target, ending):
+            if not overwrite:
+                task.problem = f"what is at its output is not known to be a result of this program: {target}; --overwrite replaces it"
+        elif not task.problem and not again and os.path.exists(target) and (os.path.isfile(target) or os.listdir(target)):
             newest = picture(path, numbered(path)[-1]) if is_pattern(path) else path
             task.done = os.path.getmtime(target) > os.path.getmtime(newest)
             if not task.done:
-                task.problem = f"what is at its output is older than the input, and may be no result of it: {target}; --again replaces it"
+                task.problem = f"what is at its output is older than the input: {target}; --again replaces it"
         tasks.append(task)
     return tasks

@@ -17,7 +17,7 @@ from inverse_common.probe import ProbeError  # noqa: E402
 
 from .formats import MATROSKA, SEQUENCES, FormatError  # noqa: E402
 from .matroska import mend_mastering, mend_tags  # noqa: E402
-from .part import Part, partial_name, remove  # noqa: E402
+from .part import Part, is_marked, mark, partial_name, remove  # noqa: E402
 from .pipeline import LATE, LATE_SHARE, Transcode, TranscodeError  # noqa: E402
 from .plan import is_result_folder  # noqa: E402
 
@@ -34,8 +34,8 @@ def say(**what):
 
 
 def _remove_partial(path):
-    # A folder is removed only if it has nothing else.
-    if os.path.isfile(path) or os.path.isdir(path) and is_result_folder(path):
+    # Nothing of somebody else: a folder is removed only if it has nothing else.
+    if os.path.isfile(path) and is_marked(path) or os.path.isdir(path) and is_result_folder(path):
         remove(path)
 
 
@@ -94,10 +94,14 @@ def work(task):
         if run.error:
             return {"status": "failed", "error": run.error, **words}
         target = partial_name(output) if run.stopping else output
+        while run.stopping and os.path.isfile(target) and not is_marked(target):
+            target = partial_name(target)
         if task["container"] in MATROSKA and not task["chunk"]:
             mend_tags(part.path)
             if run.mastering:
                 mend_mastering(part.path, run.mastering)
+        if run.mux:
+            mark(part.path, task["container"] in MATROSKA)
         settle(part.path, target)
         if target == output and not task["chunk"]:
             _remove_partial(partial_name(output))  # of a run before this one
