@@ -28,6 +28,15 @@ def is_list(path):
     return bool(caps) and structure_of(caps).get_name() in _LISTS
 
 
+def prefer_decoders():
+    """Makes decodebin take the decoder of libav, and the parser that it needs, for JPEG: jpegdec of GStreamer 1.22 makes blotches of color that is
+    not 4:2:0."""
+    parser, decoder, other = (Gst.Registry.get().lookup_feature(name) for name in ("jpegparse", "avdec_mjpeg", "jpegdec"))
+    if parser and decoder and other:
+        for feature in (parser, decoder):
+            feature.set_rank(max(feature.get_rank(), other.get_rank() + 1))
+
+
 LIST_ADVICE = "is a list of streams, which may be on other hosts: open one of them by its address, if you trust it"
 
 

@@ -445,6 +445,21 @@ class Transcode(Case):
             caps = frames_of(self.path(path))[0][0]
             self.assertEqual((caps.get_value("width"), caps.get_value("height")), (64, 96))
 
+    def test_jpeg_keeps_its_colors(self):
+        self.need("avdec_mjpeg", "jpegparse")
+        for form in ("Y444", "Y42B"):
+            with self.subTest(form):
+                raw = f"videotestsrc num-buffers=1 ! video/x-raw,format={form},colorimetry=(string)1:4:0:0,width=160,height=120,framerate=30/1 ! "
+                self.make("in/0.jpg", raw + "jpegenc quality=100")
+                self.make("as-it-was", raw + "videoconvert ! video/x-raw,format=RGB")
+                self.run_it("in/%d.jpg", "-o", "out.mkv", "--video", "ffv1", "--again", "--", "identity")
+                self.run_it("in/%d.jpg", "-o", "out", "--to", "png", "--again", "--", "identity")
+                self.assertEqual(frames_of(self.path("out.mkv"))[0][0].get_string("format"), form)
+                (_, pixels), = frames_of(self.path("out/000000.png"))
+                with open(self.path("as-it-was"), "rb") as file:
+                    differences = [abs(one - other) for one, other in zip(pixels, file.read())]
+                self.assertLess(sum(differences) / len(differences), 3)
+
     def test_lists_of_streams_are_no_videos(self):
         with open(self.path("list.mkv"), "w", encoding="ascii") as file:
             file.write("#EXTM3U\n#EXT-X-TARGETDURATION:2\n#EXTINF:2,\nhttp://127.0.0.1:9/x.ts\n")

@@ -15,6 +15,7 @@ gi.require_version("Gst", "1.0")
 from gi.repository import GLib, Gst  # noqa: E402
 
 from inverse_common import files  # noqa: E402
+from inverse_common.media import prefer_decoders  # noqa: E402
 from inverse_common.probe import ProbeError, probe  # noqa: E402
 
 from . import formats, slurm  # noqa: E402
@@ -280,6 +281,7 @@ def main():
         if stream:
             stream.reconfigure(errors="surrogateescape")  # names are bytes
     Gst.init(None)
+    prefer_decoders()  # also for the caps of chunks
     arguments = parse(sys.argv[1:])
     try:
         if arguments.batch and not arguments.inputs:

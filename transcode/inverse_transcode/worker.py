@@ -13,6 +13,7 @@ gi.require_version("Gst", "1.0")
 from gi.repository import GLib, Gst  # noqa: E402
 
 from inverse_common.files import settle  # noqa: E402
+from inverse_common.media import prefer_decoders  # noqa: E402
 from inverse_common.probe import ProbeError  # noqa: E402
 
 from .formats import MATROSKA, SEQUENCES, FormatError  # noqa: E402
@@ -118,6 +119,7 @@ def work(task):
 
 def main():
     Gst.init(None)
+    prefer_decoders()
     words = work(json.loads(sys.stdin.readline()))
     say(**words)
     return 0 if words["status"] == "done" else 1
