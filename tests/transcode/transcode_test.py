@@ -174,7 +174,8 @@ class Transcode(Case):
             middle = len(whole) // 2
             large = whole[:16] + head + whole[24:29] + struct.pack(">I", zlib.crc32(whole[12:16] + head + whole[24:29])) + whole[33:]
             for wrong, why in ((b"", "it is empty"), (b"text, not a picture", "it is no image/"), (whole[:middle], "it is cut short"),
-                               *([(whole[:middle] + bytes(40) + whole[middle + 40:], "its data is damaged"), (large, "it is 60000x60000")] if ending == "png" else [])):
+                               *([(whole[:middle] + bytes(40) + whole[middle + 40:], "its data is damaged"),
+                                  (large, "it is 60000x60000")] if ending == "png" else [])):
                 with self.subTest((ending, why)):
                     os.makedirs(self.path("in"), exist_ok=True)
                     for k in range(5):
@@ -600,8 +601,10 @@ class Transcode(Case):
         self.make("p/%d.png", "videotestsrc num-buffers=1")  # a name that is no pattern
         os.rename(self.path("p/%d.png"), self.path("p/1.png"))
         before = os.path.getsize(self.path("clip.mkv")), os.path.getsize(self.path("notes"))
-        for words, text in ((["clip.mkv", "--report", "clip.mkv"], "would replace an input"), (["clip.mkv", "--report", "./clip.mkv", "--overwrite"], "would replace an input"),
-                            (["clip.mkv", "-o", "new.mkv", "--report", "new.mkv"], "in the place of a result"), (["clip.mkv", "--report", "notes"], "is no report"),
+        for words, text in ((["clip.mkv", "--report", "clip.mkv"], "would replace an input"),
+                            (["clip.mkv", "--report", "./clip.mkv", "--overwrite"], "would replace an input"),
+                            (["clip.mkv", "-o", "new.mkv", "--report", "new.mkv"], "in the place of a result"),
+                            (["clip.mkv", "--report", "notes"], "is no report"),
                             (["p/%d.png", "--report", "p/2.png"], "would replace an input"), (["clip.mkv", "--report", "."], "it is a folder")):
             with self.subTest(words):
                 self.assertIn(text, self.run_it(*words, "--", "identity", status=2))

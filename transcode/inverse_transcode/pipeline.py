@@ -368,14 +368,16 @@ class Transcode:
         pad.add_probe(Gst.PadProbeType.BUFFER, self._guarded(seen))
 
     def _watch_format(self, found, place, kind, codec, keep, decoded):
-        """Tells what the encoder does not hold of pictures of a Kind, whose caps are `decoded`, and has later ones converted to the format of the first one, if `keep`."""
+        """Tells what the encoder does not hold of pictures of a Kind, whose caps are `decoded`, and has later ones converted to the
+        format of the first one, if `keep`."""
         same = found.get_by_name(f"same{place}")
 
         def seen(pad, _):  # a frame: caps before it may change once more, by a tag that turns it
             caps = pad.get_current_caps()
             info = GstVideo.VideoInfo.new_from_caps(caps)
             if place == 0 and info:
-                for text in (*losses.lost(kind, losses.kind_of(info.finfo), codec), *losses.lost_marks(decoded, caps, self.task["container"] in formats.MATROSKA)):
+                marks_lost = losses.lost_marks(decoded, caps, self.task["container"] in formats.MATROSKA)
+                for text in (*losses.lost(kind, losses.kind_of(info.finfo), codec), *marks_lost):
                     self._warn(text)
                 if not self.container.muxer and info.par_n != info.par_d and codec != "exr":
                     self._warn(f"{self.task['container']} does not say that its pixels have a shape of {info.par_n}:{info.par_d}: a player shows them square")
