@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Batches of inverse-transcode under make and GNU parallel, and what may go wrong with them."""
 import contextlib
+import fcntl
+import glob
 import json
 import os
 import shutil
@@ -216,6 +218,9 @@ class Batch(Case):
             with contextlib.suppress(ProcessLookupError):
                 os.kill(found, signal.SIGKILL)
         process.wait()
+        for lock in glob.glob(self.path(".*.lock")):  # a worker holds it until its threads have ended, too
+            with open(lock, "rb") as held:
+                fcntl.flock(held, fcntl.LOCK_EX)
         self.assertIn("ended without a result", self.run_it("--batch", "b", "--status", status=1, parts=True))
         os.unlink(self.path("b/manifest.json"))
         shutil.rmtree(self.path("b"))
