@@ -33,7 +33,7 @@ def source_of(program, given, after_camera="", after_file=""):
     from inverse_common import media, probe  # here: the scripts say what to install if gi is missing
 
     text = os.environ.get("SOURCE") or given
-    media.allow_lists("://" in text.lower().replace("file://", ""))
+    media.allow_lists(media.names_address(text))
     if os.environ.get("SOURCE"):
         return os.environ["SOURCE"]
     if given.startswith("/dev/video"):

@@ -40,6 +40,11 @@ def prefer_decoders():
 LIST_ADVICE = "is a list of streams, which may be on other hosts: open one of them by its address, if you trust it"
 
 
+def names_address(text):
+    """Whether a launch line or an input names an address that is no file."""
+    return "://" in text.lower().replace("file://", "")
+
+
 def allow_lists(allowed):
     """Whether what decodes in this process from now on plays lists of streams, also those within a file, and so opens connections to the hosts
     that they name: if the user typed an address. In shell: pipelines/common.sh, in C++: tools/runner/input.cpp."""

@@ -150,8 +150,7 @@ def _line(text):
         pipeline = Gst.parse_launch(f"{text} ! identity")
     except GLib.Error as error:
         raise SourceError(f"this is no launch line: {error.message}") from None
-    remote = "://" in text.lower().replace("file://", "")
-    return Source(text, text.partition(" ")[0], text, live=_is_live(pipeline) or "v4l2src" in text, remote=remote)
+    return Source(text, text.partition(" ")[0], text, live=_is_live(pipeline) or "v4l2src" in text, remote=media.names_address(text))
 
 
 def kind_of(text):
