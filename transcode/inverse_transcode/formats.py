@@ -43,7 +43,8 @@ _SOFTWARE = {
             "target-bitrate=20000000 keyframe-max-dist=60"],
     "h264": ["x264enc speed-preset=faster pass=qual quantizer=20 key-int-max=60 ! h264parse",
              "openh264enc rate-control=quality bitrate=8000000 gop-size=60 ! h264parse"],
-    "h265": ["x265enc speed-preset=faster key-int-max=60 bitrate=8000 ! h265parse"],
+    # Without a text of its settings in the stream: for HDR it holds uninitialized memory, on which h265parse or mp4mux may fail.
+    "h265": ["x265enc speed-preset=faster key-int-max=60 bitrate=8000 option-string=info=0 ! h265parse"],
     "av1": ["svtav1enc preset=9 ! av1parse",
             "av1enc cpu-used=8 threads=4 target-bitrate=20000 min-quantizer=20 max-quantizer=40 keyframe-max-dist=60 ! av1parse"],
     "ffv1": ["avenc_ffv1"],
