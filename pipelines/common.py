@@ -34,6 +34,7 @@ def source_of(program, given, after_camera="", after_file=""):
 
     text = os.environ.get("SOURCE") or given
     media.allow_lists(media.names_address(text))
+    media.prefer_decoders()
     if os.environ.get("SOURCE"):
         return os.environ["SOURCE"]
     if given.startswith("/dev/video"):

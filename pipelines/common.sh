@@ -29,8 +29,9 @@ done
 # Files open no connections: elements that play lists of streams, which name other hosts, are for addresses that the user typed.
 # In Python: inverse_common.media.allow_lists.
 lists="hlsdemux hlsdemux2 dashdemux dashdemux2 mssdemux mssdemux2 sdpdemux gesdemux"
-ranks="${lists// /:NONE,}:NONE"
-[ -n "$remote" ] || export GST_PLUGIN_FEATURE_RANK=${GST_PLUGIN_FEATURE_RANK:+$GST_PLUGIN_FEATURE_RANK,}$ranks
+ranks=jpegparse:257,avdec_mjpeg:257 # rather than jpegdec: inverse_common.media.prefer_decoders
+[ -n "$remote" ] || ranks+=",${lists// /:NONE,}:NONE"
+export GST_PLUGIN_FEATURE_RANK=${GST_PLUGIN_FEATURE_RANK:+$GST_PLUGIN_FEATURE_RANK,}$ranks
 
 # The plugin: installed, on GST_PLUGIN_PATH (./dev shell), or built here.
 command -v gst-launch-1.0 >/dev/null || fail "gst-launch-1.0 is missing: install gstreamer1.0-tools"

@@ -3,6 +3,7 @@
 import sys
 
 from gi.repository import GLib, Gst
+from inverse_common import media
 
 from . import arguments, elements, launch_line, source
 from .messages import Trouble
@@ -63,6 +64,7 @@ def _show(made, options, demands):
 def main():
     """Runs the program; returns its exit status."""
     Gst.init(None)
+    media.prefer_decoders()
     options = arguments.parser().parse_args()
     try:
         made, demands = arguments.project_of(options), arguments.demands_of(options)

@@ -10,6 +10,7 @@ import unittest
 
 import support
 from gi.repository import Gst, GstVideo
+from inverse_common import media
 from inverse_common.gst import structure_of
 from inverse_play import autosave, playback, project
 from inverse_play.chain import Chain
@@ -467,6 +468,21 @@ class Recording(support.Case):
             viewer.ends()
             self.assertEqual(viewer.session.troubles, [])
             self.assertIn("deinterlace", viewer.player.source.line)
+
+    def test_jpeg_keeps_its_colors(self):
+        if not Gst.ElementFactory.find("avdec_mjpeg"):
+            self.skipTest("there is no avdec_mjpeg")
+        media.prefer_decoders()  # as __main__ does
+        colors, points = [], [(x, y) for y in range(4, 120, 12) for x in range(4, 160, 12)]
+        for ending in ("avenc_ffv1 ! matroskamux", "jpegenc quality=100 ! avimux"):
+            clip = self.path(f"{len(colors)}.video")
+            support.run_line("videotestsrc num-buffers=3 pattern=colors ! video/x-raw,format=Y444,colorimetry=(string)1:4:0:0,width=160,height=120,"
+                             f"framerate=10/1 ! {ending} ! filesink location={clip}")
+            viewer = Viewer(self, every_frame=True).open(clip)
+            viewer.ends()
+            colors.append([viewer.color(at) for at in points])
+        differences = [abs(one - other) for pixels in zip(*colors) for one, other in zip(*pixels)]
+        self.assertLess(sum(differences) / len(differences), 3)
 
     def test_the_video_plays_and_not_a_cover_before_it(self):
         clip = self.path("cover.mkv")

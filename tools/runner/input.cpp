@@ -32,6 +32,19 @@ void play_no_lists() {
   gst_plugin_feature_list_free(demuxers);
 }
 
+/// Has decodebin take libav's decoder for JPEG: jpegdec of GStreamer 1.22 makes blotches of color that
+/// is not 4:2:0. In Python: inverse_common.media.prefer_decoders.
+void prefer_decoders() {
+  GstRegistry* registry = gst_registry_get();
+  GstPluginFeature* parser = gst_registry_lookup_feature(registry, "jpegparse");
+  GstPluginFeature* decoder = gst_registry_lookup_feature(registry, "avdec_mjpeg");
+  for (GstPluginFeature* feature : {parser, decoder}) {
+    if (parser && decoder) gst_plugin_feature_set_rank(feature, GST_RANK_PRIMARY + 1);
+  }
+  gst_clear_object(&parser);
+  gst_clear_object(&decoder);
+}
+
 Input camera(const std::string& device) {
   if (access(device.c_str(), F_OK) != 0) {
     std::string text = "there is no camera " + device;
@@ -92,6 +105,7 @@ bool is_list(const GstCaps* caps) {
 }
 
 Input parse_input(const std::string& text) {
+  prefer_decoders();
   if (text.rfind("/dev/video", 0) == 0) return camera(text);
   if (gst_uri_is_valid(text.c_str())) return uri(text);
   return file(text);
