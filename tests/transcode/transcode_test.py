@@ -218,6 +218,16 @@ class Transcode(Case):
         os.truncate(self.path("clip.avi"), os.path.getsize(self.path("clip.avi")) * 6 // 10)
         self.assertRegex(self.run_it("clip.avi", "-o", "out.mkv", "--", "identity"), "its pictures end 0.[89] s before they should")
 
+    def test_a_cut_file_without_lengths_is_told_of(self):
+        self.need("theoraenc", "openh264enc", "mpegtsmux")
+        for name, line in (("clip.ogv", "theoraenc ! oggmux"), ("clip.ts", "openh264enc ! h264parse ! mpegtsmux"),
+                           ("clip.m2ts", "openh264enc ! h264parse ! mpegtsmux m2ts-mode=true")):
+            with self.subTest(name):
+                self.make(name, VIDEO.format(frames=30, form="I420") + line)
+                self.assertNotIn("damaged", self.run_it(name, "-o", "out.mkv", "--again", "--", "identity"))
+                os.truncate(self.path(name), os.path.getsize(self.path(name)) * 6 // 10 // 188 * 188 + 100)
+                self.assertIn("it has no end: it may be damaged", self.run_it(name, "-o", "out.mkv", "--again", "--", "identity"))
+
     def pictures(self, *lines, folder="in"):
         """Numbered PNG pictures, one of each line."""
         os.makedirs(self.path(folder))

@@ -100,6 +100,21 @@ def video_seconds(path):
     return (start + length) * scale / rate if rate else 0
 
 
+def ends_inside(path):
+    """Whether a file that does not say how long it is (Ogg, MPEG-TS) ends within a page or a packet, or before its stream does. Throws OSError."""
+    with open(path, "rb") as file:
+        head = file.read(5 * 204)
+        size = file.seek(0, 2)
+        file.seek(max(0, size - (1 << 17)))  # a page has less than 65308 bytes
+        tail = file.read()
+    if head[:4] == b"OggS":
+        page = tail[tail.rfind(b"OggS"):]
+        lengths = page[27:27 + page[26]] if len(page) > 26 else b""
+        return len(page) < 27 or 27 + len(lengths) + sum(lengths) != len(page) or not page[5] & 4
+    packet = next((n for n in (188, 192, 204) if all(head[k * n + (4 if n == 192 else 0):][:1] == b"G" for k in range(4))), 0)
+    return bool(packet) and size % packet != 0
+
+
 def _mp4_seconds(file, end):
     """Of the longest track of video, with its edits; 0 where fragments have it."""
     scale, ticks = 1, [0]

@@ -17,6 +17,7 @@ from inverse_common.media import prefer_decoders  # noqa: E402
 from inverse_common.probe import ProbeError  # noqa: E402
 
 from .formats import MATROSKA, SEQUENCES, FormatError  # noqa: E402
+from .marks import ends_inside  # noqa: E402
 from .matroska import mend_mastering, mend_tags  # noqa: E402
 from .part import Part, is_marked, mark, partial_name, remove  # noqa: E402
 from .pipeline import LATE, LATE_SHARE, Transcode, TranscodeError  # noqa: E402
@@ -85,6 +86,8 @@ def work(task):
         should, whole = run.should_last(), not run.error and not run.stopping
         if whole and should - run.time > max(LATE, should * LATE_SHARE):
             run.warnings.append(f"its pictures end {should - run.time:.1f} s before they should: it may be damaged")
+        elif whole and not run.pictures and not task["chunk"] and ends_inside(task["input"]):
+            run.warnings.append("it has no end: it may be damaged")
         if whole and run.pictures not in (0, run.made):
             run.warnings.append(f"of {run.pictures} pictures, {run.made} came out of the elements")
         if whole and run.made not in (0, run.frames):
