@@ -30,6 +30,7 @@ _FORMS = {
 _PICTURES = {"png": "image/png", "jpg": "image/jpeg", "jpeg": "image/jpeg"}  # sequences that are read
 
 _HDR = (GstVideo.VideoTransferFunction.SMPTE2084, GstVideo.VideoTransferFunction.ARIB_STD_B67)
+_UNTITLED = ("Video", "Audio", "Subtitle")  # what matroskamux writes of a track without a title
 _STYLED = ("application/x-ass", "application/x-ssa")  # subtitles
 FIELDS = "fields"  # in the names of the elements that deinterlace
 LATE, LATE_SHARE = 0.25, 0.05  # seconds, and a part of the file, that pictures may end early
@@ -463,7 +464,9 @@ class Transcode:
             tags = event.parse_tag() if event.type == Gst.EventType.TAG else None
             if not tags or tags.get_scope() != Gst.TagScope.STREAM or not tags.get_string(Gst.TAG_TITLE)[0]:
                 return Gst.PadProbeReturn.OK
-            self._warn(f"{self.task['container']} takes no title of a track from GStreamer: {tags.get_string(Gst.TAG_TITLE)[1]!r} is left out")
+            title = tags.get_string(Gst.TAG_TITLE)[1]
+            if title not in _UNTITLED:
+                self._warn(f"{self.task['container']} takes no title of a track from GStreamer: {title!r} is left out")
             others = tags.copy()
             others.remove_tag(Gst.TAG_TITLE)
             if not others.is_empty():
