@@ -69,7 +69,9 @@ def write(path, content, mode=None):
             written.flush()
             os.fsync(written.fileno())
         os.replace(part, target)
-    except BaseException:
+    except BaseException as error:
+        if isinstance(error, OSError):
+            error.filename = path  # a full disk names none
         os.unlink(part)
         raise
     sync(folder)

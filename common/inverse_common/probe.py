@@ -53,7 +53,11 @@ def probe(uri, seconds=60):
     try:
         info = discoverer.discover_uri(uri)
     except GLib.Error as error:
-        raise ListError(f"it {media.LIST_ADVICE}") if media.names_list(kinds) else ProbeError(error.message) from error
+        if media.names_list(kinds):
+            raise ListError(f"it {media.LIST_ADVICE}") from error
+        if kinds and error.matches(Gst.CoreError.quark(), Gst.CoreError.MISSING_PLUGIN):
+            raise ProbeError(f"a plugin is missing: {GstPbutils.pb_utils_get_decoder_description(Gst.Caps.from_string(kinds[-1]))}") from error
+        raise ProbeError(error.message) from error
     videos = sorted(info.get_video_streams(), key=lambda stream: stream.get_stream_number())
     known = [v for v in videos if v.get_caps() and not structure_of(v.get_caps()).get_name().endswith("/x-unknown")]
     missing = _missing(info)

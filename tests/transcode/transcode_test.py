@@ -19,6 +19,7 @@ from case import Case, Gst, GstVideo, LIMIT, ROOT, SOUND, VIDEO, frames_of, stre
 
 sys.path.insert(0, str(ROOT / "transcode"))
 from inverse_transcode import formats, marks, matroska  # noqa: E402
+from inverse_transcode.gaps import Gaps  # noqa: E402
 from inverse_transcode.plan import Settings, Task  # noqa: E402
 
 
@@ -217,6 +218,50 @@ class Transcode(Case):
         self.make("clip.avi", VIDEO.format(frames=60, form="I420") + "jpegenc ! avimux")
         os.truncate(self.path("clip.avi"), os.path.getsize(self.path("clip.avi")) * 6 // 10)
         self.assertRegex(self.run_it("clip.avi", "-o", "out.mkv", "--", "identity"), "its pictures end 0.[89] s before they should")
+
+    def test_what_is_missing_in_the_middle_is_told_of(self):
+        for name, line in (("clip.mkv", "vp8enc deadline=1 keyframe-max-dist=5 ! matroskamux"), ("clip.avi", "jpegenc ! avimux"), ("clip.ogv", "theoraenc ! oggmux")):
+            with self.subTest(name):
+                self.make(name, VIDEO.format(frames=90, form="I420") + line)
+                self.assertNotIn("damaged", self.run_it(name, "-o", "out.mkv", "--again", "--", "identity"))
+                size = os.path.getsize(self.path(name))
+                with open(self.path(name), "r+b") as file:
+                    file.seek(size // 2)
+                    file.write(bytes(size // 8))
+                self.assertRegex(self.run_it(name, "-o", "out.mkv", "--again", "--", "identity"), r"it has no pictures from 1\.\d+ to [12]\.\d+ s.*it may be damaged")
+
+    def test_pictures_at_any_times_have_no_gaps(self):
+        steady, other = Gaps(), Gaps()
+        for k in range(100):
+            steady.add(k * 33_333_333 + (k > 60) * 300_000_000)
+            other.add(k * k * 5_000_000)
+        self.assertEqual([round(end - begin, 2) for begin, end in steady.found()], [0.33])
+        self.assertEqual((other.found(), Gaps().warning()), ([], ""))
+
+    def test_a_fragmented_file_that_is_cut_is_told_of(self):
+        self.need("openh264enc")
+        self.make("clip.mp4", VIDEO.format(frames=90, form="I420") + "openh264enc gop-size=15 ! h264parse ! mp4mux fragment-duration=500 streamable=true")
+        self.assertNotIn("damaged", self.run_it("clip.mp4", "-o", "out.mkv", "--again", "--", "identity"))
+        os.truncate(self.path("clip.mp4"), os.path.getsize(self.path("clip.mp4")) * 6 // 10)
+        self.assertIn("it may be damaged", self.run_it("clip.mp4", "-o", "out.mkv", "--again", "--", "identity"))
+
+    def test_a_transport_stream_whose_clock_begins_late_is_whole(self):
+        self.need("openh264enc", "mpegtsmux")
+        self.make("clip.ts", VIDEO.format(frames=30, form="I420").replace("videotestsrc", "videotestsrc timestamp-offset=1400000000") +
+                  "openh264enc ! h264parse ! mpegtsmux")
+        self.assertNotIn("damaged", self.run_it("clip.ts", "-o", "out.mkv", "--", "identity"))
+
+    def test_what_hdr_says_of_its_display_is_told_of_where_it_is_lost(self):
+        self.make("clip.mkv", VIDEO.format(frames=3, form="I420_10LE") + "capssetter caps=\"video/x-raw,colorimetry=bt2100-pq,"
+                  "mastering-display-info=34000:16000:13250:34500:7500:3000:15635:16450:10000000:50\" ! avenc_ffv1 ! matroskamux")
+        for words, lost in ((("mov", "--video", "prores"), True), (("mkv", "--video", "ffv1"), False)):
+            said = self.run_it("clip.mkv", "-o", f"out.{words[0]}", *words[1:], "--again", "--", "identity")
+            self.assertEqual("what HDR says of its display (mastering-display-info) is left out" in said, lost, said)
+
+    def test_the_shape_of_pixels_that_matroska_rounds_is_told_of(self):
+        for shape, told in (("16/11", True), ("2/1", False)):
+            self.make("clip.mov", VIDEO.format(frames=3, form="I422_10LE") + f"capssetter caps=video/x-raw,pixel-aspect-ratio={shape} ! avenc_prores_ks ! qtmux")
+            self.assertEqual("rounded" in self.run_it("clip.mov", "-o", "out.mkv", "--again", "--", "identity"), told, shape)
 
     def test_a_cut_file_without_lengths_is_told_of(self):
         self.need("theoraenc", "openh264enc", "mpegtsmux")

@@ -43,8 +43,12 @@ def lost(before, after, codec):
         yield f"{codec} has {after.bits} bits a sample, the input {before.bits}"
 
 
-def lost_marks(before, after, matroska):
-    """What is lost of caps of pictures between the decoder and the encoder, or in a container, Matroska or not; in words, a text each."""
+def lost_marks(before, after, codec, matroska):
+    """What is lost of caps of pictures between the decoder and the encoder, or by a codec in a container, Matroska or not; in words, a text
+    each."""
+    display = [name for name in ("mastering-display-info", "content-light-level") if structure_of(before).has_field(name)]
+    if display and not matroska and codec != "h265":
+        yield f"what HDR says of its display ({', '.join(display)}) is left out: mkv, and --video h265, keep it"
     stereo = structure_of(before).get_string("multiview-mode")
     if stereo and stereo != "mono" and (not matroska or stereo != structure_of(after).get_string("multiview-mode")):
         yield f"that its pictures are stereo ({stereo}) is left out" + ("" if matroska else ": mkv keeps it")

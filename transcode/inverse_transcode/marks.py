@@ -100,19 +100,55 @@ def video_seconds(path):
     return (start + length) * scale / rate if rate else 0
 
 
+def _packet(head):
+    """Bytes of a packet of MPEG-TS, by the begin of a file; 0 if it is of another kind."""
+    return next((n for n in (188, 192, 204) if all(head[k * n + (4 if n == 192 else 0):][:1] == b"G" for k in range(4))), 0)
+
+
+def counts_from_elsewhere(path):
+    """Whether the length of a file is only known with the time that its clock begins at: MPEG-TS, MPEG-PS. Throws OSError."""
+    with open(path, "rb") as file:
+        head = file.read(5 * 204)
+    return bool(_packet(head)) or head[:4] == b"\0\0\1\xba"
+
+
 def ends_inside(path):
-    """Whether a file that does not say how long it is (Ogg, MPEG-TS) ends within a page or a packet, or before its stream does. Throws OSError."""
+    """Whether a file ends within a page of Ogg, a packet of MPEG-TS or a box of MP4, or before its Ogg stream does. Throws OSError."""
     with open(path, "rb") as file:
         head = file.read(5 * 204)
         size = file.seek(0, 2)
+        if head[4:8] == b"ftyp":
+            return _ends_in_box(file, size)
         file.seek(max(0, size - (1 << 17)))  # a page has less than 65308 bytes
         tail = file.read()
     if head[:4] == b"OggS":
         page = tail[tail.rfind(b"OggS"):]
         lengths = page[27:27 + page[26]] if len(page) > 26 else b""
         return len(page) < 27 or 27 + len(lengths) + sum(lengths) != len(page) or not page[5] & 4
-    packet = next((n for n in (188, 192, 204) if all(head[k * n + (4 if n == 192 else 0):][:1] == b"G" for k in range(4))), 0)
-    return bool(packet) and size % packet != 0
+    return bool(_packet(head)) and size % _packet(head) != 0
+
+
+def _ends_in_box(file, size):
+    place = 0
+    while place + 8 <= size:
+        file.seek(place)
+        length, _, more = struct.unpack(">I4sQ", file.read(16).ljust(16, b"\0"))
+        if length == 0:
+            return False
+        place += more if length == 1 else max(length, 8)
+    return place != size
+
+
+def shown_seconds(path):
+    """How long players say that an MP4 is; 0 where it does not say. Throws OSError."""
+    with open(path, "rb") as file:
+        end = file.seek(0, 2)
+        file.seek(0)
+        for start, _ in _find(file, end, (b"moov", b"mvhd")):
+            scale = _numbers(file, 12, ">I", 20, ">I")
+            file.seek(start)
+            return _numbers(file, 16, ">I", 24, ">Q") / scale if scale else 0
+    return 0
 
 
 def _mp4_seconds(file, end):

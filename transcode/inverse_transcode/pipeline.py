@@ -19,6 +19,7 @@ from inverse_common.probe import DIRECTIONS, Probe, jpeg_orientation, probe  # n
 
 from . import formats, losses, marks  # noqa: E402
 from .chunk import Chunk, join, keep_plain, stream  # noqa: E402
+from .gaps import Gaps  # noqa: E402
 from .plan import is_exr, is_pattern, numbered, pattern_parts, picture  # noqa: E402
 
 # Streams of which muxers want another form of the same packets, and what it is.
@@ -67,6 +68,7 @@ class Transcode:
         self.container = formats.container(task["container"])
         self.pictures = len(numbered(task["input"])) if is_pattern(task["input"]) else 0
         self.said = 0 if is_pattern(task["input"]) else marks.video_seconds(task["input"])  # how long the video is, 0: not known
+        self.gaps = Gaps()
         self.reached = {}  # seconds that packets of the file reached, by "video" and "audio"
         self.chunk = Chunk(**task["chunk"]) if task["chunk"] else None
         self.small = ""  # what to do about an error if pictures are so small that it may be due to that
@@ -377,9 +379,13 @@ class Transcode:
             caps = pad.get_current_caps()
             info = GstVideo.VideoInfo.new_from_caps(caps)
             if place == 0 and info:
-                marks_lost = losses.lost_marks(decoded, caps, self.task["container"] in formats.MATROSKA)
+                marks_lost = losses.lost_marks(decoded, caps, codec, self.task["container"] in formats.MATROSKA)
                 for text in (*losses.lost(kind, losses.kind_of(info.finfo), codec), *marks_lost):
                     self._warn(text)
+                if self.task["container"] in formats.MATROSKA:
+                    above, below = (info.width * info.par_n, info.par_d) if info.par_n > info.par_d else (info.height * info.par_d, info.par_n)
+                    if above % below:
+                        self._warn(f"{self.task['container']} keeps the shape of pixels, {info.par_n}:{info.par_d}, rounded: mp4 and mov keep it exactly")
                 if not self.container.muxer and info.par_n != info.par_d and codec != "exr":
                     self._warn(f"{self.task['container']} does not say that its pixels have a shape of {info.par_n}:{info.par_d}: a player shows them square")
             if keep:
@@ -481,12 +487,19 @@ class Transcode:
         return found
 
     def should_last(self):
-        """Seconds that the pictures should last. A file without an end of its own for video is as long as its longest stream: if none is cut,
+        """Seconds that the pictures should last, 0: not known. A file without an end of its own for video is as long as its longest stream: if none is cut,
         the video is as long as its packets."""
         seconds, tolerance = self.said or self.probe.seconds, max(LATE, self.probe.seconds * LATE_SHARE)
+        if not self.pictures and marks.counts_from_elsewhere(self.task["input"]):
+            return 0
         if not self.said and self.probe.seconds - max(self.reached.values(), default=0) <= tolerance:
             seconds = self.reached.get("video", seconds)
         return min(seconds, self.chunk.end / Gst.SECOND) if self.chunk and self.chunk.end else seconds
+
+    def _see_gap(self, _, info):
+        if info.get_buffer().pts != Gst.CLOCK_TIME_NONE:
+            self.gaps.add(info.get_buffer().pts)
+        return Gst.PadProbeReturn.OK
 
     def _see_packet(self, pad, info, kind):
         self.reached[kind] = max(self.reached.get(kind, 0), _stream_seconds(pad, info.get_buffer()))
@@ -646,6 +659,8 @@ class Transcode:
         self.head.add_probe(Gst.PadProbeType.BUFFER, self._guarded(self._cut))
         self.head.add_probe(Gst.PadProbeType.EVENT_DOWNSTREAM, self._guarded(self._watch_sizes))
         self.head.add_probe(Gst.PadProbeType.BUFFER, self._guarded(self._see_captions), "decoded")
+        if not self.pictures:
+            self.head.add_probe(Gst.PadProbeType.BUFFER, self._guarded(self._see_gap))
         if self.chunk:
             self.chunk.cut(self.head, self._guarded)
         self._join(source, self.head, "the elements do not take its frames: check caps and sizes")

@@ -161,7 +161,7 @@ class Runner:
         if worker.stdin and not worker.stdin.closed:
             worker.stdin.close()
         code = worker.wait()
-        result = {"input": task.input, "output": task.output}
+        result = {"input": task.input, "output": task.output, "warnings": []}
         if "status" not in said:
             cause = signal.Signals(-code).name if code < 0 else f"exit status {code}"
             return {**result, "status": "failed", "error": f"its process ended ({cause})"}

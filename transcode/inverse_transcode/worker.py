@@ -17,7 +17,7 @@ from inverse_common.media import prefer_decoders  # noqa: E402
 from inverse_common.probe import ProbeError  # noqa: E402
 
 from .formats import MATROSKA, SEQUENCES, FormatError  # noqa: E402
-from .marks import ends_inside  # noqa: E402
+from .marks import ends_inside, shown_seconds  # noqa: E402
 from .matroska import mend_mastering, mend_tags  # noqa: E402
 from .part import Part, is_marked, mark, partial_name, remove  # noqa: E402
 from .pipeline import LATE, LATE_SHARE, Transcode, TranscodeError  # noqa: E402
@@ -88,6 +88,8 @@ def work(task):
             run.warnings.append(f"its pictures end {should - run.time:.1f} s before they should: it may be damaged")
         elif whole and not run.pictures and not task["chunk"] and ends_inside(task["input"]):
             run.warnings.append("it has no end: it may be damaged")
+        if whole and run.gaps.warning():
+            run.warnings.append(run.gaps.warning())
         if whole and run.pictures not in (0, run.made):
             run.warnings.append(f"of {run.pictures} pictures, {run.made} came out of the elements")
         if whole and run.made not in (0, run.frames):
@@ -100,6 +102,10 @@ def work(task):
         target = partial_name(output) if run.stopping else output
         while run.stopping and os.path.isfile(target) and not is_marked(target):
             target = partial_name(target)
+        if task["container"] in ("mp4", "mov") and not task["chunk"]:
+            shown, longest = shown_seconds(part.path), max(run.probe.seconds, run.time, *run.reached.values(), 0)
+            if shown - longest > max(LATE, longest * LATE_SHARE):
+                run.warnings.append(f"players will show a length of {shown:.1f} s, not {longest:.1f}, since GStreamer makes subtitles too long: mkv is right")
         if task["container"] in MATROSKA and not task["chunk"]:
             mend_tags(part.path)
             if run.mastering:
