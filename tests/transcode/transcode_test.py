@@ -220,7 +220,8 @@ class Transcode(Case):
         self.assertRegex(self.run_it("clip.avi", "-o", "out.mkv", "--", "identity"), "its pictures end 0.[89] s before they should")
 
     def test_what_is_missing_in_the_middle_is_told_of(self):
-        for name, line in (("clip.mkv", "vp8enc deadline=1 keyframe-max-dist=5 ! matroskamux"), ("clip.avi", "jpegenc ! avimux"), ("clip.ogv", "theoraenc ! oggmux")):
+        for name, line in (("clip.mkv", "vp8enc deadline=1 keyframe-max-dist=5 ! matroskamux"), ("clip.avi", "jpegenc ! avimux"),
+                           ("clip.ogv", "theoraenc ! oggmux")):
             with self.subTest(name):
                 self.make(name, VIDEO.format(frames=90, form="I420") + line)
                 self.assertNotIn("damaged", self.run_it(name, "-o", "out.mkv", "--again", "--", "identity"))
@@ -228,7 +229,8 @@ class Transcode(Case):
                 with open(self.path(name), "r+b") as file:
                     file.seek(size // 2)
                     file.write(bytes(size // 8))
-                self.assertRegex(self.run_it(name, "-o", "out.mkv", "--again", "--", "identity"), r"it has no pictures from 1\.\d+ to [12]\.\d+ s.*it may be damaged")
+                said = self.run_it(name, "-o", "out.mkv", "--again", "--", "identity")
+                self.assertRegex(said, r"it has no pictures from 1\.\d+ to [12]\.\d+ s.*it may be damaged")
 
     def test_pictures_at_any_times_have_no_gaps(self):
         steady, other = Gaps(), Gaps()
@@ -260,7 +262,8 @@ class Transcode(Case):
 
     def test_the_shape_of_pixels_that_matroska_rounds_is_told_of(self):
         for shape, told in (("16/11", True), ("2/1", False)):
-            self.make("clip.mov", VIDEO.format(frames=3, form="I422_10LE") + f"capssetter caps=video/x-raw,pixel-aspect-ratio={shape} ! avenc_prores_ks ! qtmux")
+            self.make("clip.mov", VIDEO.format(frames=3, form="I422_10LE") +
+                      f"capssetter caps=video/x-raw,pixel-aspect-ratio={shape} ! avenc_prores_ks ! qtmux")
             self.assertEqual("rounded" in self.run_it("clip.mov", "-o", "out.mkv", "--again", "--", "identity"), told, shape)
 
     def test_a_cut_file_without_lengths_is_told_of(self):
