@@ -32,8 +32,8 @@ void play_no_lists() {
   gst_plugin_feature_list_free(demuxers);
 }
 
-/// Has decodebin take libav's decoder for JPEG: jpegdec of GStreamer 1.22 makes blotches of color that
-/// is not 4:2:0. In Python: inverse_common.media.prefer_decoders.
+/// Has decodebin take libav's decoder for JPEG: jpegdec of GStreamer 1.22 makes blotches of color
+/// that is not 4:2:0. In Python: inverse_common.media.prefer_decoders.
 void prefer_decoders() {
   GstRegistry* registry = gst_registry_get();
   GstPluginFeature* parser = gst_registry_lookup_feature(registry, "jpegparse");
