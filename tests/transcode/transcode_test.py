@@ -247,6 +247,14 @@ class Transcode(Case):
         os.truncate(self.path("clip.mp4"), os.path.getsize(self.path("clip.mp4")) * 6 // 10)
         self.assertIn("it may be damaged", self.run_it("clip.mp4", "-o", "out.mkv", "--again", "--", "identity"))
 
+    def test_the_last_box_of_a_file(self):
+        head = struct.pack(">I4s4s4x", 16, b"ftyp", b"isom")
+        for rest, cut in ((struct.pack(">I4s", 8, b"free"), False), (struct.pack(">I4s", 9, b"free"), True), (struct.pack(">I4sQ", 1, b"mdat", 0), False),
+                          (struct.pack(">I4sQ", 1, b"mdat", 99), True), (struct.pack(">I4s", 0, b"mdat") + bytes(99), False), (b"\0\0\0", True)):
+            with open(self.path("a.mp4"), "wb") as file:
+                file.write(head + rest)
+            self.assertEqual(marks.ends_inside(self.path("a.mp4")), cut, rest)
+
     def test_a_transport_stream_whose_clock_begins_late_is_whole(self):
         self.need("openh264enc", "mpegtsmux")
         self.make("clip.ts", VIDEO.format(frames=30, form="I420").replace("videotestsrc", "videotestsrc timestamp-offset=1400000000") +

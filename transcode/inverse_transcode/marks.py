@@ -135,7 +135,7 @@ def _ends_in_box(file, size):
         length, _, more = struct.unpack(">I4sQ", file.read(16).ljust(16, b"\0"))
         if length == 0:
             return False
-        place += more if length == 1 else max(length, 8)
+        place += max(more, 16) if length == 1 else max(length, 8)
     return place != size
 
 
