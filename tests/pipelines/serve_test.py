@@ -22,12 +22,14 @@ try:
 except (ImportError, ValueError) as problem:
     print(f"{problem}: install python3-gi, gir1.2-gst-rtsp-server-1.0")
     sys.exit(77)
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "common"))
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "common"), str(ROOT / "tests")]
 from inverse_common import media  # noqa: E402
 from inverse_common.gst import structure_of  # noqa: E402
+from lists_in_files import Listed  # noqa: E402
 
 Gst.init(None)
-SCRIPTS = pathlib.Path(__file__).resolve().parents[2] / "pipelines"
+SCRIPTS = ROOT / "pipelines"
 # Seconds until what has not happened is given up. Kernels are built within it, on a machine with other work to do: 35 s and more.
 LIMIT = 300
 CAMERA = "videotestsrc is-live=true pattern=ball ! video/x-raw,width=160,height=120,framerate=10/1"
@@ -149,17 +151,14 @@ class Serve(Case):
             self.assertIn("rtsp: ", server.stderr.readline())
 
     def test_a_list_within_a_file_opens_no_connection(self):
-        listener = socket.create_server(("127.0.0.1", 0))
-        self.addCleanup(listener.close)
+        listed = Listed(self)
         environment = unittest.mock.patch.dict(os.environ, SINK="fakesink")
         environment.start()
         self.addCleanup(environment.stop)
-        listed = f"#EXTM3U\n#EXT-X-VERSION:3\n#EXT-X-TARGETDURATION:2\n#EXTINF:2,\nhttp://127.0.0.1:{listener.getsockname()[1]}/a.ts\n#EXT-X-ENDLIST\n".encode()
-        part = b"--b\r\nContent-Type: application/x-hls\r\nContent-Length: %d\r\n\r\n%s\r\n" % (len(listed), listed)
         with tempfile.TemporaryDirectory() as folder:
-            for name, content in (("plain.m3u8", listed), ("id3.mp4", b"ID3\x04\0\0\0\0\0\0" + listed), ("parts.mp4", 3 * part + b"--b--\r\n")):
+            pathlib.Path(folder, "plain.m3u8").write_bytes(listed.text)
+            for name in ("plain.m3u8", *listed.write(folder)):
                 path = pathlib.Path(folder, name)
-                path.write_bytes(content)
                 for words, source in ((("playbin", path, "identity"), ""), (("playbin", path.as_uri(), "identity"), ""), (("rtp-out", path), ""),
                                       (("rtsp", path, "--port", "0"), ""), (("webcam",), f"filesrc location={path}")):
                     with self.subTest(words):
@@ -168,16 +167,14 @@ class Serve(Case):
                         self.assertNotEqual(process.returncode, 0)
                         if not source:
                             self.assertRegex(errors, f"{words[0]}: .*{name}.* list of streams")
-        listener.setblocking(False)
-        with self.assertRaises(BlockingIOError):
-            listener.accept()
-        playing = self.start(SCRIPTS / "playbin", f"http://127.0.0.1:{listener.getsockname()[1]}/a.m3u8", "identity", source="")
-        listener.settimeout(LIMIT)
-        connection, _ = listener.accept()
+        listed.expect_no_connection(self)
+        playing = self.start(SCRIPTS / "playbin", f"{listed.address}/a.m3u8", "identity", source="")
+        listed.listener.settimeout(LIMIT)
+        connection, _ = listed.listener.accept()
         with connection:
             connection.recv(1 << 16)
-            connection.sendall(b"HTTP/1.0 200 OK\r\nContent-Type: application/vnd.apple.mpegurl\r\n\r\n" + listed)
-        connection, _ = listener.accept()  # what the list names
+            connection.sendall(b"HTTP/1.0 200 OK\r\nContent-Type: application/vnd.apple.mpegurl\r\n\r\n" + listed.text)
+        connection, _ = listed.listener.accept()  # what the list names
         with connection:
             self.assertIn(b"a.", connection.recv(1 << 16))
         playing.kill()

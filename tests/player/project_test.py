@@ -5,7 +5,6 @@ import json
 import os
 import shlex
 import shutil
-import socket
 import subprocess
 import sys
 import unittest
@@ -17,6 +16,7 @@ from inverse_play import arguments, elements, intros, launch_line, layers, proje
 from inverse_play.elements import ElementError
 from inverse_play.history import History
 from inverse_play.project import Element, Project
+from lists_in_files import Listed
 
 STROKES = '[{"kind":"shading","radius":12,"points":[[100,80],[120,80]]}]'
 
@@ -441,18 +441,11 @@ class Trust(support.Case):
                 source.parse(self.path(name))
 
     def test_a_list_within_a_file_opens_no_connection(self):
-        listener = socket.create_server(("127.0.0.1", 0))
-        self.addCleanup(listener.close)
-        listed = f"#EXTM3U\n#EXT-X-VERSION:3\n#EXT-X-TARGETDURATION:2\n#EXTINF:2,\nhttp://127.0.0.1:{listener.getsockname()[1]}/a.ts\n#EXT-X-ENDLIST\n".encode()
-        part = b"--b\r\nContent-Type: application/x-hls\r\nContent-Length: %d\r\n\r\n%s\r\n" % (len(listed), listed)
-        for name, content in (("id3.mp4", b"ID3\x04\0\0\0\0\0\0" + listed), ("parts.mp4", 3 * part + b"--b--\r\n")):
-            with open(self.path(name), "wb") as file:
-                file.write(content)
+        listed = Listed(self)
+        for name in listed.write(self.path("")):
             with self.subTest(name), self.assertRaisesRegex(source.SourceError, f"{name} is a list of streams"):
                 source.parse(self.path(name))
-        listener.setblocking(False)
-        with self.assertRaises(BlockingIOError):
-            listener.accept()
+        listed.expect_no_connection(self)
 
 
 class CommandLine(support.Case):

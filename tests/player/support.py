@@ -17,7 +17,7 @@ SKIPPED = 77  # the exit status by which meson knows a skipped test
 # Seconds until what has not happened is given up. Kernels are built within it, on a machine with other work to do: 35 s and more.
 LIMIT = 300
 PLAYER = os.environ.get("INVERSE_PLAY", str(ROOT / "player"))  # the folder of the package
-sys.path.insert(0, PLAYER)
+sys.path[:0] = [PLAYER, str(ROOT / "tests")]
 
 
 def skip(reason):

@@ -24,7 +24,7 @@ try:
 except (ImportError, ValueError) as problem:
     print(f"GStreamer for Python is missing ({problem}): install python3-gi, gir1.2-gst-plugins-base-1.0")
     sys.exit(SKIPPED)
-sys.path.insert(0, str(ROOT / "common"))
+sys.path[:0] = [str(ROOT / "common"), str(ROOT / "tests")]
 from inverse_common.gst import structure_of  # noqa: E402
 
 Gst.init(None)

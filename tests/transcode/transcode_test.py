@@ -6,7 +6,6 @@ import os
 import re
 import shutil
 import signal
-import socket
 import struct
 import subprocess
 import sys
@@ -21,6 +20,7 @@ sys.path.insert(0, str(ROOT / "transcode"))
 from inverse_transcode import formats, marks, matroska  # noqa: E402
 from inverse_transcode.gaps import Gaps  # noqa: E402
 from inverse_transcode.plan import Settings, Task  # noqa: E402
+from lists_in_files import Listed  # noqa: E402
 
 
 class Texts(unittest.TestCase):
@@ -537,19 +537,12 @@ class Transcode(Case):
         self.assertIn("it is a list of streams", self.run_it("list.mkv", "-o", "out.mkv", status=1))
 
     def test_a_list_within_a_file_opens_no_connection(self):
-        listener = socket.create_server(("127.0.0.1", 0))
-        self.addCleanup(listener.close)
-        listed = f"#EXTM3U\n#EXT-X-VERSION:3\n#EXT-X-TARGETDURATION:2\n#EXTINF:2,\nhttp://127.0.0.1:{listener.getsockname()[1]}/a.ts\n#EXT-X-ENDLIST\n".encode()
-        part = b"--b\r\nContent-Type: application/x-hls\r\nContent-Length: %d\r\n\r\n%s\r\n" % (len(listed), listed)
-        for name, content in (("id3.mp4", b"ID3\x04\0\0\0\0\0\0" + listed), ("parts.mp4", 3 * part + b"--b--\r\n")):
-            with open(self.path(name), "wb") as file:
-                file.write(content)
+        listed = Listed(self)
+        for name in listed.write(self.path("")):
             with self.subTest(name):
                 said = self.run_it(name, "-o", "out.mkv", status=1)
                 self.assertIn(f"{name}: it is a list of streams", said)
-        listener.setblocking(False)
-        with self.assertRaises(BlockingIOError):
-            listener.accept()
+        listed.expect_no_connection(self)
 
     def test_the_muxer_waits_for_slow_video(self):
         """Raw sound is there at once, its video much later."""
