@@ -63,12 +63,12 @@ def _flags(track, tracks):
 
 
 def _boxes(file, end):
-    """(name, end) of the boxes of MP4 up to a place in the file, which is at the start of their data."""
+    """(name, end) of the boxes of MP4 up to a place in the file, which is at the start of their data; the last one may end behind it."""
     while (start := file.tell()) + 8 <= end:
         size, name = struct.unpack(">I4s", file.read(8))
         if size == 1:
             (size,) = struct.unpack(">Q", file.read(8).rjust(8, b"\0"))
-        stop = min(start + size, end) if size else end
+        stop = start + size if size else end
         if stop < start + 8:
             return
         yield name, stop
@@ -80,9 +80,9 @@ def _find(file, end, names):
     for name, stop in _boxes(file, end):
         if name == names[0]:
             if len(names) == 1:
-                yield file.tell(), stop
+                yield file.tell(), min(stop, end)
             else:
-                yield from _find(file, stop, names[1:])
+                yield from _find(file, min(stop, end), names[1:])
 
 
 def video_seconds(path):
@@ -117,8 +117,12 @@ def ends_inside(path):
     with open(path, "rb") as file:
         head = file.read(5 * 204)
         size = file.seek(0, 2)
+        file.seek(0)
         if head[4:8] == b"ftyp":
-            return _ends_in_box(file, size)
+            stop = 0
+            for _, stop in _boxes(file, size):
+                pass
+            return stop != size
         file.seek(max(0, size - (1 << 17)))  # a page has less than 65308 bytes
         tail = file.read()
     if head[:4] == b"OggS":
@@ -128,34 +132,27 @@ def ends_inside(path):
     return bool(_packet(head)) and size % _packet(head) != 0
 
 
-def _ends_in_box(file, size):
-    place = 0
-    while place + 8 <= size:
-        file.seek(place)
-        length, _, more = struct.unpack(">I4sQ", file.read(16).ljust(16, b"\0"))
-        if length == 0:
-            return False
-        place += max(more, 16) if length == 1 else max(length, 8)
-    return place != size
-
-
 def shown_seconds(path):
     """How long players say that an MP4 is; 0 where it does not say. Throws OSError."""
     with open(path, "rb") as file:
         end = file.seek(0, 2)
         file.seek(0)
-        for start, _ in _find(file, end, (b"moov", b"mvhd")):
-            scale = _numbers(file, 12, ">I", 20, ">I")
-            file.seek(start)
-            return _numbers(file, 16, ">I", 24, ">Q") / scale if scale else 0
-    return 0
+        scale, ticks = _movie(file, end)
+    return ticks / scale if scale else 0
+
+
+def _movie(file, end):
+    """Units a second of an MP4, and its length in them; 0 where it does not say."""
+    for start, _ in _find(file, end, (b"moov", b"mvhd")):
+        scale = _numbers(file, 12, ">I", 20, ">I")
+        file.seek(start)
+        return scale, _numbers(file, 16, ">I", 24, ">Q")
+    return 0, 0
 
 
 def _mp4_seconds(file, end):
     """Of the longest track of video, with its edits; 0 where fragments have it."""
-    scale, ticks = 1, [0]
-    for _ in _find(file, end, (b"moov", b"mvhd")):
-        scale = _numbers(file, 12, ">I", 20, ">I") or 1
+    (scale, _), ticks = _movie(file, end), [0]
     file.seek(0)
     for start, stop in _find(file, end, (b"moov", b"trak")):
         kinds = [file.read(12)[8:] for _ in _find(file, stop, (b"mdia", b"hdlr"))]
@@ -163,7 +160,7 @@ def _mp4_seconds(file, end):
         for _ in _find(file, stop, (b"tkhd",)):
             length = _numbers(file, 20, ">I", 28, ">Q")
             ticks.append(length if b"vide" in kinds and length not in (0xFFFFFFFF, 0xFFFFFFFFFFFFFFFF) else 0)
-    return max(ticks) / scale
+    return max(ticks) / (scale or 1)
 
 
 def _numbers(file, place, form, place_1, form_1):

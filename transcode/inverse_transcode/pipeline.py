@@ -34,7 +34,7 @@ _HDR = (GstVideo.VideoTransferFunction.SMPTE2084, GstVideo.VideoTransferFunction
 _UNTITLED = ("Video", "Audio", "Subtitle")  # what matroskamux writes of a track without a title
 _STYLED = ("application/x-ass", "application/x-ssa")  # subtitles
 FIELDS = "fields"  # in the names of the elements that deinterlace
-LATE, LATE_SHARE = 0.25, 0.05  # seconds, and a part of the file, that pictures may end early
+_LATE, _LATE_SHARE = 0.25, 0.05  # seconds, and a part of the file
 SMALL = 64  # pixels a side, which every encoder takes
 _NO_LIGHT = ("reflectance", "mask", "clusters")  # layers that have no exposure
 
@@ -46,6 +46,11 @@ class TranscodeError(Exception):
 def uri_of(path):
     """The URI of a file."""
     return pathlib.Path(os.path.abspath(path)).as_uri()  # also of names that are no UTF-8
+
+
+def tolerance(seconds):
+    """Seconds by which lengths may differ."""
+    return max(_LATE, seconds * _LATE_SHARE)
 
 
 def _stream_seconds(pad, buffer):
@@ -489,10 +494,10 @@ class Transcode:
     def should_last(self):
         """Seconds that the pictures should last, 0: not known. A file without an end of its own for video is as long as its longest stream: if none is cut,
         the video is as long as its packets."""
-        seconds, tolerance = self.said or self.probe.seconds, max(LATE, self.probe.seconds * LATE_SHARE)
+        seconds = self.said or self.probe.seconds
         if not self.pictures and marks.counts_from_elsewhere(self.task["input"]):
             return 0
-        if not self.said and self.probe.seconds - max(self.reached.values(), default=0) <= tolerance:
+        if not self.said and self.probe.seconds - max(self.reached.values(), default=0) <= tolerance(self.probe.seconds):
             seconds = self.reached.get("video", seconds)
         return min(seconds, self.chunk.end / Gst.SECOND) if self.chunk and self.chunk.end else seconds
 

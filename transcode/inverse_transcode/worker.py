@@ -20,7 +20,7 @@ from .formats import MATROSKA, SEQUENCES, FormatError  # noqa: E402
 from .marks import ends_inside, shown_seconds  # noqa: E402
 from .matroska import mend_mastering, mend_tags  # noqa: E402
 from .part import Part, is_marked, mark, partial_name, remove  # noqa: E402
-from .pipeline import LATE, LATE_SHARE, Transcode, TranscodeError  # noqa: E402
+from .pipeline import Transcode, TranscodeError, tolerance  # noqa: E402
 from .plan import is_result_folder  # noqa: E402
 
 CLOSING_SECONDS = 30
@@ -84,12 +84,12 @@ def work(task):
         loop.run()
         run.close()
         should, whole = run.should_last(), not run.error and not run.stopping
-        if whole and should - run.time > max(LATE, should * LATE_SHARE):
+        if whole and should - run.time > tolerance(should):
             run.warnings.append(f"its pictures end {should - run.time:.1f} s before they should: it may be damaged")
         elif whole and not run.pictures and not task["chunk"] and ends_inside(task["input"]):
             run.warnings.append("it has no end: it may be damaged")
-        if whole and run.gaps.warning():
-            run.warnings.append(run.gaps.warning())
+        if whole and (gap := run.gaps.warning()):
+            run.warnings.append(gap)
         if whole and run.pictures not in (0, run.made):
             run.warnings.append(f"of {run.pictures} pictures, {run.made} came out of the elements")
         if whole and run.made not in (0, run.frames):
@@ -104,7 +104,7 @@ def work(task):
             target = partial_name(target)
         if task["container"] in ("mp4", "mov") and not task["chunk"]:
             shown, longest = shown_seconds(part.path), max(run.probe.seconds, run.time, *run.reached.values(), 0)
-            if shown - longest > max(LATE, longest * LATE_SHARE):
+            if shown - longest > tolerance(longest):
                 run.warnings.append(f"players will show a length of {shown:.1f} s, not {longest:.1f}, since GStreamer makes subtitles too long: mkv is right")
         if task["container"] in MATROSKA and not task["chunk"]:
             mend_tags(part.path)
