@@ -53,17 +53,22 @@ void validate_node(const Graph& graph, uint32_t index, uint64_t& weights_from) {
   if (node.activation != Activation::none && !node.has_weights() && node.op != Op::activation)
     refuse(named(node), "an activation where none is taken");
   if (!std::isfinite(node.slope)) refuse(named(node), "its slope is not a finite number");
-  const size_t inputs = node.op == Op::concat ? 2 : 1;
+  const size_t inputs = node.op == Op::concat || node.op == Op::add ? 2 : 1;
   if (node.inputs.size() != inputs)
     refuse(named(node),
            std::to_string(node.inputs.size()) + " inputs, not " + std::to_string(inputs));
   for (const uint32_t input : node.inputs)
     if (input >= graph.inputs.size() + index)
       refuse(named(node), "it takes a value that is not there yet");
-  if (node.op == Op::convolution ? node.kernel != 1 && node.kernel != 3 : node.kernel != 1)
-    refuse(named(node), "a kernel of size " + std::to_string(node.kernel));
-  if (node.op == Op::convolution ? node.stride != 1 && node.stride != 2 : node.stride != 1)
+  const bool depthwise = node.op == Op::depthwise, strides = depthwise || node.op == Op::convolution;
+  const bool small = node.kernel == 1 && !depthwise, large = node.kernel == 3 && strides;
+  if (!small && !large) refuse(named(node), "a kernel of size " + std::to_string(node.kernel));
+  if (node.stride != 1 && !(node.stride == 2 && strides))
     refuse(named(node), "a stride of " + std::to_string(node.stride));
+  if (node.dilation < 1 || node.dilation > (depthwise ? kMaxDilation : 1))
+    refuse(named(node), "a dilation of " + std::to_string(node.dilation));
+  if (depthwise && node.fan_in != 1)
+    refuse(named(node), std::to_string(node.fan_in) + " input channels for each of its own");
   if (!node.has_weights()) return;
   validate_weights(graph, node, weights_from);
   weights_from = node.weights + node.weight_count() + node.channels;
@@ -82,6 +87,17 @@ Shape shape_of(const Node& node, std::span<const Shape> values) {
     case Op::convolution:
       expect_channels(node, in.channels);
       return {node.channels, (in.height - 1) / node.stride + 1, (in.width - 1) / node.stride + 1};
+    case Op::depthwise:
+      if (in.channels != node.channels)
+        refuse(named(node), "it takes " + std::to_string(node.channels) + " channels and gets " +
+                                std::to_string(in.channels));
+      return {node.channels, (in.height - 1) / node.stride + 1, (in.width - 1) / node.stride + 1};
+    case Op::add: {
+      const Shape more = values[node.inputs[1]];
+      if (more != in && more != Shape{in.channels, 1, 1})
+        refuse(named(node), text(in) + " and " + text(more) + " cannot be added");
+      return in;
+    }
     case Op::max_pool:
       if (in.height < 2 || in.width < 2) refuse(named(node), text(in) + " is too small to pool");
       return {in.channels, in.height / 2, in.width / 2};
@@ -158,6 +174,7 @@ uint64_t operations_of(const Graph& graph, uint32_t node, std::span<const Shape>
   switch (n.op) {
     case Op::convolution:
     case Op::dense:
+    case Op::depthwise:
       return 2 * n.weight_count() * out.height * out.width;
     case Op::max_pool:
       return 3 * out.size();
@@ -170,6 +187,7 @@ uint64_t operations_of(const Graph& graph, uint32_t node, std::span<const Shape>
     case Op::concat:
       return 0;
     case Op::activation:
+    case Op::add:
       return out.size();
   }
   return 0;

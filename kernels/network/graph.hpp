@@ -17,28 +17,35 @@ enum class Op : uint32_t {
   global_mean,  ///< mean of every channel: a vector
   softmax,      ///< over the channels, at every pixel
   activation,   ///< `Node::activation` only
+  depthwise,    ///< 3 x 3 of every channel by itself, zeros around the image, stride 1 or 2
+  add,          ///< an image and an image of its shape, or a vector of its channels
 };
-constexpr uint32_t kOps = 8;
+constexpr uint32_t kOps = 10;
 
-enum class Activation : uint32_t { none, relu, leaky_relu, sigmoid };
-constexpr uint32_t kActivations = 4;
+enum class Activation : uint32_t { none, relu, leaky_relu, sigmoid, relu6 };
+constexpr uint32_t kActivations = 5;
+constexpr uint32_t kMaxDilation = 16;
 
 /// One operation. Its result is the value of index Graph::inputs.size() + its own index.
 struct Node {
   std::string name;  ///< for messages
   Op op = Op::activation;
-  std::vector<uint32_t> inputs;  ///< values before its own: two for concat, one for others
-  Activation activation = Activation::none;  ///< of convolution, dense and activation
+  std::vector<uint32_t> inputs;  ///< values before its own: two for concat and add, one for others
+  Activation activation = Activation::none;  ///< of nodes with weights, and activation
   float slope = 0;                           ///< of leaky_relu below zero
-  uint32_t kernel = 1;                       ///< convolution: 1 or 3
-  uint32_t stride = 1;                       ///< convolution: 1 or 2
-  uint32_t fan_in = 0;    ///< convolution: channels of its input; dense: channels x height x width
-  uint32_t channels = 0;  ///< of the result: convolution, dense
+  uint32_t kernel = 1;                       ///< convolution: 1 or 3; depthwise: 3
+  uint32_t stride = 1;                       ///< convolution, depthwise: 1 or 2
+  uint32_t dilation = 1;                     ///< depthwise: 1 to kMaxDilation
+  /// convolution: channels of its input; dense: channels x height x width; depthwise: 1
+  uint32_t fan_in = 0;
+  uint32_t channels = 0;  ///< of the result: nodes with weights
   /// Offset of its weights in Graph::weights, [channels][fan_in][kernel][kernel], followed by
   /// [channels] of bias.
   uint64_t weights = 0;
 
-  bool has_weights() const { return op == Op::convolution || op == Op::dense; }
+  bool has_weights() const {
+    return op == Op::convolution || op == Op::dense || op == Op::depthwise;
+  }
   uint64_t weight_count() const { return uint64_t{channels} * fan_in * kernel * kernel; }
 };
 

@@ -15,7 +15,7 @@ namespace inverse::network {
 namespace {
 
 constexpr std::array<char, 8> kMagic = {'I', 'N', 'V', 'E', 'R', 'S', 'E', 'N'};
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
 
 struct Header {
   std::array<char, 8> magic = kMagic;
@@ -92,7 +92,8 @@ void write_node(Writer& out, const Node& node) {
   for (const uint32_t input : node.inputs) out.value(input);
   out.value(node.activation);
   out.value(node.slope);
-  for (const uint32_t number : {node.kernel, node.stride, node.fan_in, node.channels})
+  for (const uint32_t number :
+       {node.kernel, node.stride, node.dilation, node.fan_in, node.channels})
     out.value(number);
   out.value(node.weights);
 }
@@ -105,7 +106,8 @@ Node read_node(Reader& in) {
   for (uint32_t& input : node.inputs) input = in.value<uint32_t>();
   node.activation = in.value<Activation>();
   node.slope = in.value<float>();
-  for (uint32_t* number : {&node.kernel, &node.stride, &node.fan_in, &node.channels})
+  for (uint32_t* number :
+       {&node.kernel, &node.stride, &node.dilation, &node.fan_in, &node.channels})
     *number = in.value<uint32_t>();
   node.weights = in.value<uint64_t>();
   return node;
@@ -167,7 +169,7 @@ Graph from_file(std::span<const std::byte> bytes, const std::string& name) {
     for (uint32_t* number : {&input.channels, &input.height, &input.width})
       *number = in.value<uint32_t>();
   }
-  const size_t nodes = in.count(40);
+  const size_t nodes = in.count(44);
   for (size_t i = 0; i < nodes; ++i) graph.nodes.push_back(read_node(in));
   graph.outputs.resize(in.count(8));
   for (Output& output : graph.outputs) {

@@ -6,11 +6,13 @@
 
 #include "common/error.hpp"
 #include "kernels/network_activate.spv.hpp"
+#include "kernels/network_add.spv.hpp"
 #include "kernels/network_concat.spv.hpp"
 #include "kernels/network_convolve1.spv.hpp"
 #include "kernels/network_convolve3.spv.hpp"
 #include "kernels/network_convolve3_stride2.spv.hpp"
 #include "kernels/network_dense.spv.hpp"
+#include "kernels/network_depthwise3.spv.hpp"
 #include "kernels/network_global_mean.spv.hpp"
 #include "kernels/network_max_pool.spv.hpp"
 #include "kernels/network_softmax.spv.hpp"
@@ -136,6 +138,27 @@ void Network::prepare(const Step& step) {
            .blocks = block_count(out),
            .slope = node.slope},
           groups_of(*dense.kernel(), out));
+      return;
+    }
+    case Op::depthwise:
+      add<shaders::network_depthwise3>(
+          step, {device_, {.activation = activation}},
+          {.image = first, .weights = weights_of(step), .result = result},
+          {.size = out,
+           .source = in,
+           .blocks = block_count(out),
+           .stride = static_cast<int32_t>(node.stride),
+           .dilation = static_cast<int32_t>(node.dilation),
+           .slope = node.slope},
+          line_of(result_elements));
+      return;
+    case Op::add: {
+      const bool vector = plan_.shapes[step.sources.back().value] != in;
+      add<shaders::network_add>(
+          step, {device_, {.vector = vector}},
+          {.first = first, .second = second, .result = result},
+          {.area = area_of(out), .elements = static_cast<int32_t>(result_elements)},
+          line_of(result_elements));
       return;
     }
     case Op::max_pool:

@@ -50,6 +50,18 @@ std::vector<float> pack_convolution(const Graph& graph, const Plan& plan, const 
   return packed;
 }
 
+std::vector<float> pack_depthwise(const Graph& graph, const Node& node) {
+  const NodeWeights w(graph, node);
+  std::vector<float> packed;
+  put_bias(packed, node, w);
+  for (uint32_t block = 0; block < blocks_of(node.channels); ++block)
+    for (uint32_t row = 0; row < 3; ++row)
+      for (uint32_t column = 0; column < 3; ++column)
+        for (uint32_t to = 4 * block; to < 4 * block + 4; ++to)
+          packed.push_back(w.weight(to, 0, row, column));
+  return packed;
+}
+
 std::vector<float> pack_dense(const Graph& graph, const Plan& plan, const Step& step) {
   const Node& node = graph.nodes[step.node];
   const NodeWeights w(graph, node);
@@ -69,8 +81,10 @@ std::vector<float> pack_dense(const Graph& graph, const Plan& plan, const Step& 
 }  // namespace
 
 std::vector<float> packed_weights(const Graph& graph, const Plan& plan, const Step& step) {
-  return graph.nodes[step.node].op == Op::dense ? pack_dense(graph, plan, step)
-                                                : pack_convolution(graph, plan, step);
+  const Node& node = graph.nodes[step.node];
+  if (node.op == Op::dense) return pack_dense(graph, plan, step);
+  if (node.op == Op::depthwise) return pack_depthwise(graph, node);
+  return pack_convolution(graph, plan, step);
 }
 
 }  // namespace inverse::network

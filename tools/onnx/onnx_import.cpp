@@ -135,18 +135,28 @@ class Importer {
     const int64_t k = weights.shape[2];
     op.expect((k == 1 || k == 3) && weights.shape[3] == k,
               "a kernel of " + std::to_string(k) + " x " + std::to_string(weights.shape[3]));
-    op.expect(op.integer("group", 1) == 1, "it has groups");
-    op.expect(op.integers("dilations", {1, 1}) == std::vector<int64_t>({1, 1}), "it is dilated");
+    const int64_t groups = op.integer("group", 1);
+    const bool depthwise =
+        groups > 1 && k == 3 && weights.shape[1] == 1 && weights.shape[0] == groups;
+    op.expect(groups == 1 || depthwise, "it has groups that are not its channels");
+    const auto dilations = op.integers("dilations", {1, 1});
+    const int64_t most = depthwise ? int64_t{network::kMaxDilation} : 1;
+    op.expect(dilations.size() == 2 && dilations[0] == dilations[1] && dilations[0] >= 1 &&
+                  dilations[0] <= most,
+              "it is dilated");
+    const int64_t dilation = dilations[0];
     op.expect(op.word("auto_pad", "NOTSET") == "NOTSET", "auto_pad; give its padding");
-    op.expect(op.integers("pads", {0, 0, 0, 0}) == std::vector<int64_t>(4, k / 2),
-              "its padding is not " + std::to_string(k / 2) + " all around");
+    const int64_t padding = k / 2 * dilation;
+    op.expect(op.integers("pads", {0, 0, 0, 0}) == std::vector<int64_t>(4, padding),
+              "its padding is not " + std::to_string(padding) + " all around");
     const auto strides = op.integers("strides", {1, 1});
     op.expect(
         strides.size() == 2 && strides[0] == strides[1] && (strides[0] == 1 || strides[0] == 2),
         "its stride is neither 1 nor 2");
-    Node node = make(op, Op::convolution, {value(op, 0)});
+    Node node = make(op, depthwise ? Op::depthwise : Op::convolution, {value(op, 0)});
     node.kernel = static_cast<uint32_t>(k);
     node.stride = static_cast<uint32_t>(strides[0]);
+    node.dilation = static_cast<uint32_t>(dilation);
     node.channels = static_cast<uint32_t>(weights.shape[0]);
     node.fan_in = static_cast<uint32_t>(weights.shape[1]);
     put_weights(node, weights.floats, bias(op, node.channels));
@@ -176,7 +186,8 @@ class Importer {
   /// w' = w g / sqrt(v + e), b' = (b - m) g / sqrt(v + e) + c.
   void batch_norm(const Operator& op) {
     Node* node = only_mine(op, 0);
-    op.expect(node && node->op == Op::convolution && node->activation == Activation::none,
+    op.expect(node && (node->op == Op::convolution || node->op == Op::depthwise) &&
+                  node->activation == Activation::none,
               "it does not follow a Conv that nothing else reads");
     // Before opset 14, results beyond the first indicated training mode if used.
     op.expect(op.integer("training_mode", 0) == 0 && !wanted(op, 1), "it is in training");
@@ -200,11 +211,28 @@ class Importer {
     values_[op.output()] = value(op, 0);
   }
 
+  /// Clip from 0 to 6 alone: ReLU6.
+  void clip(const Operator& op) {
+    const auto bound = [&](int index, const char* name) {
+      if (op.input(index).empty()) return op.number(name, NAN);
+      const std::vector<float>& given = constant(op, index).floats;
+      return given.size() == 1 ? given[0] : NAN;
+    };
+    op.expect(bound(1, "min") == 0 && bound(2, "max") == 6, "only 0 to 6 is taken");
+    activate(op, Activation::relu6, 0);
+  }
+  void sum(const Operator& op) {
+    op.expect(op.inputs() == 2, "it has not two inputs");
+    put(op.output(), make(op, Op::add, {value(op, 0), value(op, 1)}));
+  }
   void activation(const Operator& op) {
     const Activation kind = op.type() == "Relu"        ? Activation::relu
                             : op.type() == "LeakyRelu" ? Activation::leaky_relu
                                                        : Activation::sigmoid;
     const float slope = kind == Activation::leaky_relu ? op.number("alpha", 0.01f) : 0;
+    activate(op, kind, slope);
+  }
+  void activate(const Operator& op, Activation kind, float slope) {
     Node* before = only_mine(op, 0);
     if (before && before->has_weights() && before->activation == Activation::none) {
       before->activation = kind;
@@ -304,7 +332,8 @@ class Importer {
         {"Flatten", &Importer::flatten},    {"Reshape", &Importer::flatten},
         {"Gemm", &Importer::dense},         {"GlobalAveragePool", &Importer::global_mean},
         {"Softmax", &Importer::softmax},    {"Identity", &Importer::pass},
-        {"Dropout", &Importer::dropout}};
+        {"Dropout", &Importer::dropout},    {"Clip", &Importer::clip},
+        {"Add", &Importer::sum}};
     op.expect(op.domain().empty() || op.domain() == "ai.onnx",
               "an operator of \"" + op.domain() + "\", not of ONNX itself");
     if (op.type() == "Constant") return;
@@ -313,7 +342,7 @@ class Importer {
       op.refuse(
           "this operator is not supported (supported are Conv, BatchNormalization, Relu, "
           "LeakyRelu, Sigmoid, MaxPool, Resize, Concat, Flatten, Reshape, Gemm, "
-          "GlobalAveragePool, Softmax, Identity, Dropout)");
+          "GlobalAveragePool, Softmax, Identity, Dropout, Clip, Add)");
     op.expect(op.outputs() >= 1 && (op.inputs() >= 1), "it has no input or no result");
     (this->*found->second)(op);
   }

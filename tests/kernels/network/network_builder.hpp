@@ -38,6 +38,19 @@ class NetworkBuilder {
     node.fan_in = fan_in;
     return add_weights(std::move(node));
   }
+  uint32_t depthwise(uint32_t from, uint32_t stride = 1, uint32_t dilation = 1,
+                     network::Activation activation = network::Activation::none) {
+    network::Node node = make(network::Op::depthwise, {from}, channels_[from]);
+    node.kernel = 3;
+    node.stride = stride;
+    node.dilation = dilation;
+    node.activation = activation;
+    node.fan_in = 1;
+    return add_weights(std::move(node));
+  }
+  uint32_t sum(uint32_t first, uint32_t second) {
+    return add(make(network::Op::add, {first, second}, channels_[first]));
+  }
   uint32_t concat(uint32_t first, uint32_t second) {
     return add(make(network::Op::concat, {first, second}, channels_[first] + channels_[second]));
   }

@@ -121,10 +121,13 @@ TEST(NetworkFile, RefusesInvalidGraphs) {
   expect_contains(bias, "a bias is not a finite number");
   for (const std::function<void(Graph&)>& spoil : std::vector<std::function<void(Graph&)>>{
            [](Graph& g) { g.nodes[0].op = static_cast<Op>(99); },
-           [](Graph& g) { g.nodes[0].activation = static_cast<network::Activation>(4); },
+           [](Graph& g) { g.nodes[0].activation = static_cast<network::Activation>(network::kActivations); },
            [](Graph& g) { g.nodes[0].slope = kNan; },
            [](Graph& g) { g.nodes[0].kernel = 5; },
            [](Graph& g) { g.nodes[0].stride = 0; },
+           [](Graph& g) { g.nodes[0].dilation = 2; },
+           [](Graph& g) { g.nodes[0].op = Op::depthwise; },
+           [](Graph& g) { g.nodes[1].op = Op::add; },
            [](Graph& g) { g.nodes[0].channels = 0; },
            [](Graph& g) { g.nodes[0].fan_in = 0; },
            [](Graph& g) { g.nodes[0].fan_in = 1u << 31; },

@@ -108,14 +108,44 @@ TEST_F(NetworkTest, ConvolutionsOfEverySizeAgreeWithReference) {
     }
 }
 
+TEST_F(NetworkTest, DepthwiseConvolutionsAgreeWithReference) {
+  unsigned seed = 0;
+  for (const auto& [channels, stride, dilation] :
+       {std::array<uint32_t, 3>{1, 1, 1}, {5, 1, 2}, {8, 2, 1}, {13, 1, 4}, {6, 2, 3}, {4, 1, 16}})
+    for (const auto& [width, height] :
+         {std::array<uint32_t, 2>{1, 1}, {1, 9}, {17, 1}, {2, 2}, {15, 10}, {33, 17}}) {
+      NetworkBuilder b(++seed);
+      b.output(b.depthwise(b.input(channels), stride, dilation));
+      SCOPED_TRACE(::testing::Message() << channels << " channels, stride " << stride
+                                        << ", dilation " << dilation << ", " << width << " x "
+                                        << height);
+      expect_same(b.graph(), {random_image({channels, height, width}, seed)});
+      if (HasFatalFailure()) return;
+    }
+}
+
+TEST_F(NetworkTest, SumsAgreeWithReference) {
+  for (const auto& [width, height] : {std::array<uint32_t, 2>{1, 1}, {5, 3}, {9, 16}}) {
+    NetworkBuilder b(width);
+    const uint32_t first = b.input(6), second = b.input(6);
+    b.output(b.sum(first, second));
+    b.output(b.sum(first, first));
+    b.output(b.sum(first, b.simple(Op::global_mean, second)));
+    expect_same(b.graph(),
+                {random_image({6, height, width}, 1), random_image({6, height, width}, 2)});
+  }
+}
+
 TEST_F(NetworkTest, ActivationsAgreeWithReferenceFusedAndAlone) {
   for (const Activation a :
-       {Activation::none, Activation::relu, Activation::leaky_relu, Activation::sigmoid}) {
+       {Activation::none, Activation::relu, Activation::leaky_relu, Activation::sigmoid,
+        Activation::relu6}) {
     NetworkBuilder b(7);
     const uint32_t input = b.input(5);
     b.output(b.convolution(input, 6, 3, 1, a, .2f));
     b.output(b.convolution(input, 6, 3, 2, a, .2f));
     b.output(b.convolution(input, 6, 1, 1, a, .2f));
+    b.output(b.depthwise(input, 1, 1, a));
     b.output(b.dense(input, 5 * 12 * 10, 6, a));
     b.output(b.activation(input, a, .2f));
     expect_same(b.graph(), {random_image({5, 12, 10}, 3, -4, 4)});
@@ -186,6 +216,8 @@ TEST_F(NetworkTest, ExtremeValuesAgreeWithReference) {
   b.output(b.convolution(b.concat(b.simple(Op::upsample, small), large), 4, 3));
   b.output(b.concat(large, b.simple(Op::upsample, small)));
   b.output(b.dense(large, 5 * 20 * 12, 3));
+  b.output(b.depthwise(large, 2, 2, Activation::relu6));
+  b.output(b.sum(large, b.simple(Op::global_mean, large)));
   for (const Op op : {Op::softmax, Op::global_mean, Op::max_pool, Op::upsample})
     b.output(b.simple(op, large));
   for (const Activation a : {Activation::relu, Activation::leaky_relu, Activation::sigmoid})
@@ -268,6 +300,10 @@ TEST_F(NetworkTest, RefusesSizesThatDoNotFitByName) {
   NetworkBuilder b(1);
   b.output(b.dense(b.input(2), 2 * 9, 4));
   expect_refused(b.graph(), {2, 3, 4}, "it takes 18 numbers and gets 2 x 3 x 4");
+  NetworkBuilder apart(1);
+  const uint32_t image = apart.input(2);
+  apart.output(apart.sum(image, apart.convolution(image, 2, 3, 2)));
+  expect_refused(apart.graph(), {2, 4, 4}, "2 x 4 x 4 and 2 x 2 x 2 cannot be added");
 }
 
 }  // namespace inverse::testing

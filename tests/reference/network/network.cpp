@@ -20,6 +20,8 @@ double activated(const Node& node, double v) {
       return v > 0 ? v : node.slope * v;
     case Activation::sigmoid:
       return 1 / (1 + std::exp(-v));
+    case Activation::relu6:
+      return std::clamp(v, 0.0, 6.0);
     case Activation::none:
       break;
   }
@@ -45,6 +47,33 @@ void convolve(const Graph& graph, const Node& node, const Image& in, Image& out)
             }
         out.at(to, y, x) = activated(node, sum);
       }
+}
+
+void depthwise(const Graph& graph, const Node& node, const Image& in, Image& out) {
+  const float* weights = graph.weights.data() + node.weights;
+  const int apart = static_cast<int>(node.dilation);
+  const int height = static_cast<int>(in.shape.height), width = static_cast<int>(in.shape.width);
+  for (uint32_t c = 0; c < out.shape.channels; ++c)
+    for (uint32_t y = 0; y < out.shape.height; ++y)
+      for (uint32_t x = 0; x < out.shape.width; ++x) {
+        double sum = weights[node.weight_count() + c];
+        for (int dy = -1; dy <= 1; ++dy)
+          for (int dx = -1; dx <= 1; ++dx) {
+            const int sy = static_cast<int>(y * node.stride) + apart * dy;
+            const int sx = static_cast<int>(x * node.stride) + apart * dx;
+            if (sy < 0 || sy >= height || sx < 0 || sx >= width) continue;
+            sum += in.at(c, static_cast<uint32_t>(sy), static_cast<uint32_t>(sx)) *
+                   weights[9 * size_t{c} + size_t(3 * (dy + 1) + dx + 1)];
+          }
+        out.at(c, y, x) = activated(node, sum);
+      }
+}
+
+void add(const Image& first, const Image& second, Image& out) {
+  const bool vector = second.shape != first.shape;
+  const size_t area = size_t{first.shape.height} * first.shape.width;
+  for (size_t i = 0; i < out.data.size(); ++i)
+    out.data[i] = first.data[i] + second.data[vector ? i / area : i];
 }
 
 void dense(const Graph& graph, const Node& node, const Image& in, Image& out) {
@@ -122,6 +151,12 @@ std::vector<Image> run_network(const Graph& graph, std::span<const Image> inputs
     switch (node.op) {
       case Op::convolution:
         convolve(graph, node, in, out);
+        break;
+      case Op::depthwise:
+        depthwise(graph, node, in, out);
+        break;
+      case Op::add:
+        add(in, values[node.inputs[1]], out);
         break;
       case Op::max_pool:
         max_pool(in, out);
