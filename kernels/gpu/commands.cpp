@@ -96,6 +96,8 @@ void Commands::begin() {
   pending_.clear();  // an exception may have left some
   command_ = 0;
   stage_names_.clear();
+  earlier_stages_.clear();
+  earlier_ms_ = 0;
   counts_ = {};
   in_when_ = false;
   sets_->begin();
@@ -376,6 +378,28 @@ void Commands::mark(const char* name) {
                       static_cast<uint32_t>(stage_names_.size()));
 }
 
+void Commands::on_host(const char* name, const std::function<void()>& work) {
+  refuse_when("work on the host");
+  submit();
+  wait();
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - start;
+  std::vector<StageTime> stages = stages_;
+  if (stages_timed_) stages.push_back({name, taken.count()});
+  const double before = device_ms_;
+  const WorkCounts counts = counts_;
+  begin();
+  earlier_stages_ = std::move(stages);
+  earlier_ms_ = before + taken.count();
+  counts_.dispatches += counts.dispatches;
+  counts_.transfers += counts.transfers;
+  counts_.barriers += counts.barriers;
+  counts_.transferred_bytes += counts.transferred_bytes;
+  counts_.uploaded_bytes += counts.uploaded_bytes;
+  counts_.downloaded_bytes += counts.downloaded_bytes;
+}
+
 void Commands::submit() {
   if (queries_ && !stages_timed_)
     vkCmdWriteTimestamp(buffer_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_, 1);
@@ -451,8 +475,8 @@ void build_kernels(const std::shared_ptr<Device>& device) {
 }
 
 void Commands::read_stages() {
-  stages_.clear();
-  device_ms_ = 0;
+  stages_ = earlier_stages_;
+  device_ms_ = earlier_ms_;
   const size_t marks = stages_timed_ ? stage_names_.size() : 1;
   if (!queries_ || !marks) return;
   std::vector<uint64_t> ticks(marks + 1);
@@ -466,7 +490,7 @@ void Commands::read_stages() {
     return static_cast<double>((ticks[to] - ticks[from]) & limits.timestamp_mask) *
            limits.timestamp_ns * 1e-6;
   };
-  device_ms_ = milliseconds(0, marks);
+  device_ms_ += milliseconds(0, marks);
   for (size_t i = 0; i < stage_names_.size(); ++i)
     stages_.push_back({stage_names_[i], milliseconds(i, i + 1)});
 }

@@ -158,6 +158,11 @@ class Commands {
   void time_stages(bool timed) { time_stages_ = timed; }
   static constexpr uint32_t kMaxStages = 255;
 
+  /// Submits what was recorded, waits until it is done, and calls `work`, which may read and write
+  /// mapped buffers; recording then goes on as of one submit, with a stage `name`. Not inside of
+  /// `when`. Throws as `wait`.
+  void on_host(const char* name, const std::function<void()>& work);
+
   /// Hands the recorded work to the device.
   void submit();
   /// Waits until the submitted work is done. Throws Error(device_lost) if the device is lost, or
@@ -236,8 +241,8 @@ class Commands {
   uint32_t seen_by_kernels_ = 0, seen_by_any_ = 0;  // the last command whose writes they see
   VkPipelineStageFlags unseen_stages_ = 0;          // of commands after seen_by_kernels_
   std::vector<const char*> stage_names_;
-  std::vector<StageTime> stages_;
-  double device_ms_ = 0;
+  std::vector<StageTime> stages_, earlier_stages_;  // earlier: before and of on_host
+  double device_ms_ = 0, earlier_ms_ = 0;
   std::vector<std::shared_ptr<void>> kept_;
   WorkCounts counts_;
   bool time_stages_ = true;   // of the next recording

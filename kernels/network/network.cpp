@@ -46,7 +46,10 @@ Network::Network(const std::shared_ptr<gpu::Device>& device, Graph graph,
     buffers_.push_back(gpu::Buffer::create(device, gpu::Element::vec4, elements));
     commands.fill(buffers_.back());
   }
-  for (const Step& step : plan_.steps) prepare(step);
+  if (device->is_cpu() && HostNetwork::available())
+    host_.emplace(graph_, inputs);
+  else
+    for (const Step& step : plan_.steps) prepare(step);
   commands.submit();
   commands.wait();
 }
@@ -199,7 +202,16 @@ void Network::prepare(const Step& step) {
   }
 }
 
+void Network::run() const {
+  std::vector<const float*> inputs;
+  std::vector<float*> outputs;
+  for (size_t i = 0; i < graph_.inputs.size(); ++i) inputs.push_back(input(i)->map_as<float>());
+  for (size_t i = 0; i < graph_.outputs.size(); ++i) outputs.push_back(output(i)->map_as<float>());
+  host_->run(inputs, outputs);
+}
+
 void Network::record(gpu::Commands& commands, bool stages) const {
+  if (host_) return commands.on_host("network", [this] { run(); });
   for (const Dispatch& d : dispatches_) {
     d.record(commands);
     if (stages) commands.stage(d.name);

@@ -3,15 +3,18 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "host_network.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "plan.hpp"
 
 namespace inverse::network {
 
-/// A network on a device, for inputs of one size.
+/// A network on a device, for inputs of one size. On a software device it runs by HostNetwork where
+/// there is one.
 ///
 /// Images are vec4 buffers as in `Plan`: element 0 is always zero; then channels in blocks of four,
 /// element 1 + (block * height + y) * width + x. The caller writes finite inputs (NaN spreads), and
@@ -37,6 +40,10 @@ class Network {
 
   /// Records one run. With `stages`, every step is a stage named as its node, for benchmarks.
   void record(gpu::Commands& commands, bool stages = false) const;
+  /// Whether it runs on the host, so that `record` splits the submit (Commands::on_host).
+  bool on_host() const { return host_.has_value(); }
+  /// Runs it now, on the host, while no submitted work uses its inputs and outputs.
+  void run() const;
 
   const Graph& graph() const { return graph_; }
   const Plan& plan() const { return plan_; }
@@ -70,6 +77,7 @@ class Network {
   std::vector<gpu::BufferPtr> buffers_;
   std::vector<Dispatch> dispatches_;
   uint64_t weight_bytes_ = 0;
+  mutable std::optional<HostNetwork> host_;
 };
 
 }  // namespace inverse::network

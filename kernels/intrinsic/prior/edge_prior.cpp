@@ -41,11 +41,7 @@ void EdgePrior::record_frame(gpu::Commands& commands, const Guide& guide, const 
   prepare(params.network);
   commands.dispatch(fold_biases_, {.statistics = guide.statistics(), .biases = biases_}, {});
   if (!learned_) return;
-  const auto run = [&] { learned_->network.record(commands, guide); };
-  if (listed)
-    commands.when(listed->words(), 0, run);
-  else
-    run();
+  learned_->network.record(commands, guide, listed);
   commands.stage("prior-network");
 }
 

@@ -43,35 +43,52 @@ PriorNetwork::PriorNetwork(const std::shared_ptr<gpu::Device>& device, Extent fr
     output_.emplace(device);
 }
 
-void PriorNetwork::record(gpu::Commands& commands, const Guide& guide) const {
-  commands.dispatch(input_,
-                    {.level0 = guide.level0(),
-                     .level1 = guide.level1(),
-                     .cells = guide.cells(),
-                     .statistics = guide.statistics(),
-                     .result = network_.input(0)},
-                    {.size = guide.extent(),
-                     .network = picture_.extent,
-                     .padded = picture_.padded,
-                     .level = static_cast<int32_t>(picture_.level)},
-                    line_of(picture_.padded.pixels()));
-  network_.record(commands);
-  if (output_)
-    commands.dispatch(*output_, {.prior = network_.output(0), .fields = fields_},
-                      {.size = picture_.extent, .half_padded = half_of(picture_.padded)},
-                      line_of(half_of(picture_.extent).pixels()));
-  else
-    commands.dispatch(*reflectance_,
+void PriorNetwork::record(gpu::Commands& commands, const Guide& guide,
+                          const TileList* listed) const {
+  const auto when = [&](const auto& run) {
+    if (listed)
+      commands.when(listed->words(), 0, run);
+    else
+      run();
+  };
+  when([&] {
+    commands.dispatch(input_,
                       {.level0 = guide.level0(),
                        .level1 = guide.level1(),
                        .cells = guide.cells(),
-                       .reflectance = network_.output(0),
-                       .fields = fields_},
+                       .statistics = guide.statistics(),
+                       .result = network_.input(0)},
                       {.size = guide.extent(),
                        .network = picture_.extent,
-                       .padded_width = static_cast<int32_t>(picture_.padded.width),
+                       .padded = picture_.padded,
                        .level = static_cast<int32_t>(picture_.level)},
-                      line_of(picture_.extent.pixels()));
+                      line_of(picture_.padded.pixels()));
+    if (!network_.on_host()) network_.record(commands);
+  });
+  if (network_.on_host()) {
+    const gpu::BufferPtr words = listed ? listed->words() : nullptr;
+    commands.on_host("prior-network", [this, words] {
+      if (!words || *words->map_as<uint32_t>() > 0) network_.run();
+    });
+  }
+  when([&] {
+    if (output_)
+      commands.dispatch(*output_, {.prior = network_.output(0), .fields = fields_},
+                        {.size = picture_.extent, .half_padded = half_of(picture_.padded)},
+                        line_of(half_of(picture_.extent).pixels()));
+    else
+      commands.dispatch(*reflectance_,
+                        {.level0 = guide.level0(),
+                         .level1 = guide.level1(),
+                         .cells = guide.cells(),
+                         .reflectance = network_.output(0),
+                         .fields = fields_},
+                        {.size = guide.extent(),
+                         .network = picture_.extent,
+                         .padded_width = static_cast<int32_t>(picture_.padded.width),
+                         .level = static_cast<int32_t>(picture_.level)},
+                        line_of(picture_.extent.pixels()));
+  });
 }
 
 }  // namespace inverse

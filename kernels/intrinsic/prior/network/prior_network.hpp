@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "kernels/image/tiles/tile_list.hpp"
 #include "kernels/intrinsic/guide/guide.hpp"
 #include "kernels/intrinsic_prior_network_input.spv.hpp"
 #include "kernels/intrinsic_prior_network_output.spv.hpp"
@@ -29,7 +30,8 @@ class PriorNetwork {
 
   const PriorModelPtr& model() const { return model_; }
   const PriorPicture& picture() const { return picture_; }
-  void record(gpu::Commands& commands, const Guide& guide) const;
+  /// If no tile is `listed`, what it said stays.
+  void record(gpu::Commands& commands, const Guide& guide, const TileList* listed = nullptr) const;
   /// Three vec4 a pixel of the picture (fields.glsl).
   const gpu::BufferPtr& fields() const { return fields_; }
   const network::Network& network() const { return network_; }
