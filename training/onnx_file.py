@@ -18,13 +18,19 @@ OPERATORS = {"Conv", "Relu", "LeakyRelu", "Sigmoid", "MaxPool", "GlobalAveragePo
 
 
 def tidy(path):
-    """Turns constant nodes (the scales of Resize) into initializers, which is where an importer looks for numbers."""
+    """Turns constant nodes (the scales of Resize) and copies of weights into initializers, which is where an importer looks for numbers."""
     model = onnx.load(str(path))
     graph = model.graph
     for node in [n for n in graph.node if n.op_type == "Constant"]:
         value = node.attribute[0].t
         value.name = node.output[0]
         graph.initializer.append(value)
+        graph.node.remove(node)
+    weights = {weight.name: weight for weight in graph.initializer}
+    for node in [n for n in graph.node if n.op_type == "Identity" and n.input[0] in weights]:  # of weights that are equal
+        same = copy.deepcopy(weights[node.input[0]])
+        same.name = node.output[0]
+        graph.initializer.append(same)
         graph.node.remove(node)
     onnx.checker.check_model(model)
     onnx.save(model, str(path))

@@ -303,6 +303,11 @@ class Importer {
     pass(op);
   }
   void pass(const Operator& op) {
+    if (const auto found = constants_.find(op.input(0)); found != constants_.end()) {
+      const Tensor same = found->second;
+      constants_[op.output()] = same;
+      return;
+    }
     values_[op.output()] = value(op, 0);
     readers_[op.output()] += readers_[op.input(0)] - 1;  // whoever reads one name reads the other
     readers_[op.input(0)] = readers_[op.output()];

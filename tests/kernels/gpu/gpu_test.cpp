@@ -262,6 +262,40 @@ TEST_F(DeviceTest, StagesAreTimed) {
   EXPECT_NEAR(commands.device_ms(), sum, 1e-6);
 }
 
+TEST_F(DeviceTest, TheHostWorksBetweenTwoHalvesOfOneSubmit) {
+  const auto buffer = gpu::Buffer::create(device, gpu::Element::word, 64, gpu::Memory::readback);
+  const auto more = gpu::Buffer::create(device, gpu::Element::word, 64, gpu::Memory::upload);
+  const auto result = gpu::Buffer::create(device, gpu::Element::word, 64, gpu::Memory::readback);
+  gpu::Commands commands(device);
+  for (int run = 0; run < 2; ++run) {
+    commands.begin();
+    commands.fill(buffer, 7);
+    commands.stage("before");
+    commands.on_host("host", [&] {
+      for (int i = 0; i < 64; ++i) {
+        EXPECT_EQ(buffer->map_as<uint32_t>()[i], 7U);
+        more->map_as<uint32_t>()[i] = 8 + unsigned(i + run);
+      }
+    });
+    commands.copy(more, result, result->bytes());
+    commands.stage("after");
+    commands.submit();
+    commands.wait();
+    for (int i = 0; i < 64; ++i)
+      EXPECT_EQ(result->map_as<uint32_t>()[i], 8U + unsigned(i + run));
+    EXPECT_EQ(commands.counts().transfers + commands.counts().dispatches, 2U);  // fill, copy
+    if (device->limits().timestamp_ns == 0) continue;
+    ASSERT_EQ(commands.stages().size(), 3U);
+    EXPECT_STREQ(commands.stages()[0].name, "before");
+    EXPECT_STREQ(commands.stages()[1].name, "host");
+    EXPECT_STREQ(commands.stages()[2].name, "after");
+    EXPECT_GE(commands.device_ms(), commands.stages()[1].milliseconds);
+  }
+  commands.begin();
+  const auto condition = gpu::make_table(device, gpu::Element::word, std::vector<uint32_t>{1});
+  EXPECT_THROW(commands.when(condition, 0, [&] { commands.on_host("host", [] {}); }), Error);
+}
+
 TEST_F(DeviceTest, StagesThatAreNotTimedCostNoBarriers) {
   if (device->limits().timestamp_ns == 0) GTEST_SKIP() << "this device has no timestamps";
   const auto buffer = gpu::Buffer::create(device, gpu::Element::word, 1 << 20);

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
+#include <optional>
 
 #include "common/error.hpp"
 #include "network_builder.hpp"
@@ -21,8 +23,21 @@ using network::Op;
 using network::Shape;
 using reference::Image;
 
-class NetworkTest : public GpuTest {
+/// On the device, and on the host.
+class NetworkTest : public GpuTest, public ::testing::WithParamInterface<bool> {
  protected:
+  void SetUp() override {
+    GpuTest::SetUp();
+    const char* given = std::getenv(kVariable);
+    if (given) given_ = given;
+    if (GetParam() && (!network::HostNetwork::available() || !device->is_cpu()))
+      GTEST_SKIP() << "networks do not run on the host";
+    setenv(kVariable, GetParam() ? "1" : "0", 1);
+  }
+  void TearDown() override {
+    given_ ? setenv(kVariable, given_->c_str(), 1) : unsetenv(kVariable);
+    GpuTest::TearDown();
+  }
   Image random_image(Shape shape, unsigned seed, double low = -1, double high = 1) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> value(low, high);
@@ -76,11 +91,21 @@ class NetworkTest : public GpuTest {
   void expect_same(const Graph& graph, const std::vector<Image>& images, double bound = 1e-5) {
     std::vector<Shape> shapes;
     for (const Image& image : images) shapes.push_back(image.shape);
-    expect_same(Network(device, graph, shapes), images, bound);
+    const Network network(device, graph, shapes);
+    EXPECT_EQ(network.on_host(), GetParam());
+    expect_same(network, images, bound);
   }
+
+ private:
+  static constexpr const char* kVariable = "INVERSE_ONEDNN";
+  std::optional<std::string> given_;
 };
 
-TEST_F(NetworkTest, ConvolutionsOfEverySizeAgreeWithReference) {
+INSTANTIATE_TEST_SUITE_P(Where, NetworkTest, ::testing::Bool(), [](const auto& info) {
+  return std::string(info.param ? "Host" : "Device");
+});
+
+TEST_P(NetworkTest, ConvolutionsOfEverySizeAgreeWithReference) {
   unsigned seed = 0;
   for (const auto& [channels, result, kernel, stride] : {std::array<uint32_t, 4>{1, 1, 3, 1},
                                                          {3, 5, 3, 1},
@@ -108,7 +133,7 @@ TEST_F(NetworkTest, ConvolutionsOfEverySizeAgreeWithReference) {
     }
 }
 
-TEST_F(NetworkTest, DepthwiseConvolutionsAgreeWithReference) {
+TEST_P(NetworkTest, DepthwiseConvolutionsAgreeWithReference) {
   unsigned seed = 0;
   for (const auto& [channels, stride, dilation] :
        {std::array<uint32_t, 3>{1, 1, 1}, {5, 1, 2}, {8, 2, 1}, {13, 1, 4}, {6, 2, 3}, {4, 1, 16}})
@@ -124,7 +149,7 @@ TEST_F(NetworkTest, DepthwiseConvolutionsAgreeWithReference) {
     }
 }
 
-TEST_F(NetworkTest, SumsAgreeWithReference) {
+TEST_P(NetworkTest, SumsAgreeWithReference) {
   for (const auto& [width, height] : {std::array<uint32_t, 2>{1, 1}, {5, 3}, {9, 16}}) {
     NetworkBuilder b(width);
     const uint32_t first = b.input(6), second = b.input(6);
@@ -136,7 +161,7 @@ TEST_F(NetworkTest, SumsAgreeWithReference) {
   }
 }
 
-TEST_F(NetworkTest, ActivationsAgreeWithReferenceFusedAndAlone) {
+TEST_P(NetworkTest, ActivationsAgreeWithReferenceFusedAndAlone) {
   for (const Activation a :
        {Activation::none, Activation::relu, Activation::leaky_relu, Activation::sigmoid,
         Activation::relu6}) {
@@ -152,7 +177,7 @@ TEST_F(NetworkTest, ActivationsAgreeWithReferenceFusedAndAlone) {
   }
 }
 
-TEST_F(NetworkTest, PoolingUpsamplingAndVectorsAgreeWithReference) {
+TEST_P(NetworkTest, PoolingUpsamplingAndVectorsAgreeWithReference) {
   for (const auto& [width, height] : {std::array<uint32_t, 2>{2, 2}, {3, 5}, {16, 8}, {31, 30}}) {
     NetworkBuilder b(width);
     const uint32_t input = b.input(6);
@@ -168,7 +193,7 @@ TEST_F(NetworkTest, PoolingUpsamplingAndVectorsAgreeWithReference) {
   }
 }
 
-TEST_F(NetworkTest, ConcatenationsAgreeWithReferenceFusedAndAlone) {
+TEST_P(NetworkTest, ConcatenationsAgreeWithReferenceFusedAndAlone) {
   for (const auto& [first, second] : {std::array<uint32_t, 2>{4, 4}, {3, 5}, {1, 1}, {6, 9}}) {
     NetworkBuilder b(first);
     const uint32_t small = b.input(first), large = b.input(second);
@@ -191,7 +216,7 @@ TEST_F(NetworkTest, ConcatenationsAgreeWithReferenceFusedAndAlone) {
   }
 }
 
-TEST_F(NetworkTest, WholeNetworksAgreeWithReference) {
+TEST_P(NetworkTest, WholeNetworksAgreeWithReference) {
   for (const auto& [width, height, channels, levels] :
        {std::array<uint32_t, 4>{64, 48, 6, 3}, {16, 16, 16, 4}, {8, 40, 5, 2}})
     expect_same(u_net(3, 2, channels, levels, width), {random_image({3, height, width}, 5)});
@@ -205,7 +230,7 @@ TEST_F(NetworkTest, WholeNetworksAgreeWithReference) {
   expect_same(b.graph(), {random_image({2, 32, 32}, 6)});
 }
 
-TEST_F(NetworkTest, ExtremeValuesAgreeWithReference) {
+TEST_P(NetworkTest, ExtremeValuesAgreeWithReference) {
   NetworkBuilder b(8);
   const uint32_t small = b.input(4), large = b.input(5);
   b.output(b.convolution(large, 4, 3, 1, Activation::sigmoid));
@@ -232,7 +257,7 @@ TEST_F(NetworkTest, ExtremeValuesAgreeWithReference) {
 }
 
 // What only picks, or counts from the largest, takes every number that there is.
-TEST_F(NetworkTest, TheLargestNumbersAgreeWithReference) {
+TEST_P(NetworkTest, TheLargestNumbersAgreeWithReference) {
   constexpr double kMaxFloat = std::numeric_limits<float>::max();
   NetworkBuilder b(8);
   const uint32_t input = b.input(6);
@@ -245,7 +270,7 @@ TEST_F(NetworkTest, TheLargestNumbersAgreeWithReference) {
     expect_same(b.graph(), {random_image({6, 6, 4}, 5, low, high)}, 2e-5);
 }
 
-TEST_F(NetworkTest, RunsAgainWithOtherInputs) {
+TEST_P(NetworkTest, RunsAgainWithOtherInputs) {
   const Graph graph = u_net(3, 1, 6, 3, 1);
   const std::vector<Shape> shapes = {{3, 24, 32}};
   const Network network(device, graph, shapes);
@@ -253,7 +278,7 @@ TEST_F(NetworkTest, RunsAgainWithOtherInputs) {
     expect_same(network, {random_image(shapes[0], seed, seed ? -1 : -1e3, 1)}, 1e-4);
 }
 
-TEST_F(NetworkTest, FusesValuesWithOneReader) {
+TEST_P(NetworkTest, FusesValuesWithOneReader) {
   const Graph graph = u_net(3, 1, 8, 3, 1);  // 8, 16 and 32 channels
   const network::Plan plan = network::plan(graph, std::vector<Shape>{{3, 32, 32}});
   int upsamples = 0;
@@ -265,7 +290,7 @@ TEST_F(NetworkTest, FusesValuesWithOneReader) {
   EXPECT_EQ(plan.steps.size(), graph.nodes.size() - 5);
 }
 
-TEST_F(NetworkTest, ValuesThatAreStillNeededShareNoBuffer) {
+TEST_P(NetworkTest, ValuesThatAreStillNeededShareNoBuffer) {
   const Graph graph = u_net(3, 2, 8, 4, 2);
   const network::Plan plan = network::plan(graph, std::vector<Shape>{{3, 64, 64}});
   const auto inputs = static_cast<uint32_t>(graph.inputs.size());
@@ -285,7 +310,7 @@ TEST_F(NetworkTest, ValuesThatAreStillNeededShareNoBuffer) {
   EXPECT_LT(plan.bytes(), alone * 85 / 100);
 }
 
-TEST_F(NetworkTest, RefusesSizesThatDoNotFitByName) {
+TEST_P(NetworkTest, RefusesSizesThatDoNotFitByName) {
   const Graph graph = u_net(3, 1, 4, 3, 1);
   const auto expect_refused = [&](const Graph& of, Shape shape, const std::string& text,
                                   ErrorKind kind = ErrorKind::unsupported) {
