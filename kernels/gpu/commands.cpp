@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstring>
 #include <iterator>
 #include <mutex>
+#include <utility>
 
 #include "kernels/gpu_fill.spv.hpp"
 
@@ -19,6 +21,9 @@ constexpr VkAccessFlags kWrites = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFE
 constexpr VkPipelineStageFlags kStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT |
                                          VK_PIPELINE_STAGE_TRANSFER_BIT |
                                          VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT;
+
+/// A stage that work on the host interrupts.
+constexpr const char* kUnfinished = "";
 
 /// What a device that never answered may still be using. It is never freed: a driver that has hung
 /// writes into freed memory when it wakes, and waiting for one that does not would hang the
@@ -96,8 +101,7 @@ void Commands::begin() {
   pending_.clear();  // an exception may have left some
   command_ = 0;
   stage_names_.clear();
-  earlier_stages_.clear();
-  earlier_ms_ = 0;
+  earlier_ = {};
   counts_ = {};
   in_when_ = false;
   sets_->begin();
@@ -378,26 +382,24 @@ void Commands::mark(const char* name) {
                       static_cast<uint32_t>(stage_names_.size()));
 }
 
-void Commands::on_host(const char* name, const std::function<void()>& work) {
+void Commands::on_host(const std::function<void()>& work) {
   refuse_when("work on the host");
+  mark(kUnfinished);
   submit();
   wait();
   const auto start = std::chrono::steady_clock::now();
   work();
   const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - start;
-  std::vector<StageTime> stages = stages_;
-  if (stages_timed_) stages.push_back({name, taken.count()});
-  const double before = device_ms_;
-  const WorkCounts counts = counts_;
+  Earlier earlier{stages_, device_ms_ + taken.count(), taken.count(), counts_};
+  if (!earlier.stages.empty() && earlier.stages.back().name == kUnfinished) {
+    earlier.unfinished_ms += earlier.stages.back().milliseconds;
+    earlier.stages.pop_back();
+  }
+  if (device_->variant().time_kernels)
+    earlier.stages.push_back({"host", std::exchange(earlier.unfinished_ms, 0)});
   begin();
-  earlier_stages_ = std::move(stages);
-  earlier_ms_ = before + taken.count();
-  counts_.dispatches += counts.dispatches;
-  counts_.transfers += counts.transfers;
-  counts_.barriers += counts.barriers;
-  counts_.transferred_bytes += counts.transferred_bytes;
-  counts_.uploaded_bytes += counts.uploaded_bytes;
-  counts_.downloaded_bytes += counts.downloaded_bytes;
+  counts_ = earlier.counts;
+  earlier_ = std::move(earlier);
 }
 
 void Commands::submit() {
@@ -475,8 +477,8 @@ void build_kernels(const std::shared_ptr<Device>& device) {
 }
 
 void Commands::read_stages() {
-  stages_ = earlier_stages_;
-  device_ms_ = earlier_ms_;
+  stages_ = earlier_.stages;
+  device_ms_ = earlier_.device_ms;
   const size_t marks = stages_timed_ ? stage_names_.size() : 1;
   if (!queries_ || !marks) return;
   std::vector<uint64_t> ticks(marks + 1);
@@ -492,7 +494,8 @@ void Commands::read_stages() {
   };
   device_ms_ += milliseconds(0, marks);
   for (size_t i = 0; i < stage_names_.size(); ++i)
-    stages_.push_back({stage_names_[i], milliseconds(i, i + 1)});
+    stages_.push_back(
+        {stage_names_[i], milliseconds(i, i + 1) + (i == 0 ? earlier_.unfinished_ms : 0)});
 }
 
 }  // namespace inverse::gpu

@@ -159,9 +159,9 @@ class Commands {
   static constexpr uint32_t kMaxStages = 255;
 
   /// Submits what was recorded, waits until it is done, and calls `work`, which may read and write
-  /// mapped buffers; recording then goes on as of one submit, with a stage `name`. Not inside of
-  /// `when`. Throws as `wait`.
-  void on_host(const char* name, const std::function<void()>& work);
+  /// mapped buffers; recording then goes on as of one submit. Its time counts as device time of the
+  /// stage that it is in. Not inside of `when`. Throws as `wait`.
+  void on_host(const std::function<void()>& work);
 
   /// Hands the recorded work to the device.
   void submit();
@@ -195,6 +195,13 @@ class Commands {
   /// The last commands that read and wrote a buffer, numbered from 1.
   struct Uses {
     uint32_t read = 0, written = 0;
+  };
+  /// Of the submits before work on the host: `unfinished_ms` are of the stage that goes on after
+  /// it.
+  struct Earlier {
+    std::vector<StageTime> stages;
+    double device_ms = 0, unfinished_ms = 0;
+    WorkCounts counts;
   };
   /// Who has to see what earlier commands wrote: kernels alone, which the device need not wait for
   /// with more than its compute units, or also copies, and what its front end reads.
@@ -241,8 +248,9 @@ class Commands {
   uint32_t seen_by_kernels_ = 0, seen_by_any_ = 0;  // the last command whose writes they see
   VkPipelineStageFlags unseen_stages_ = 0;          // of commands after seen_by_kernels_
   std::vector<const char*> stage_names_;
-  std::vector<StageTime> stages_, earlier_stages_;  // earlier: before and of on_host
-  double device_ms_ = 0, earlier_ms_ = 0;
+  std::vector<StageTime> stages_;
+  double device_ms_ = 0;
+  Earlier earlier_;
   std::vector<std::shared_ptr<void>> kept_;
   WorkCounts counts_;
   bool time_stages_ = true;   // of the next recording

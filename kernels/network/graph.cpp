@@ -60,7 +60,8 @@ void validate_node(const Graph& graph, uint32_t index, uint64_t& weights_from) {
   for (const uint32_t input : node.inputs)
     if (input >= graph.inputs.size() + index)
       refuse(named(node), "it takes a value that is not there yet");
-  const bool depthwise = node.op == Op::depthwise, strides = depthwise || node.op == Op::convolution;
+  const bool depthwise = node.op == Op::depthwise,
+             strides = depthwise || node.op == Op::convolution;
   const bool small = node.kernel == 1 && !depthwise, large = node.kernel == 3 && strides;
   if (!small && !large) refuse(named(node), "a kernel of size " + std::to_string(node.kernel));
   if (node.stride != 1 && !(node.stride == 2 && strides))

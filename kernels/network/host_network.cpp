@@ -2,7 +2,6 @@
 #include "host_network.hpp"
 
 #include <dnnl.hpp>
-
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -77,7 +76,7 @@ struct HostNetwork::Impl {
   dnnl::engine engine{dnnl::engine::kind::cpu, 0};
   dnnl::stream stream{engine};
   std::vector<Shape> shapes;
-  std::vector<memory> values;  // of the graph
+  std::vector<memory> values;           // of the graph
   std::vector<memory> inputs, outputs;  // on the caller's images
   std::vector<Step> steps;
 
@@ -166,8 +165,7 @@ struct HostNetwork::Impl {
       }
       case Op::upsample:
         put<dnnl::resampling_forward>(
-            describe<dnnl::resampling_forward>(engine, {}, inference,
-                                               algorithm::resampling_linear,
+            describe<dnnl::resampling_forward>(engine, {}, inference, algorithm::resampling_linear,
                                                std::vector<float>{2, 2}, source, result),
             {{DNNL_ARG_SRC, first}});
         return;
@@ -179,8 +177,8 @@ struct HostNetwork::Impl {
 #else
         const dnnl::concat::primitive_desc description(1, both, engine);
 #endif
-        put<dnnl::concat>(description, {{DNNL_ARG_MULTIPLE_SRC, first},
-                                        {DNNL_ARG_MULTIPLE_SRC + 1, second}});
+        put<dnnl::concat>(description,
+                          {{DNNL_ARG_MULTIPLE_SRC, first}, {DNNL_ARG_MULTIPLE_SRC + 1, second}});
         return;
       }
       case Op::add: {
@@ -269,9 +267,8 @@ struct HostNetwork::Impl {
     dnnl::reorder(plain, weights).execute(stream, plain, weights);
     stream.wait();
     const memory source = in_layout(values[node.inputs[0]], description.src_desc());
-    put<dnnl::convolution_forward>(description, {{DNNL_ARG_SRC, source},
-                                                 {DNNL_ARG_WEIGHTS, weights},
-                                                 {DNNL_ARG_BIAS, bias}});
+    put<dnnl::convolution_forward>(
+        description, {{DNNL_ARG_SRC, source}, {DNNL_ARG_WEIGHTS, weights}, {DNNL_ARG_BIAS, bias}});
   }
 
   void run(std::span<const float* const> from, std::span<float* const> to) {

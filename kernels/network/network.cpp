@@ -158,8 +158,7 @@ void Network::prepare(const Step& step) {
     case Op::add: {
       const bool vector = plan_.shapes[step.sources.back().value] != in;
       add<shaders::network_add>(
-          step, {device_, {.vector = vector}},
-          {.first = first, .second = second, .result = result},
+          step, {device_, {.vector = vector}}, {.first = first, .second = second, .result = result},
           {.area = area_of(out), .elements = static_cast<int32_t>(result_elements)},
           line_of(result_elements));
       return;
@@ -211,7 +210,7 @@ void Network::run() const {
 }
 
 void Network::record(gpu::Commands& commands, bool stages) const {
-  if (host_) return commands.on_host("network", [this] { run(); });
+  if (host_) return commands.on_host([this] { run(); });
   for (const Dispatch& d : dispatches_) {
     d.record(commands);
     if (stages) commands.stage(d.name);

@@ -330,14 +330,22 @@ class Importer {
 
   void add(const Operator& op) {
     static const std::unordered_map<std::string, void (Importer::*)(const Operator&)> known = {
-        {"Conv", &Importer::convolution},   {"BatchNormalization", &Importer::batch_norm},
-        {"Relu", &Importer::activation},    {"LeakyRelu", &Importer::activation},
-        {"Sigmoid", &Importer::activation}, {"MaxPool", &Importer::max_pool},
-        {"Resize", &Importer::resize},      {"Concat", &Importer::concat},
-        {"Flatten", &Importer::flatten},    {"Reshape", &Importer::flatten},
-        {"Gemm", &Importer::dense},         {"GlobalAveragePool", &Importer::global_mean},
-        {"Softmax", &Importer::softmax},    {"Identity", &Importer::pass},
-        {"Dropout", &Importer::dropout},    {"Clip", &Importer::clip},
+        {"Conv", &Importer::convolution},
+        {"BatchNormalization", &Importer::batch_norm},
+        {"Relu", &Importer::activation},
+        {"LeakyRelu", &Importer::activation},
+        {"Sigmoid", &Importer::activation},
+        {"MaxPool", &Importer::max_pool},
+        {"Resize", &Importer::resize},
+        {"Concat", &Importer::concat},
+        {"Flatten", &Importer::flatten},
+        {"Reshape", &Importer::flatten},
+        {"Gemm", &Importer::dense},
+        {"GlobalAveragePool", &Importer::global_mean},
+        {"Softmax", &Importer::softmax},
+        {"Identity", &Importer::pass},
+        {"Dropout", &Importer::dropout},
+        {"Clip", &Importer::clip},
         {"Add", &Importer::sum}};
     op.expect(op.domain().empty() || op.domain() == "ai.onnx",
               "an operator of \"" + op.domain() + "\", not of ONNX itself");

@@ -121,7 +121,9 @@ TEST(NetworkFile, RefusesInvalidGraphs) {
   expect_contains(bias, "a bias is not a finite number");
   for (const std::function<void(Graph&)>& spoil : std::vector<std::function<void(Graph&)>>{
            [](Graph& g) { g.nodes[0].op = static_cast<Op>(99); },
-           [](Graph& g) { g.nodes[0].activation = static_cast<network::Activation>(network::kActivations); },
+           [](Graph& g) {
+             g.nodes[0].activation = static_cast<network::Activation>(network::kActivations);
+           },
            [](Graph& g) { g.nodes[0].slope = kNan; },
            [](Graph& g) { g.nodes[0].kernel = 5; },
            [](Graph& g) { g.nodes[0].stride = 0; },

@@ -141,9 +141,9 @@ TEST_P(NetworkTest, DepthwiseConvolutionsAgreeWithReference) {
          {std::array<uint32_t, 2>{1, 1}, {1, 9}, {17, 1}, {2, 2}, {15, 10}, {33, 17}}) {
       NetworkBuilder b(++seed);
       b.output(b.depthwise(b.input(channels), stride, dilation));
-      SCOPED_TRACE(::testing::Message() << channels << " channels, stride " << stride
-                                        << ", dilation " << dilation << ", " << width << " x "
-                                        << height);
+      SCOPED_TRACE(::testing::Message()
+                   << channels << " channels, stride " << stride << ", dilation " << dilation
+                   << ", " << width << " x " << height);
       expect_same(b.graph(), {random_image({channels, height, width}, seed)});
       if (HasFatalFailure()) return;
     }
@@ -162,9 +162,8 @@ TEST_P(NetworkTest, SumsAgreeWithReference) {
 }
 
 TEST_P(NetworkTest, ActivationsAgreeWithReferenceFusedAndAlone) {
-  for (const Activation a :
-       {Activation::none, Activation::relu, Activation::leaky_relu, Activation::sigmoid,
-        Activation::relu6}) {
+  for (const Activation a : {Activation::none, Activation::relu, Activation::leaky_relu,
+                             Activation::sigmoid, Activation::relu6}) {
     NetworkBuilder b(7);
     const uint32_t input = b.input(5);
     b.output(b.convolution(input, 6, 3, 1, a, .2f));

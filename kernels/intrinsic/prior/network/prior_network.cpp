@@ -67,7 +67,7 @@ void PriorNetwork::record(gpu::Commands& commands, const Guide& guide,
   });
   if (network_.on_host()) {
     const gpu::BufferPtr words = listed ? listed->words() : nullptr;
-    commands.on_host("prior-network", [this, words] {
+    commands.on_host([this, words] {
       if (!words || *words->map_as<uint32_t>() > 0) network_.run();
     });
   }
