@@ -9,14 +9,15 @@
 import json
 import os
 import pathlib
+import time
 
 import numpy as np
 
 import exr
-from denoise import denoise
+from denoise import Denoiser
 
 HELD_OUT = 5
-NOISIEST = 0.2  # of a light that is kept
+NOISIEST = 0.25  # of a light that is kept
 DARKEST = 0.015  # below this, R is not divided by
 
 
@@ -84,14 +85,14 @@ def from_renderings(folder):
     normal = sum(h["Normal"] for h in halves) / 2
     normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-6)
     depth = np.minimum(*[h["Depth"] for h in halves])
-    shading, groups = [], []
+    shading, groups, denoise = [], [], Denoiser(normal, depth)
     for group in meta["groups"]:
         pair, noise = shading_of(halves, group["name"], valid)
         if noise > NOISIEST:
             continue  # leaving a light out keeps R S = I
         mean = sum(pair) / 2
         scale = mean[valid].mean()
-        s = np.where(valid[..., None], denoise(*pair, normal, depth), np.minimum(mean, 60 * scale)) / scale
+        s = np.where(valid[..., None], denoise(*pair), np.minimum(mean, 60 * scale)) / scale
         shading.append(s.astype(np.float32))
         groups.append({**group, "noise": noise})
     meta["groups"] = groups
@@ -158,3 +159,22 @@ def held_out_of(folder):
     for path in sorted(folder.glob("*.npz"), key=lambda p: int(p.stem)):
         if held_out(path):
             yield read(path)
+
+
+def take(folder, out, start):
+    """The sample of one camera's renderings to OUT/NUMBER.npz, or OUT/NUMBER.rejected with the reason. `start`: of the scene, in this
+    process's seconds. Returns what happened."""
+    number = json.loads((folder / "scene.json").read_text())["seed"]
+    try:
+        result = from_renderings(folder)
+        meta = result["meta"]
+        meta["seconds"] = round(time.process_time() - start, 1)  # since the scene's start
+        write(out / f"{number}.npz", result)
+        return f"{number} {meta['kind']} {meta['seconds']} s, {meta['samples']} samples, noise {' '.join('%s %.3f' % (g['kind'], g['noise']) for g in meta['groups'])}"
+    except (Rejected, ValueError) as error:
+        return reject(out, number, start, error)
+
+
+def reject(out, number, start, error):
+    (out / f"{number}.rejected").write_text(json.dumps({"seed": number, "reason": str(error)}))
+    return f"{number} rejected after {time.process_time() - start:.0f} s: {error}"

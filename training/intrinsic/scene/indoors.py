@@ -186,7 +186,7 @@ def room(s, m, t):
     w, d, h = s.uniform(2.8, 6), s.uniform(2.8, 7), s.uniform(2.3, 3.1)
     shell = Shell(s, m, t, (w, d, h), {int(i): s.pick([1, 1, 2]) for i in s.rng.choice(4, s.pick([1, 1, 2]), replace=False)})
     looks = furnish(s, m, t, shell)
-    if s.chance(0.4):
+    if s.chance(0.6):
         sun_through(s, shell)
     if s.chance(0.75) and len(s.groups) < 4:
         ceiling_light(s, m, shell)
@@ -275,7 +275,7 @@ def hall(s, m, t):
         looks.append((x, y, s.uniform(0.2, 1)))
     if s.chance(0.8):
         ceiling_light(s, m, shell)
-    if s.chance(0.3):
+    if s.chance(0.5):
         sun_through(s, shell)
 
     def camera():

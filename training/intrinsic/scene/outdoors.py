@@ -10,7 +10,7 @@ def daylight(s, m, azimuth=None):
     s.sky(1.0, s.group("sky"))
     a = s.uniform(0, 360) if azimuth is None else azimuth
     e = s.uniform(14, 68)
-    return s.sun(e, a, s.uniform(3, 6), s.group("sun"), s.pick([0.53, 1.5, 4]))
+    return s.sun(e, a, s.uniform(3, 6), s.group("sun"), s.pick([0.53, 1.5, 4], [8, 1, 1]))
 
 
 def facade(s, m, t, length, height, material=None):

@@ -15,21 +15,21 @@ def light(s, m, t, at, reach, facing=None, outdoors=False):
     a wall's front, in degrees."""
     elevation, azimuth = s.uniform(22, 75), s.uniform(0, 360) if facing is None else facing + s.uniform(-65, 65)
     if outdoors:
-        toward, distance = daylight(s, m, azimuth), s.uniform(1, 5)
+        toward, distance = daylight(s, m, azimuth), reach * math.exp(s.uniform(math.log(0.2), math.log(3)))
     else:
         s.sky(1.0, s.group("window"))
         e, a, away = math.radians(elevation), math.radians(azimuth), s.uniform(1.5, 4) * max(reach, 0.5)
         toward = Vector((math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)))
         place = Vector(at) + away * toward
         if s.chance(0.75):
-            s.bulb(place, math.exp(s.uniform(math.log(0.008), math.log(0.12))) * away, 60, s.group("lamp"))
+            s.bulb(place, math.exp(s.uniform(math.log(0.002), math.log(0.08))) * away, 60, s.group("lamp"))
         else:
             s.area(place, at, (0.4 * away, s.uniform(0.1, 0.4) * away), 60, s.group("window"))
-        distance = away * s.uniform(0.15, 0.6)
+        distance = away * s.uniform(0.08, 0.5)
         if s.chance(0.4):
             other = Vector(at) + away * Vector((math.cos(a + s.uniform(1, 5)), math.sin(a + s.uniform(1, 5)), s.uniform(0.3, 1)))
             s.bulb(other, 0.1 * away, 60, s.group("lamp"))
-    if s.chance(0.85):
+    if s.chance(0.9):
         shadows.unseen(s, m, t, at, toward, distance, reach)
 
 

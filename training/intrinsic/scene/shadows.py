@@ -4,7 +4,40 @@ import math
 
 from mathutils import Matrix, Vector
 
-KINDS = {"leaves": 4, "blinds": 2, "bars": 2, "edge": 2, "pole": 1.5, "person": 2, "hand": 1, "holes": 1, "net": 1}
+KINDS = {"leaves": 4, "blinds": 2, "bars": 2, "edge": 2, "pole": 1.5, "person": 2, "hand": 1, "holes": 1, "net": 1, "railing": 2, "wires": 1}
+THIN = {"leaves": 4, "blinds": 1, "bars": 1.5, "edge": 1.2, "pole": 2, "person": 0.7, "hand": 0.5, "holes": 1, "net": 1.5, "railing": 3, "wires": 2}
+
+
+def before(s, m, t, cast, camera, count):
+    """Some of them before what a camera sees of the sun's light and of small lamps', so near to it that their shadows have hard edges.
+    `cast(from, direction, reach)` is the place and the normal that a ray meets, or none."""
+    lights = [o for o in s.scene.objects if o.type == "LIGHT" and o.data.type in ("SUN", "POINT", "SPOT")]
+    if not lights:
+        return
+    x, y = s.scene.render.resolution_x, s.scene.render.resolution_y
+    matrix, f = camera.matrix_basis, camera.data.lens / 36 * max(x, y)
+    eye = matrix.translation
+    for _ in range(4 * count):
+        across, up = s.rng.uniform(-0.42, 0.42, 2)
+        light, size, away = s.pick(lights), s.uniform(0.08, 0.32), math.exp(s.uniform(math.log(0.1), math.log(2)))
+        hit = cast(eye, (matrix.to_3x3() @ Vector((across * x / f, up * y / f, -1))).normalized(), 100)
+        if hit is None:
+            continue
+        at, normal = hit
+        seen = (at - eye).length
+        axis = (light.matrix_world.to_3x3() @ Vector((0, 0, 1))).normalized()
+        toward, far = (axis, 100) if light.data.type == "SUN" else ((light.matrix_world.translation - at).normalized(), (light.matrix_world.translation - at).length)
+        if normal.dot(eye - at) < 0:
+            normal = -normal
+        if toward.dot(normal) < 0.12 or light.data.type == "SPOT" and toward.dot(axis) < math.cos(0.45 * light.data.spot_size):
+            continue
+        if cast(at + 2e-3 * seen * normal, toward, far - 0.1) is not None:
+            continue  # in shadow
+        r = size * seen * max(x, y) / f
+        unseen(s, m, t, at, toward, min(r * away, 0.4 * far), r, s.pick(THIN, list(THIN.values())))
+        count -= 1
+        if not count:
+            return
 
 
 def unseen(s, m, t, at, toward, distance, reach, kind=None):
@@ -24,6 +57,13 @@ def unseen(s, m, t, at, toward, distance, reach, kind=None):
         places = [2.4 * r * ((i + 0.5) / n - 0.5) for i in range(n)]
         items = [s.box((width, 3 * r, 0.02 * r), paint, (x, 0, 0)) for x in places]
         items += [s.box((3 * r, width, 0.02 * r), paint, (0, y, 0)) for y in places]
+    elif kind == "railing":
+        n = int(s.rng.integers(5, 22))
+        width = 3 * r / n * s.uniform(0.12, 0.5)
+        items = [s.box((width, 2.2 * r, width), paint, (3 * r * ((i + 0.5) / n - 0.5), 0, 0)) for i in range(n)]
+        items += [s.box((3.2 * r, s.uniform(0.03, 0.1) * r, width), paint, (0, y * r, 0)) for y in (-1, 1)]
+    elif kind == "wires":
+        items = [s.box((s.uniform(0.01, 0.04) * r, 9 * r, 0.01 * r), paint, (x, 0, 0), s.uniform(-0.15, 0.15)) for x in s.rng.uniform(-r, r, s.pick([2, 4, 8]))]
     elif kind == "edge":  # of a wall or a roof
         corner = s.chance(0.4)
         items = [s.box((9 * r, 9 * r, 0.02 * r), paint, (4.5 * r + s.uniform(-0.4, 0.5) * r, 4.5 * r * corner, 0))]

@@ -85,6 +85,7 @@ class Stage:
         if strength == 0:
             return
         world.lightgroup = group
+        world.cycles.sampling_method, world.cycles.sample_map_resolution = "MANUAL", 128  # 1024, the default, takes 3 s
         place, ramp = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeValToRGB")
         split, noise = tree.nodes.new("ShaderNodeSeparateXYZ"), tree.nodes.new("ShaderNodeTexNoise")
         mix, clouds = tree.nodes.new("ShaderNodeMixRGB"), tree.nodes.new("ShaderNodeValToRGB")
@@ -225,6 +226,7 @@ class Stage:
         emit, output = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputMaterial")
         emit.inputs[1].default_value = value
         tree.links.new(emit.outputs[0], output.inputs[0])
+        material.cycles.sample_as_light = False  # else half of all rays to lights go to panes, which light nothing
         item = self.quad(corners, material)
         item.lightgroup = group
         item.visible_diffuse = item.visible_shadow = item.visible_glossy = item.visible_transmission = False
