@@ -3,23 +3,27 @@
 //
 //   fit_edge_prior --out weights.txt [--from weights.txt | --hidden 4] [--seed 1] [--scenes 500]
 //                  [--steps 4000] [--rate 0.005] [--scenes-dir DIR --share 0.5] [--pairs 0]
+//                  [--couples-dir DIR --couples 0.4]
 //
 // Examples are procedural (scenes.hpp); a share of each batch comes from the files of a directory
 // (scene_files.hpp), if one is given. Objects on black and palettes of diverse value are drawn more
 // often than they occur. The slope of light is that of the scene with an error, as an estimate has.
-// `--pairs` weighs steps of reflectance between pixels of one paint, in scenes from files.
+// `--pairs` weighs steps of reflectance between pixels of one paint, in scenes from files. Of each
+// batch a share `--couples` is couples (couples.hpp) of a directory, if one is given.
 // training/edges/export_weights.py makes the C++ header.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <memory>
 #include <random>
 #include <stdexcept>
 #include <string>
 #include <thread>
 
 #include "colored_light.hpp"
+#include "couples.hpp"
 #include "problem.hpp"
 #include "scene_files.hpp"
 #include "scenes.hpp"
@@ -34,9 +38,10 @@ constexpr int kCellHidden = 8, kBatch = 8, kThreads = 2;
 constexpr double kObjectShare = 0.35, kDiverseShare = 0.5, kDecay = 3e-5;
 
 struct Options {
-  std::string out, from, scenes_dir;
+  std::string out, from, scenes_dir, couples_dir;
   int scenes = 500, hidden = 4, seed = 1, steps = 4000;
-  double rate = 5e-3, share = 0.5, pairs = 0;
+  double rate = 5e-3, share = 0.5, pairs = 0, couples = 0.4;
+  double couple_weight = 1.0 / 3;  // of a couple's gradient
 };
 
 void parallel(int n, const std::function<void(int, int)>& work) {
@@ -67,14 +72,19 @@ std::vector<float> initial(const Model& model, int seed) {
   return p;
 }
 
-/// Indices of the training examples by kind.
+/// Training examples, indices of them by kind, and couples, whose indices go on from theirs.
 struct Corpus {
   std::vector<Example> examples;
   std::vector<int> objects, diverse, even, filed;
+  std::vector<std::unique_ptr<Couple>> couples;
 
-  int draw(std::mt19937& engine, double filed_share) const {
+  bool is_couple(int k) const { return k >= int(examples.size()); }
+  const Couple& couple(int k) const { return *couples[std::size_t(k) - examples.size()]; }
+  int draw(std::mt19937& engine, double couple_share, double filed_share) const {
     const auto uniform = [&] { return double(engine() >> 8) / 16777216.0; };
     const auto any = [&](const std::vector<int>& v) { return v[engine() % v.size()]; };
+    if (!couples.empty() && uniform() < couple_share)
+      return int(examples.size() + engine() % couples.size());
     if (!filed.empty() && uniform() < filed_share) return any(filed);
     if (!objects.empty() && uniform() < kObjectShare) return any(objects);
     return (uniform() < kDiverseShare && !diverse.empty()) || even.empty() ? any(diverse)
@@ -114,6 +124,16 @@ Corpus make_corpus(const Options& options) {
       corpus.objects.push_back(k);
     (is_diverse(e) ? corpus.diverse : corpus.even).push_back(k);
   }
+  if (!options.couples_dir.empty()) {
+    const std::vector<std::string> files = scene_files(options.couples_dir);
+    std::vector<std::unique_ptr<Couple>> couples(files.size());
+    parallel(int(files.size()), [&](int k, int) {
+      std::mt19937 engine{unsigned(k)};
+      couples[std::size_t(k)] =
+          std::make_unique<Couple>(load_couple(files[std::size_t(k)], engine));
+    });
+    corpus.couples = std::move(couples);
+  }
   if (options.scenes_dir.empty()) return corpus;
   const std::vector<std::string> files = scene_files(options.scenes_dir);
   corpus.examples.resize(std::size_t(options.scenes) + files.size());
@@ -137,24 +157,30 @@ void fit(const Options& options) {
     save_weights({from.edge_hidden, from.cell_hidden, values}, options.out);
   };
   const Corpus corpus = make_corpus(options);
-  std::vector<Solution> solutions(corpus.examples.size());
+  // Of an example in `before`, if it is no couple.
+  std::vector<CoupleSolution> solutions(corpus.examples.size() + corpus.couples.size());
   std::vector<float> average = p;
   std::vector<double> first(n, 0), second(n, 0);
   std::mt19937 engine{unsigned(options.seed)};
-  double sum = 0;
+  double sum = 0, sum_couples = 0;
+  int count_couples = 0;
   for (int step = 1; step <= options.steps; ++step) {
     std::array<int, kBatch> batch{};
-    for (int& b : batch) b = corpus.draw(engine, options.share);
+    for (int& b : batch) b = corpus.draw(engine, options.couples, options.share);
     std::array<std::vector<double>, kBatch> gradients;
     std::array<double, kBatch> losses{};
-    std::array<Solution, kBatch> work;
+    std::array<CoupleSolution, kBatch> work;
     for (int k = 0; k < kBatch; ++k)
       work[std::size_t(k)] = solutions[std::size_t(batch[std::size_t(k)])];
     parallel(kBatch, [&](int k, int) {
       const std::size_t j = std::size_t(k);
       gradients[j].assign(n, 0);
-      losses[j] = evaluate(model, p, corpus.examples[std::size_t(batch[j])], work[j], &gradients[j],
-                           {.equal = options.pairs});
+      if (corpus.is_couple(batch[j])) {
+        losses[j] = evaluate(model, p, corpus.couple(batch[j]), work[j], &gradients[j]);
+        for (double& v : gradients[j]) v *= options.couple_weight;
+      } else
+        losses[j] = evaluate(model, p, corpus.examples[std::size_t(batch[j])], work[j].before,
+                             &gradients[j], {.equal = options.pairs});
     });
     std::vector<double> g(n, 0);
     for (std::size_t j = 0; j < kBatch; ++j) {  // one example may not dominate a step
@@ -162,7 +188,8 @@ void fit(const Options& options) {
       for (double v : gradients[j]) norm += v * v;
       const double scale = std::min(1.0, 2 / std::sqrt(norm)) / kBatch;
       for (std::size_t i = 0; i < n; ++i) g[i] += scale * gradients[j][i];
-      sum += losses[j] / kBatch;
+      (corpus.is_couple(batch[j]) ? sum_couples : sum) += losses[j];
+      count_couples += corpus.is_couple(batch[j]);
       solutions[std::size_t(batch[j])] = std::move(work[j]);
     }
     const double rate = options.rate * 0.5 * (1 + std::cos(3.14159 * step / options.steps)) + 1e-5;
@@ -176,9 +203,11 @@ void fit(const Options& options) {
       average[i] += 0.02F * (p[i] - average[i]);
     }
     if (step % 100 == 0) {
-      std::printf("step %d  loss %.4f\n", step, sum / 100);
+      std::printf("step %d  loss %.4f  couples %.4f\n", step,
+                  sum / std::max(1, 100 * kBatch - count_couples),
+                  sum_couples / std::max(1, count_couples));
       std::fflush(stdout);
-      sum = 0;
+      sum = sum_couples = 0, count_couples = 0;
       save(average);
     }
   }
@@ -200,7 +229,10 @@ int main(int argc, char** argv) {
                              {"--steps", bench::integer(o.steps)},
                              {"--rate", bench::number(o.rate)},
                              {"--share", bench::number(o.share)},
-                             {"--pairs", bench::number(o.pairs)}};
+                             {"--pairs", bench::number(o.pairs)},
+                             {"--couples-dir", bench::text(o.couples_dir)},
+                             {"--couples", bench::number(o.couples)},
+                             {"--couple-weight", bench::number(o.couple_weight)}};
   if (!bench::read(known, argc, argv, "fit_edge_prior.cpp")) return 2;
   try {
     if (o.out.empty() || o.scenes < 1)

@@ -466,6 +466,12 @@ double loss(const Example& e, const Plane& s, Plane& gradient, const LossWeights
 
 double evaluate(const Example& e, const Prior& prior, Solution& solution, Prior* gradient,
                 const LossWeights& weights) {
+  return evaluate(e, prior, solution, gradient,
+                  [&](const Plane& s, Plane& d) { return loss(e, s, d, weights); });
+}
+
+double evaluate(const Example& e, const Prior& prior, Solution& solution, Prior* gradient,
+                const LossOfShading& loss_of) {
   const std::size_t n = e.m.size(), cells = e.cell_m.size(), w = std::size_t(e.width);
   const auto has_right = [&](std::size_t i) { return i % w + 1 < w; };
   const auto has_down = [&](std::size_t i) { return i + w < n; };
@@ -498,7 +504,7 @@ double evaluate(const Example& e, const Prior& prior, Solution& solution, Prior*
   }
   system.solve(f, solution.s, gradient ? 25 : 60, gradient ? 1e-3F : 2e-4F);
   Plane d_s;
-  const double value = loss(e, solution.s, d_s, weights);
+  const double value = loss_of(solution.s, d_s);
   if (!gradient) return value;
 
   // Adjoint: A lambda = dL/ds; every dL/dweight is -lambda' (dA s - df).
@@ -546,12 +552,18 @@ Prior fitted_prior(const Model& model, const std::vector<float>& parameters, con
 
 double evaluate(const Model& model, const std::vector<float>& parameters, const Example& e,
                 Solution& solution, std::vector<double>* gradient, const LossWeights& weights) {
+  return evaluate(model, parameters, e, solution, gradient,
+                  [&](const Plane& s, Plane& d) { return loss(e, s, d, weights); });
+}
+
+double evaluate(const Model& model, const std::vector<float>& parameters, const Example& e,
+                Solution& solution, std::vector<double>* gradient, const LossOfShading& loss_of) {
   std::vector<Plane> hidden_right, hidden_down, hidden_cell;
   Prior prior, change;
   model.edge.forward(parameters, e.right, hidden_right, prior.right);
   model.edge.forward(parameters, e.down, hidden_down, prior.down);
   model.cell.forward(parameters, e.cell, hidden_cell, prior.cell);
-  const double value = evaluate(e, prior, solution, gradient ? &change : nullptr, weights);
+  const double value = evaluate(e, prior, solution, gradient ? &change : nullptr, loss_of);
   if (!gradient) return value;
   model.edge.backward(parameters, e.right, hidden_right, change.right, *gradient);
   model.edge.backward(parameters, e.down, hidden_down, change.down, *gradient);

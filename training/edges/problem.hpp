@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "net.hpp"
@@ -85,8 +86,13 @@ double distance_from_mean(const Plane& weight, const Plane& off, double near, do
 double loss(const Example& example, const Plane& s, Plane& gradient,
             const LossWeights& weights = {});
 
+/// A loss of s, whose derivative it writes to the second plane.
+using LossOfShading = std::function<double(const Plane&, Plane&)>;
+
 /// Solves one example with this prior and returns the loss; `gradient`, if given, receives its
 /// derivative by the prior's planes (implicit differentiation).
+double evaluate(const Example& example, const Prior& prior, Solution& solution, Prior* gradient,
+                const LossOfShading& loss_of);
 double evaluate(const Example& example, const Prior& prior, Solution& solution, Prior* gradient,
                 const LossWeights& weights = {});
 
@@ -96,6 +102,8 @@ Prior fitted_prior(const Model& model, const std::vector<float>& parameters,
 
 /// The same as `evaluate` with the fitted prior; adds the gradient by its parameters when
 /// `gradient` is given.
+double evaluate(const Model& model, const std::vector<float>& parameters, const Example& example,
+                Solution& solution, std::vector<double>* gradient, const LossOfShading& loss_of);
 double evaluate(const Model& model, const std::vector<float>& parameters, const Example& example,
                 Solution& solution, std::vector<double>* gradient, const LossWeights& weights = {});
 

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Light and paint to add to a photograph: ln ratios of linear light (height x width x 3, RGB). `flat`: a flat.Flat of the picture's size, which draws
+shapes, prints and shadows."""
+import math
+
+import cv2
+import numpy as np
+
+import flat
+import mix
+
+LOWEST, HIGHEST = 0.03, 8.0  # factors of paint
+LIKE = (14, 8, 8)  # CIELab distances of a region of one color
+
+
+def shadow(sheet):
+    """What gets past things outside of the picture, falling on a fill of another color; a third of the edges is harder."""
+    draw = sheet.draw
+    lit = np.minimum(sheet.shadow(), sheet.shadow()) if draw.chance(0.2) else sheet.shadow()
+    if draw.chance(0.5):
+        gain = math.exp(draw.uniform(0, math.log(12)))
+        lit = cv2.GaussianBlur(np.clip((lit - 0.5) * gain + 0.5, 0, 1).astype(np.float32), (0, 0), 0.6)
+    fill = math.exp(draw.uniform(math.log(0.1), math.log(0.6)))
+    slope = draw.uniform(-0.15, 0.6) if draw.chance(0.8) else draw.uniform(-1, 0.6)
+    return np.log(fill + (1 - fill) * lit), slope
+
+
+def fall_off(sheet):
+    """A near lamp's."""
+    draw, (height, width) = sheet.draw, sheet.shape
+    y, x = np.mgrid[:height, :width].astype(np.float32)
+    place, near = sheet.rng.uniform(-0.3, 1.3, 2) * (width, height), draw.uniform(0.2, 1.2) * width
+    distance = ((x - place[0]) ** 2 + (y - place[1]) ** 2) / near**2
+    return np.log(draw.uniform(0.05, 0.5) + 1 / (1 + distance)), draw.uniform(-0.6, 0.3)
+
+
+def form(sheet):
+    """Shading of folds, as of cloth and paper."""
+    draw = sheet.draw
+    normals = sheet.normals(sheet.folds() * draw.uniform(0.3, 1.5))
+    light = np.array([*sheet.rng.normal(0, 1, 2), draw.uniform(0.4, 1.6)])
+    ambient = draw.uniform(0.1, 0.5)
+    return np.log(ambient + (1 - ambient) * np.maximum(normals @ (light / np.linalg.norm(light)), 0)), draw.uniform(0, 0.4)
+
+
+def light(sheet):
+    """Of one or two of the above; their color follows their brightness by a slope (mix.py)."""
+    made = sheet.draw.pick([(shadow,), (fall_off,), (form,), (shadow, fall_off)], [6, 1.5, 2, 1.5])
+    ratio = sum(logs[..., None] * (1 + slope * mix.AXIS) for logs, slope in (make(sheet) for make in made))
+    return (ratio - np.percentile(ratio.mean(-1), 98)).astype(np.float32)
+
+
+def recolored(sheet, picture):
+    """The region of like color around a point in another paint, or None if it is too small or too large."""
+    lab = cv2.GaussianBlur(cv2.cvtColor(mix.srgb(picture).astype(np.float32), cv2.COLOR_RGB2Lab), (0, 0), 1)
+    y, x = (int(sheet.rng.integers(n)) for n in sheet.shape)
+    _, parts = cv2.connectedComponents((np.abs(lab - lab[y, x]) < LIKE).all(-1).astype(np.uint8))
+    inside = (parts == parts[y, x]).astype(np.float32)
+    if not 0.01 < inside.mean() < 0.6:
+        return None
+    step = np.log(np.clip(np.asarray(sheet.draw.color(), np.float32), LOWEST, 0.9) / 0.5)
+    return cv2.GaussianBlur(inside, (0, 0), 0.7)[..., None] * step
+
+
+def piece(sheet, picture):
+    """A print, a pattern, plain paint, a texture, a picture, or the dark of a print alone; None if it is outside of the picture."""
+    draw, outline, quad = sheet.draw, sheet.outline(), sheet.quad()
+    alpha = sheet.warp(outline, sheet.homography(outline.shape, quad))
+    kind = draw.pick(["print", "pattern", "plain", "texture", "art", "ink"], [3, 3, 3, 1.5, 1, 3])
+    if kind == "ink":
+        paint = sheet.printed()
+        paint = paint / max(float(np.percentile(paint, 95)), 0.05)
+    elif kind == "plain":
+        paint = np.ones((8, 8, 3), np.float32) * np.asarray(draw.color(), np.float32) / 0.6
+    else:
+        paint = {"print": sheet.printed, "pattern": sheet.pattern, "texture": sheet.texture, "art": sheet.art}[kind]() / draw.uniform(0.5, 0.9)
+    laid = sheet.warp(paint, sheet.homography(paint.shape[:2], quad), fill=True)
+    inside = alpha > 0.5
+    if not inside.any():
+        return None
+    laid = laid / max(1, float(np.percentile((picture * laid)[inside].max(-1), 97)) / 0.92)
+    return alpha[..., None] * np.log(np.clip(laid, LOWEST, HIGHEST))
+
+
+def paint(sheet, picture):
+    """One to four pieces of paint on a linear picture."""
+    ratio = np.zeros((*sheet.shape, 3), np.float32)
+    for _ in range(int(sheet.rng.integers(1, 5))):
+        more = (recolored if sheet.draw.chance(0.25) else piece)(sheet, picture)
+        if more is not None:
+            ratio = ratio + more
+    return cv2.GaussianBlur(ratio.astype(np.float32), (0, 0), sheet.draw.uniform(0.3, 1.0))
+
+
+def sheet(seed, assets, width, height):
+    return flat.Flat(seed, assets, width, height)
