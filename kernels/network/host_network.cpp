@@ -170,7 +170,8 @@ struct HostNetwork::Impl {
             {{DNNL_ARG_SRC, first}});
         return;
       case Op::concat: {
-        const memory second = in_layout(values[node.inputs[1]], like(source, node.inputs[1]));
+        const memory second =
+            in_layout(values[node.inputs[1]], like(node.inputs[0], node.inputs[1]));
         const std::vector<memory::desc> both{source, second.get_desc()};
 #if DNNL_VERSION_MAJOR >= 3
         const dnnl::concat::primitive_desc description(engine, 1, both);
@@ -222,10 +223,11 @@ struct HostNetwork::Impl {
     }
   }
 
-  /// The layout of `of` for another value.
-  memory::desc like(const memory::desc& of, uint32_t value) const {
+  /// The layout of one value for another.
+  memory::desc like(uint32_t of, uint32_t value) const {
+    const memory::desc layout = values[of].get_desc();
     for (const Tag tag : {Tag::nChw16c, Tag::nChw8c, Tag::nChw4c, Tag::nhwc})
-      if (of == memory::desc(of.dims(), kFloat, tag)) return desc_of(shapes[value], tag);
+      if (layout == desc_of(shapes[of], tag)) return desc_of(shapes[value], tag);
     return values[value].get_desc();
   }
 
