@@ -32,7 +32,8 @@ void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,
                     "tiles-evaluated", G_TYPE_UINT, found.tiles_evaluated, "tiles-active",
                     G_TYPE_UINT, found.tiles_active, nullptr);
   gst_structure_set(stats, "prior", G_TYPE_STRING,
-                    solve.network ? solve.network->name.c_str() : PriorModels::kFitted, nullptr);
+                    solve.network ? solve.network->name.c_str() : PriorModels::kFitted, "prior-age",
+                    G_TYPE_UINT, solve.network_age, nullptr);
   const Tolerances& tolerances = solve.tolerances;
   for (const auto& [name, value] : {std::pair{"half-tolerance", tolerances.half},
                                     {"tile-tolerance", tolerances.tile},

@@ -355,8 +355,12 @@ void IntrinsicDecomposition::record_report(gpu::Commands& commands, const Params
   Report& report = reports_[recorded_++];
   report.colored = slope != nullptr;
   report.strokes = strokes_.count();
-  report.stats = {plan_, multigrid_.depth(), prior_.tiles(), params.tolerances,
-                  params.prior.network};
+  report.stats = {plan_,
+                  multigrid_.depth(),
+                  prior_.tiles(),
+                  params.tolerances,
+                  params.prior.network,
+                  prior_.network_age()};
   if (!report.found)
     report.found = gpu::Buffer::create(device_, gpu::Element::word,
                                        sizeof(Numbers) / sizeof(uint32_t), gpu::Memory::readback);

@@ -8,7 +8,8 @@ namespace inverse {
 /// The levels of intrinsicdecomp (docs/reference/methods/intrinsicdecomp.md, 12).
 inline const QualityLevels<ScaledIntrinsic::Params>& intrinsic_levels() {
   using Params = ScaledIntrinsic::Params;
-  // Its cost, resolution, cycles of the first frame and of those after it, and two tolerances.
+  // Its cost, resolution, cycles of the first frame and of those after it, and two tolerances. A
+  // network's output serves two frames, but at the highest level.
   const auto level = [](double cost, size_t halvings, uint32_t cycles, uint32_t warm, float edge,
                         float cycle) {
     return Level<Params>{cost, [=](Params& params) {
@@ -17,7 +18,7 @@ inline const QualityLevels<ScaledIntrinsic::Params>& intrinsic_levels() {
                            params.warm_cycles = warm;
                            params.tolerances.edge = edge;
                            params.tolerances.cycle = cycle;
-                           params.prior_width = PriorWidth::medium;
+                           params.prior.network_interval = warm < 24 ? 2 : 1;
                          }};
   };
   static const QualityLevels<Params> quality_levels{

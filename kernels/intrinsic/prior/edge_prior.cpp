@@ -41,7 +41,7 @@ void EdgePrior::record_frame(gpu::Commands& commands, const Guide& guide, const 
   prepare(params.network);
   commands.dispatch(fold_biases_, {.statistics = guide.statistics(), .biases = biases_}, {});
   if (!learned_) return;
-  learned_->network.record(commands, guide, listed);
+  learned_->network.record(commands, guide, params.network_interval, listed);
   commands.stage("prior-network");
 }
 

@@ -38,6 +38,8 @@ class EdgePrior {
     float depth_weight = 1.0F;
     /// Adds to the fitted functions; null: nothing does.
     PriorModelPtr network = nullptr;
+    /// Frames that one run of it may serve (NetworkRate), 1…8.
+    uint32_t network_interval = 1;
     bool operator==(const Params&) const = default;
   };
   /// Output buffers. Edges stay there from frame to frame.
@@ -71,8 +73,13 @@ class EdgePrior {
   /// Records the edges and values of listed tiles only.
   void record_tiles(gpu::Commands& commands, const Guide& guide, const Target& target,
                     const Params& params, const TileList& listed);
-  /// Forgets the saved guide.
-  void reset() { known_ = false; }
+  /// Forgets the saved guide, and what the network said.
+  void reset() {
+    known_ = false;
+    if (learned_) learned_->network.reset();
+  }
+  /// How many frames before the last one recorded the network ran; 0 without one.
+  uint32_t network_age() const { return learned_ ? learned_->network.age() : 0; }
   /// How many tiles a frame has.
   uint32_t tiles() const { return changes_.tiles(); }
   /// Words; the first is how many tiles the last `record_changes` evaluated.

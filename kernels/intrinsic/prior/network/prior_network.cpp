@@ -43,8 +43,10 @@ PriorNetwork::PriorNetwork(const std::shared_ptr<gpu::Device>& device, Extent fr
     output_.emplace(device);
 }
 
-void PriorNetwork::record(gpu::Commands& commands, const Guide& guide,
-                          const TileList* listed) const {
+void PriorNetwork::record(gpu::Commands& commands, const Guide& guide, uint32_t interval,
+                          const TileList* listed) {
+  // Fields of an earlier frame must follow, though nothing changes any more.
+  if (rate_.age() > 0) listed = nullptr;
   const auto when = [&](const auto& run) {
     if (listed)
       commands.when(listed->words(), 0, run);
@@ -66,10 +68,16 @@ void PriorNetwork::record(gpu::Commands& commands, const Guide& guide,
     if (!network_.on_host()) network_.record(commands);
   });
   if (network_.on_host()) {
-    const gpu::BufferPtr words = listed ? listed->words() : nullptr;
-    commands.on_host([this, words] {
-      if (!words || *words->map_as<uint32_t>() > 0) network_.run();
+    bool ran = false;
+    commands.on_host([&] {
+      if (listed && *listed->words()->map_as<uint32_t>() == 0) return;
+      const uint64_t blocks = (model_->graph.inputs[0].channels + 3) / 4;
+      ran =
+          rate_.due({network_.input(0)->map_as<float>() + 4, 4 * blocks * picture_.padded.pixels()},
+                    interval);
+      if (ran) network_.run();
     });
+    if (!ran) return;
   }
   when([&] {
     if (output_)

@@ -9,6 +9,7 @@
 #include "kernels/intrinsic_prior_network_output.spv.hpp"
 #include "kernels/intrinsic_prior_network_reflectance.spv.hpp"
 #include "kernels/network/network.hpp"
+#include "network_rate.hpp"
 #include "prior_model.hpp"
 
 namespace inverse {
@@ -30,8 +31,14 @@ class PriorNetwork {
 
   const PriorModelPtr& model() const { return model_; }
   const PriorPicture& picture() const { return picture_; }
-  /// If no tile is `listed`, what it said stays.
-  void record(gpu::Commands& commands, const Guide& guide, const TileList* listed = nullptr) const;
+  /// If no tile is `listed`, the fields stay. On the host, one run serves `interval` frames while
+  /// the picture hardly changes (NetworkRate).
+  void record(gpu::Commands& commands, const Guide& guide, uint32_t interval = 1,
+              const TileList* listed = nullptr);
+  /// How many frames before the last one recorded the network ran.
+  uint32_t age() const { return rate_.age(); }
+  /// The next frame has nothing to do with the last one.
+  void reset() { rate_.reset(); }
   /// Three vec4 a pixel of the picture (fields.glsl).
   const gpu::BufferPtr& fields() const { return fields_; }
   const network::Network& network() const { return network_; }
@@ -44,6 +51,7 @@ class PriorNetwork {
   std::optional<gpu::Program<shaders::intrinsic_prior_network_output>> output_;
   std::optional<gpu::Program<shaders::intrinsic_prior_network_reflectance>> reflectance_;
   gpu::BufferPtr fields_;
+  NetworkRate rate_;
 };
 
 }  // namespace inverse

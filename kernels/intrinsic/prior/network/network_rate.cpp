@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "network_rate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace inverse {
+
+bool NetworkRate::due(std::span<const float> input, uint32_t interval) {
+  if (std::ranges::equal(input, input_)) {
+    age_ = 0;
+    return false;
+  }
+  if (input.size() == input_.size()) {
+    float change = 0;
+    for (size_t i = 0; i < input.size(); ++i) change += std::abs(input[i] - input_[i]);
+    change /= static_cast<float>(input.size());
+    if (change < kCut && ++age_ < (change < kStill ? kStillFactor * interval : interval))
+      return false;
+  }
+  input_.assign(input.begin(), input.end());
+  age_ = 0;
+  return true;
+}
+
+}  // namespace inverse
