@@ -11,6 +11,7 @@ import torch
 
 import networks
 import pictures
+import mix  # of ../intrinsic, which pictures adds to the path
 import problem
 import train
 
@@ -61,27 +62,58 @@ def check_local_derivative():
             expect(abs(measured - stated) < 0.01 * stated, f"derivative of the local loss: {measured:.5f} by differences, {stated:.5f}")
 
 
+def triple():
+    """Of a drawing in two lights, and with ink."""
+    (picture, _, light, mask, *_), (lit, _, other, *_), _ = pictures.drawn(4, None, True)
+    ink = np.ones_like(picture)
+    ink[30:60, 40:90] = 0.3
+    inked = picture * ink
+    problems = [problem.of_picture(p, p, light / other, mask, k, "couple", 1) for k, p in enumerate((picture, lit, inked))]
+    return problem.Triple(problems, 0, other / light)
+
+
+def check_triple_derivatives():
+    rng, example = np.random.default_rng(0), triple()
+    fields = [0.5 * rng.normal(size=(problem.FIELDS, *p.size)).astype(np.float32) for p in example.pictures]
+    for name, weights, near in (("local", (0, 1), 0.02), ("solved", (1, 0), 0.15)):
+        def found(fields):
+            for _ in range(12 if weights[0] else 1):
+                result = example.loss(fields, *weights)
+            return result
+
+        slopes = found(fields)[1]
+        for k, group in ((1, slice(0, 4)), (0, slice(9, 10)), (2, slice(8, 11))):
+            way = [np.zeros_like(f) for f in fields]
+            way[k][group] = slopes[k][group] / np.linalg.norm(slopes[k][group])
+            step = 4.0 if weights[0] else 0.1
+            ends = [found([f + sign * step * w for f, w in zip(fields, way)])[0] for sign in (1, -1)]
+            measured, stated = (ends[0] - ends[1]) / (2 * step), float((slopes[k] * way[k]).sum())
+            expect(abs(measured - stated) < near * stated, f"derivative of a triple's {name} loss, picture {k}: {measured:.5f} by differences, {stated:.5f}")
+
+
 def check_networks():
-    for width in networks.WIDTHS:
-        network = networks.Prior(width)
-        answer = network(torch.randn(1, networks.INPUTS, 96, 128))
-        expect(tuple(answer.shape) == (1, networks.OUTPUTS, 48, 64) and not answer.any(), f"{width}: {networks.parameters(network)} parameters, starts at the fitted prior")
-    picture, narrow = torch.randn(1, networks.INPUTS, 96, 128), networks.Prior("small")
-    torch.nn.init.normal_(narrow.head.weight)
-    apart = (networks.grown(narrow, "large")(picture) - narrow(picture)).abs().max() / narrow(picture).abs().max()
-    expect(apart < 1e-5, f"a small network that is grown to a large one answers alike: within {float(apart):.1e}")
+    network = networks.Prior()
+    answer = network(torch.randn(1, networks.INPUTS, 96, 128))
+    expect(tuple(answer.shape) == (1, networks.OUTPUTS, 48, 64) and not answer.any(), f"{networks.parameters(network)} parameters, starts at the fitted prior")
+    logs = torch.tensor([-4.0, -2.0, -0.3])  # ln (linear + FLOOR) of red, green and blue
+    m = logs.mean()
+    c0, c1 = (logs[0] - logs[1]) * 3**0.5 / 2, 1.5 * (logs[0] + logs[1]) - 3 * m
+    guide = torch.stack([m, 2 * c0, 2 * c1, m, (m + 4) / 2, m])[None, :, None, None]
+    codes = [2 * float(mix.srgb(float(x.exp()) - networks.FLOOR)) - 1 for x in logs]
+    found = network.colors(guide).flatten().tolist()
+    expect(np.abs(np.subtract(found, codes)).max() < 0.06, f"the trunk sees sRGB: {found}, {codes}")
     fields = problem.fields_of(torch.full((1, 44, 8, 8), 1e9))
     expect(fields.shape == (1, 11, 16, 16) and torch.allclose(fields.amax((0, 2, 3)), problem.LIMITS), "fields saturate at their limits")
 
 
 def check_run():
-    options = {"width": "small", "rate": 2e-3, "seed": 1, "start": None, "batch": 2, "equal": 1.0, "different": 0.5, "alike": 1.0, "every": 2, "device": "cpu", "steady": 1.0, "small": 0.3, "local": 0.3, "local_only": False}
+    options = {"trunk": None, "bf16": False, "rate": 2e-3, "seed": 1, "start": None, "batch": 2, "equal": 1.0, "different": 0.5, "alike": 1.0, "every": 2, "device": "cpu", "steady": 1.0, "small": 0.3, "local": 0.3, "local_only": False}
     with tempfile.TemporaryDirectory() as folder:
         tests = [pictures.procedural(pictures.HELD_OUT_SEEDS)]
         for steps in (2, 4):
             pool = pictures.Pool([], None, (0, 0.5), 4, 1)
             pool.fill()
-            train.Run(types.SimpleNamespace(out=pathlib.Path(folder), steps=steps, **options)).train(pool, tests)
+            train.Run(types.SimpleNamespace(out=pathlib.Path(folder), steps=steps, **options)).train([(pool, 2, 1.0)], tests)
             pool.stop()
         seen = [json.loads(line)["step"] for line in (pathlib.Path(folder) / "log.jsonl").read_text().splitlines()]
         expect(seen == [0, 2, 4], f"a run continues where it stopped: {seen}")
@@ -91,5 +123,6 @@ if __name__ == "__main__":
     problem.LIBRARY = problem.load()
     check_derivative()
     check_local_derivative()
+    check_triple_derivatives()
     check_networks()
     check_run()

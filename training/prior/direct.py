@@ -24,13 +24,53 @@ sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "intrinsic"))
 import mix  # noqa: E402  (of that folder)
 
 
-class Direct(nn.Module):
-    """The U-Net of networks.Prior with one more stage up: image → reflectance of its size."""
+CHANNELS = (16, 32, 48, 64, 16)  # at 1/2, 1/4, 1/8, 1/16 of the picture, and of the last layer at 1/2
 
-    def __init__(self, width="medium"):
+
+def convolution(inputs, outputs, stride=1):
+    return nn.Sequential(nn.Conv2d(inputs, outputs, 3, stride, 1), nn.LeakyReLU(0.1))
+
+
+class Features(nn.Module):
+    """A U-Net: image → 16 channels of half its size."""
+
+    def __init__(self):
         super().__init__()
-        self.body = networks.Prior(width, inputs=3, outputs=16)
-        nn.init.kaiming_normal_(self.body.head.weight, 0.1)
+        *channels, last = CHANNELS
+        self.down = nn.ModuleList()
+        before = 3
+        for c in channels:
+            self.down.append(nn.Sequential(convolution(before, c, 2), convolution(c, c)))
+            before = c
+        self.bottom = convolution(before, before)
+        self.up = nn.ModuleList()
+        for c, out in zip(channels[-2::-1], [*channels[-2:0:-1], last]):
+            self.up.append(convolution(before + c, out))
+            before = out
+        self.head = nn.Conv2d(last, 16, 1)
+        for module in self.modules():
+            if isinstance(module, nn.Conv2d):
+                nn.init.kaiming_normal_(module.weight, 0.1)
+                nn.init.zeros_(module.bias)
+
+    def forward(self, image):
+        skips, x = [], image
+        for stage in self.down:
+            x = stage(x)
+            skips.append(x)
+        x = self.bottom(x)
+        for stage, skip in zip(self.up, skips[-2::-1]):
+            x = nn.functional.interpolate(x, scale_factor=2, mode="bilinear", align_corners=False)
+            x = stage(torch.cat([x, skip], 1))
+        return self.head(x)
+
+
+class Direct(nn.Module):
+    """Features with one more stage up: image → reflectance of its size."""
+
+    def __init__(self):
+        super().__init__()
+        self.body = Features()
         self.last = nn.Conv2d(16 + 3, 3, 3, 1, 1)
 
     def forward(self, image):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Writes a run's network (running mean of the weights) as ONNX: export.py RUN/state.pt models/intrinsic/prior-medium.onnx."""
+"""Writes a run's network (running mean of the weights) as ONNX: export.py RUN/state.pt models/intrinsic/prior.onnx."""
 import argparse
 import pathlib
 import sys
@@ -18,7 +18,7 @@ def main():
     parser.add_argument("model", type=pathlib.Path)
     args = parser.parse_args()
     state = torch.load(args.state)
-    network = networks.Prior(state["width"])
+    network = networks.Prior()
     network.load_state_dict(state["average"])
     shape = (1, networks.INPUTS, 128, 160)
     error = onnx_file.write(network, shape, args.model, names=("guide", "prior"), free_size=True)

@@ -22,6 +22,7 @@ HELD_OUT_SEEDS = 1_000_000  # procedural seeds from here on are in no fit
 LEAST_SURFACE = 0.3  # share of a part's pixels
 PLAIN = 0.3  # share of one paint, among what is painted anew
 COPIES = 3  # pictures that `several` makes
+MIN_LIGHT, MIN_PAINT = 0.08, 0.01  # spread of the ln ratio of light; mean size of that of paint
 
 
 def level(rng, width):
@@ -183,11 +184,60 @@ class Pool:
         return batch[:count]
 
 
-def held_out(folders, assets, count, mixes=4):
-    """The same examples in every run: `count` procedural and drawn ones each, `mixes` of each sample that is held out."""
+def held_out(folders, assets, count, couples=(), mixes=2):
+    """The same examples in every run: `count` procedural and drawn ones each, `mixes` of each sample that is held out, and all couples."""
     result = []
     for k in range(count):
         result += [procedural(HELD_OUT_SEEDS + k), problem.of_picture(*drawn(HELD_OUT_SEEDS + k, assets)[0])]
     for path in samples(folders, True):
         result += [problem.of_picture(*photographs(path, 5000 + k, assets)[0]) for k in range(mixes)]
-    return result
+    triples = (triple(p, k) for k, p in enumerate(p for f in couples for p in sorted(pathlib.Path(f).glob("*.npz"))))
+    return result + [t for t in triples if t]
+
+
+def triple(path, seed):
+    """Of a file of ../couples, or None if hardly any light or paint was added."""
+    rng, data = np.random.default_rng([seed, 3]), np.load(path)
+    light, usable, base = data["light"].astype(np.float32), data["usable"], int(data["on_lit"])
+    if light.mean(-1).std() < MIN_LIGHT or np.abs(data["paint"].astype(np.float32)).mean() < MIN_PAINT:
+        return None
+    images, ratio = mix.linear(data["pictures"] / 255), np.exp(light)
+    masks = [usable[0], usable[0] & usable[1], usable[base] & usable[2]]
+    if rng.random() < 0.5:
+        images, ratio, masks = images[:, :, ::-1], ratio[:, ::-1], [m[:, ::-1] for m in masks]
+    size = int(rng.random() < 0.5)
+    pictures = [problem.of_picture(image, image, ratio, mask, int(rng.integers(2**31)), "photograph", size) for image, mask in zip(images, masks)]
+    return problem.Triple(pictures, base, ratio)
+
+
+class Couples:
+    """Triples that fits draw batches from: like Pool."""
+
+    def __init__(self, folders, count, seed, fresh):
+        self.files = sorted(p for f in folders for p in pathlib.Path(f).glob("*.npz"))
+        self.fresh, self.rng, self.items, self.owed = fresh, np.random.default_rng(seed), [], 0.0
+        self.maker = concurrent.futures.ThreadPoolExecutor(2)
+        if self.files:
+            self.items = [t for t in self.maker.map(lambda job: triple(*job), [self.job() for _ in range(count)]) if t]
+        self.coming, self.next = [], 0
+
+    def job(self):
+        return self.files[int(self.rng.integers(len(self.files)))], int(self.rng.integers(2**31))
+
+    def batch(self, count):
+        """Triples of one size."""
+        self.owed += self.fresh * count
+        for _ in range(int(self.owed)):
+            self.coming.append(self.maker.submit(triple, *self.job()))
+        self.owed %= 1
+        while len(self.coming) > 16 or self.coming and self.coming[0].done():
+            new = self.coming.pop(0).result()
+            if new:
+                self.items[self.next] = new
+                self.next = (self.next + 1) % len(self.items)
+        size = self.items[int(self.rng.integers(len(self.items)))].pictures[0].input.shape
+        alike = [t for t in self.items if t.pictures[0].input.shape == size]
+        return [alike[int(k)] for k in self.rng.permutation(len(alike))[:count]]
+
+    def stop(self):
+        self.maker.shutdown()

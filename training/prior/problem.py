@@ -30,6 +30,11 @@ def load(path=None):
     library.problem_local_loss.argtypes = [ctypes.c_void_p, FLOATS, FLOATS]
     library.problem_local_loss.restype = ctypes.c_double
     library.problem_planes.argtypes = [ctypes.c_void_p] + [FLOATS] * 5
+    library.triple_of.restype = ctypes.c_void_p
+    library.triple_of.argtypes = [ctypes.c_void_p] * 3 + [ctypes.c_int, FLOATS]
+    library.triple_free.argtypes = [ctypes.c_void_p]
+    library.triple_loss.restype = ctypes.c_double
+    library.triple_loss.argtypes = [ctypes.c_void_p, FLOATS * 3] + [ctypes.c_double] * 2 + [ctypes.POINTER(ctypes.c_double), FLOATS * 3]
     return library
 
 
@@ -59,7 +64,8 @@ class Problem:
         self.twin = None  # the same scene in another light, of the same size
 
     def __del__(self):
-        LIBRARY.problem_free(self.handle)
+        if LIBRARY:  # not while Python ends
+            LIBRARY.problem_free(self.handle)
 
     def loss(self, fields, weights, gradient=True):
         """Loss of fields (11 × size, saturated, float32), and its derivative by them or None. weights: of equal and different pairs, and of the
@@ -87,6 +93,31 @@ class Problem:
         return planes
 
 
+class Triple:
+    """A photograph, the same with light, and one of the two with paint (../couples).
+
+    pictures  Problems without truth, of one size
+    shares    of light and of paint that reflectance keeps, of the last loss that solved"""
+
+    def __init__(self, pictures, base, light):
+        """base: 0 or 1, of the paint. light: height × width × 3, ratio."""
+        self.pictures, self.weight, self.shares = pictures, 1.0, (ctypes.c_double * 2)()
+        self.handle = LIBRARY.triple_of(*(p.handle for p in pictures), base, pointer(np.ascontiguousarray(light, np.float32)))
+
+    def __del__(self):
+        if LIBRARY:
+            LIBRARY.triple_free(self.handle)
+
+    def loss(self, fields, solved, local, gradient=True):
+        """fields: of the three pictures. solved, local: weights of what the solve makes of them, and of a loss that takes no solve. Returns the
+        loss and its derivatives or None."""
+        fields = [np.ascontiguousarray(f, np.float32) for f in fields]
+        slopes = [np.empty_like(f) for f in fields] if gradient else None
+        loss = LIBRARY.triple_loss(self.handle, (FLOATS * 3)(*map(pointer, fields)), solved, local, self.shares,
+                                   (FLOATS * 3)(*map(pointer, slopes)) if gradient else (FLOATS * 3)())
+        return loss, slopes
+
+
 def of_seed(seed, width=176, height=132, level=0):
     """level: the network's picture has 1/2^level of the size."""
     return Problem(LIBRARY.problem_of_seed(seed, width, height, level, SLOPE_ERROR, WEIGHTS), "procedural")
@@ -111,30 +142,34 @@ def mean_square(fields):
 
 
 class Loss(torch.autograd.Function):
-    """Mean loss of a batch: fields of each problem → scalar. Its derivative weighs the problems. Solves run in threads."""
+    """Mean loss of examples (Problem, Triple): fields of each of their pictures → scalar. Its derivative weighs the examples. Solves run in threads."""
 
     pool = concurrent.futures.ThreadPoolExecutor(os.cpu_count())
 
     @staticmethod
-    def forward(context, problems, weights, local, *fields):
-        """local: weight of the loss that takes no solve; None: that loss alone."""
+    def forward(context, examples, weights, solved, local, *fields):
+        """solved, local: weights of what solves make of the fields, and of the losses that take none."""
+        planes = iter([f.detach().cpu().numpy() for f in fields])
 
-        def one(item):
-            example, planes = item[0], item[1].detach().cpu().numpy()
-            if local is None:
-                return example.local_loss(planes)
-            loss, slope = example.loss(planes, weights)
-            if local:
-                more, steeper = example.local_loss(planes)
-                loss, slope = loss + local * more, slope + local * steeper
-            return loss, slope
+        def one(example, planes):
+            if isinstance(example, Triple):
+                return example.loss(planes, solved, local)
+            loss, slope = 0.0, np.zeros_like(planes[0])
+            for factor, part in ((solved, lambda: example.loss(planes[0], weights)), (local, lambda: example.local_loss(planes[0]))):
+                if factor:
+                    more, steeper = part()
+                    loss, slope = loss + factor * more, slope + factor * steeper
+            return loss, [slope]
 
-        results = list(Loss.pool.map(one, zip(problems, fields)))
-        losses = [r[0] for r in results]
-        slopes = [torch.from_numpy(r[1]).to(f.device) * (p.weight / len(problems)) for r, p, f in zip(results, problems, fields)]
-        context.slopes = slopes
-        return torch.tensor(float(np.mean(losses)))
+        results = list(Loss.pool.map(one, examples, [[next(planes) for _ in pictures_of(e)] for e in examples]))
+        slopes = [s * (e.weight / len(examples)) for e, (_, all) in zip(examples, results) for s in all]
+        context.slopes = [torch.from_numpy(s.astype(np.float32)).to(f.device) for s, f in zip(slopes, fields)]
+        return torch.tensor(float(np.mean([e.weight * r[0] for e, r in zip(examples, results)])))
 
     @staticmethod
     def backward(context, by):
-        return (None, None, None) + tuple(by * s for s in context.slopes)
+        return (None,) * 4 + tuple(by * s for s in context.slopes)
+
+
+def pictures_of(example):
+    return example.pictures if isinstance(example, Triple) else [example]

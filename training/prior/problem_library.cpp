@@ -2,6 +2,7 @@
 // Examples of training/edges for Python (problem.py, by ctypes): what the prior's network sees of a
 // picture, and the loss of a decomposition with what the network answers, with its derivative.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -12,6 +13,7 @@
 
 #include "tests/reference/intrinsic/prior_network.hpp"
 #include "training/edges/colored_light.hpp"
+#include "training/edges/couples.hpp"
 #include "training/edges/problem.hpp"
 #include "training/edges/weights.hpp"
 
@@ -146,7 +148,7 @@ void to_fields(const Problem& p, const Prior& change, float* gradient) {
 
 /// See problem_local_loss.
 double local_loss(const Example& e, const Prior& prior, Prior& change) {
-  constexpr double kStep = 0.05, kNear = 0.2, kValueWeight = 0.3;
+  constexpr double kStep = 0.05, kNear = 0.2, kValueWeight = 1;
   const std::size_t n = e.m.size(), w = std::size_t(e.width), cells = e.cell_m.size();
   change.right.fill(Plane(n, 0)), change.down = change.right;
   change.cell.fill(Plane(cells, 0));
@@ -192,6 +194,143 @@ double local_loss(const Example& e, const Prior& prior, Prior& change) {
     off[c] = e.cell_value[c] + prior.cell[1][c] - truth[c] / count[c];
   }
   return error + distance_from_mean(weight, off, kNear, kValueWeight, change.cell[1]);
+}
+
+/// A photograph, the same with light, and one of the two with paint (training/couples).
+struct Triple {
+  std::array<Problem*, 3> picture;
+  std::size_t base;  ///< Of the paint: 0 or 1.
+  std::array<Change, 2> change;
+
+  std::size_t before(std::size_t which) const { return which == 0 ? 0 : base; }
+  std::size_t after(std::size_t which) const { return which + 1; }
+};
+
+/// Without a solve: the change of V between two pictures against the light that was added, and the
+/// shares of paint at edges that were added and hide what was there.
+double local_loss(const Change& c, const Example& before, const Prior& v0, const Example& after,
+                  const Prior& v1, Prior& d0, Prior& d1) {
+  constexpr double kNear = 0.1, kClear = 3, kStep = 0.05;
+  const std::size_t n = after.m.size(), cells = after.cell_m.size(), w = std::size_t(c.width);
+  Plane off(cells, 0), weight(cells, 0), slope(cells, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t cell = std::size_t(after.cell_of(int(i)));
+    off[cell] -= c.weight[i] * c.light[i], weight[cell] += c.weight[i];
+  }
+  for (std::size_t j = 0; j < cells; ++j) {
+    if (weight[j] == 0) continue;
+    off[j] = off[j] / weight[j] + after.cell_value[j] + v1.cell[1][j] - before.cell_value[j] -
+             v0.cell[1][j];
+  }
+  double error = distance_from_mean(weight, off, kNear, 1 / c.spread, slope);
+  for (std::size_t j = 0; j < cells; ++j) d1.cell[1][j] += slope[j], d0.cell[1][j] -= slope[j];
+
+  const auto for_edges = [&](auto visit) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto edge = [&](std::size_t j, const auto& o, auto& d) {
+        const double there = double(before.m[i]) - before.m[j],
+                     step = double(after.m[i]) - after.m[j], added = step - there,
+                     sure = std::min(c.weight[i], c.weight[j]) *
+                            std::max(std::abs(added) - kClear * std::abs(there), 0.0);
+        if (sure > 0)
+          visit(i, sure / (sure + kStep), std::abs(there / step), c.light[i] - c.light[j], added, o,
+                d);
+      };
+      if (i % w + 1 < w) edge(i + 1, v1.right, d1.right);
+      if (i + w < n) edge(i + w, v1.down, d1.down);
+    }
+  };
+  double all = 1e-3 * double(n);
+  for_edges([&](auto, double sure, const auto&...) { all += sure; });
+  for_edges([&](std::size_t i, double sure, double rest, double light, double added, const auto& o,
+                auto& d) {
+    const double lit = std::clamp(light / added, 0.0, 1.0),
+                 share = (1 - rest) * (1 - lit) + rest / 2,
+                 said = 1 / (1 + std::exp(double(o[0][i] - o[1][i])));
+    const auto entropy = [&](double p) {
+      return -share * std::log(p + 1e-6) - (1 - share) * std::log(1 - p + 1e-6);
+    };
+    error += sure / all * (entropy(said) - entropy(share));
+    d[1][i] += float(sure / all * (said - share));
+    d[0][i] -= float(sure / all * (said - share));
+  });
+  return error;
+}
+
+Prior zeros_like(const Prior& prior) {
+  Prior zeros = prior;
+  for (auto* planes : {&zeros.right, &zeros.down})
+    for (Plane& plane : *planes) std::fill(plane.begin(), plane.end(), 0.0F);
+  for (Plane& plane : zeros.cell) std::fill(plane.begin(), plane.end(), 0.0F);
+  return zeros;
+}
+
+void add(Prior& to, const Prior& from, float factor) {
+  const auto planes = [&](auto& a, const auto& b) {
+    for (std::size_t k = 0; k < a.size(); ++k)
+      for (std::size_t i = 0; i < a[k].size(); ++i) a[k][i] += factor * b[k][i];
+  };
+  planes(to.right, from.right), planes(to.down, from.down), planes(to.cell, from.cell);
+}
+
+/// See triple_loss.
+double triple_loss(Triple& t, const std::array<const float*, 3>& fields, double solved,
+                   double local, double* shares, const std::array<float*, 3>& gradient) {
+  std::array<Prior, 3> prior, change;
+  for (std::size_t k = 0; k < 3; ++k)
+    prior[k] = with_fields(*t.picture[k], fields[k]), change[k] = zeros_like(prior[k]);
+  const auto s_of = [&](std::size_t k) -> const Plane& { return t.picture[k]->solution.s; };
+  double value = 0;
+  if (solved > 0) {
+    for (std::size_t k = 0; k < 3; ++k)
+      evaluate(t.picture[k]->e, prior[k], t.picture[k]->solution, nullptr,
+               [](const Plane&, Plane&) { return 0.0; });
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto loss_of = [&](const Plane& s, Plane& slope) {
+        double sum = 0;
+        slope.assign(s.size(), 0);
+        Plane one;
+        const auto part = [&](std::size_t which, double sign, std::size_t other) {
+          sum += change_distance(t.change[which], sign, s, s_of(other), one);
+          for (std::size_t i = 0; i < s.size(); ++i) slope[i] += one[i];
+        };
+        for (const std::size_t which : {0, 1}) {
+          if (k == t.after(which)) part(which, 1, t.before(which));
+          if (k == t.before(which)) part(which, -1, t.after(which));
+        }
+        return sum;
+      };
+      Prior slope;
+      // Each change is seen from both of its pictures.
+      value += solved / 2 *
+               evaluate(t.picture[k]->e, prior[k], t.picture[k]->solution,
+                        gradient[0] ? &slope : nullptr, loss_of);
+      if (gradient[0]) add(change[k], slope, float(solved));
+    }
+    for (const std::size_t which : {0, 1}) {
+      const std::size_t a = t.before(which), b = t.after(which);
+      const Change& c = t.change[which];
+      double n = 1e-9, x = 0, y = 0, xy = 0, yy = 0;
+      for (std::size_t i = 0; i < c.weight.size(); ++i) {
+        if (c.weight[i] == 0) continue;
+        const double added = double(t.picture[b]->e.m[i]) - t.picture[a]->e.m[i],
+                     kept = added - s_of(b)[i] + s_of(a)[i];
+        n += 1, x += kept, y += added, xy += kept * added, yy += added * added;
+      }
+      shares[which] = (xy - x * y / n) / (yy - y * y / n + 1e-9);
+    }
+  }
+  if (local > 0)
+    for (const std::size_t which : {0, 1}) {
+      const std::size_t a = t.before(which), b = t.after(which);
+      Prior da = zeros_like(prior[a]), db = zeros_like(prior[b]);
+      value += local * local_loss(t.change[which], t.picture[a]->e, prior[a], t.picture[b]->e,
+                                  prior[b], da, db);
+      add(change[a], da, float(local)), add(change[b], db, float(local));
+    }
+  if (gradient[0])
+    for (std::size_t k = 0; k < 3; ++k) to_fields(*t.picture[k], change[k], gradient[k]);
+  return value;
 }
 
 }  // namespace
@@ -289,5 +428,32 @@ void problem_planes(const void* problem, float* s, float* input, float* reflecta
   std::copy(p.e.reflectance.data.begin(), p.e.reflectance.data.end(), reflectance);
   std::copy(p.e.shading.data.begin(), p.e.shading.data.end(), shading);
   std::copy(p.e.mask.data.begin(), p.e.mask.data.end(), mask);
+}
+
+/// A photograph, the same with light, and one of the two (`base`: 0 or 1) with paint, which are
+/// kept by the caller. `light`: the ratio of the light that was added (interleaved RGB).
+void* triple_of(void* first, void* lit, void* painted, int base, const float* light) {
+  const std::array<Problem*, 3> picture{static_cast<Problem*>(first), static_cast<Problem*>(lit),
+                                        static_cast<Problem*>(painted)};
+  const Example& e = picture[0]->e;
+  bench::Image ratio(e.width, e.height, 3), none = ratio;
+  std::copy(light, light + ratio.data.size(), ratio.data.begin());
+  std::fill(none.data.begin(), none.data.end(), 1.0F);
+  return new Triple{picture,
+                    std::size_t(base),
+                    {Change(e, picture[1]->e, ratio),
+                     Change(picture[std::size_t(base)]->e, picture[2]->e, none)}};
+}
+
+void triple_free(void* triple) { delete static_cast<Triple*>(triple); }
+
+/// `fields` and `gradient`: of the three pictures, as in problem_loss; `gradient` may have nulls.
+/// Returns `solved` x the distance of the changes of ln S from the light that was added, as shares
+/// of what was added, + `local` x a loss that takes no solve. `shares` receives the shares of light
+/// and of paint that reflectance keeps, if `solved` is above 0. Not in two threads.
+double triple_loss(void* triple, const float* const* fields, double solved, double local,
+                   double* shares, float* const* gradient) {
+  return triple_loss(*static_cast<Triple*>(triple), {fields[0], fields[1], fields[2]}, solved,
+                     local, shares, {gradient[0], gradient[1], gradient[2]});
 }
 }

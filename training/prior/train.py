@@ -5,16 +5,20 @@ import argparse
 import json
 import math
 import pathlib
+import sys
 import time
 
 import numpy as np
 import torch
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
 import networks
 import pictures
 import problem
+import warm_start
 
 DECAY, KEEP = 1e-5, 0.998
+TRUNK, STEADY_EVERY = 0.15, 3  # share of the rate; steps
 
 
 def whdr(example, planes=None, count=600):
@@ -38,7 +42,7 @@ def whdr(example, planes=None, count=600):
     return float((judged((found[i] - found[j])[chosen]) != np.concatenate([np.zeros(len(equal)), np.sign(step[other])])).mean())
 
 
-def fields_apart(network, inputs, fields, rng):
+def fields_apart(network, inputs, fields, rng, bf16=False):
     """Mean square distance of the fields of inputs, relative to their limits, from those of crops that start a few pixels later and have noise:
     what would flicker when a camera moves."""
     step, inner = 16, 8  # of sizes; what a crop's border changes does not count
@@ -48,25 +52,34 @@ def fields_apart(network, inputs, fields, rng):
         return inputs.new_zeros(())
     crops = inputs[:, :, y : y + height, x : x + width]
     noise = torch.randn_like(crops) * torch.rand(len(inputs), 1, 1, 1, device=inputs.device) * 0.06
-    found = problem.fields_of(network(crops + noise))[:, :, inner:-inner, inner:-inner]
+    with torch.autocast(inputs.device.type, torch.bfloat16, enabled=bf16):
+        answers = network(crops + noise)
+    found = problem.fields_of(answers.float())[:, :, inner:-inner, inner:-inner]
     return problem.mean_square(fields[:, :, y + inner : y + height - inner, x + inner : x + width - inner] - found)
 
 
 def evaluate(network, examples):
-    """Mean loss without pairs, and WHDR, by kind. network None: the fitted prior."""
+    """Of pictures with truth, by kind: mean loss without pairs, and WHDR. Of couples: shares of light and of paint that reflectance keeps, and
+    confusion. Each with the count. network None: the fitted prior."""
     rows = {}
 
-    def one(example):
+    def fields_of(picture):
         if network is None:
-            fields = np.zeros((problem.FIELDS, *example.size), np.float32)
-        else:
-            with torch.no_grad():
-                fields = example.part(problem.fields_of(network(torch.from_numpy(example.input)[None]))[0]).numpy()
-        return example.kind, example.loss(fields, (0, 0, 0), False)[0], whdr(example)
+            return np.zeros((problem.FIELDS, *picture.size), np.float32)
+        with torch.no_grad():
+            return picture.part(problem.fields_of(network(torch.from_numpy(picture.input)[None]))[0]).numpy()
 
-    for kind, loss, wrong in problem.Loss.pool.map(one, examples):
-        for name in {kind, kind if kind in ("procedural", "flat") else "traced"}:
-            rows.setdefault(name, []).append((loss, np.nan if wrong is None else wrong))
+    def one(example):
+        if isinstance(example, problem.Triple):
+            example.loss([fields_of(p) for p in example.pictures], 1, 0, False)
+            light, paint = example.shares
+            return ("couples",), (light, paint, (light + 1 - paint) / 2)
+        loss, wrong = example.loss(fields_of(example), (0, 0, 0), False)[0], whdr(example)
+        return {example.kind, example.kind if example.kind in ("procedural", "flat") else "traced"}, (loss, np.nan if wrong is None else wrong)
+
+    for names, values in problem.Loss.pool.map(one, examples):
+        for name in names:
+            rows.setdefault(name, []).append(values)
     return {k: [round(float(x), 4) for x in np.nanmean(np.array(v), 0)] + [len(v)] for k, v in sorted(rows.items())}
 
 
@@ -75,10 +88,13 @@ class Run:
         self.args, self.out = args, args.out
         self.out.mkdir(parents=True, exist_ok=True)
         torch.manual_seed(args.seed)
-        self.network = networks.Prior(args.width).to(args.device, memory_format=torch.channels_last)
-        self.average = networks.Prior(args.width)
+        self.network, self.average = networks.Prior().to(args.device, memory_format=torch.channels_last), networks.Prior()
+        if args.trunk:
+            self.network.trunk.start_pretrained(networks.pretrained(args.trunk))
         self.average.load_state_dict(self.network.state_dict())
-        self.optimizer = torch.optim.Adam(self.network.parameters(), lr=args.rate, weight_decay=DECAY, betas=(0.9, 0.98))
+        trunk = list(self.network.trunk.fitted())
+        others = [p for n, p in self.network.named_parameters() if not n.startswith("trunk.")]
+        self.optimizer = torch.optim.Adam([{"params": others, "share": 1.0}, {"params": trunk, "share": TRUNK}], lr=args.rate, weight_decay=DECAY, betas=(0.9, 0.98))
         self.step = 0
         self.path = self.out / "state.pt"
         if self.path.exists():
@@ -87,15 +103,12 @@ class Run:
             for name in ("network", "average", "optimizer"):
                 getattr(self, name).load_state_dict(state[name])
         elif args.start:
-            state = torch.load(args.start, map_location=args.device)
-            narrow = networks.Prior(state["width"])
-            narrow.load_state_dict(state["average"])
-            start = networks.grown(narrow, args.width).state_dict()
+            start = warm_start.weights_of(args.start) if args.start.suffix == ".onnx" else torch.load(args.start, map_location=args.device)["average"]
             self.network.load_state_dict(start)
             self.average.load_state_dict(start)
 
     def save(self):
-        state = {n: getattr(self, n).state_dict() for n in ("network", "average", "optimizer")} | {"step": self.step, "width": self.args.width}
+        state = {n: getattr(self, n).state_dict() for n in ("network", "average", "optimizer")} | {"step": self.step}
         torch.save(state, self.path.with_suffix(".new"))
         self.path.with_suffix(".new").rename(self.path)
 
@@ -104,36 +117,47 @@ class Run:
         with open(self.out / "log.jsonl", "a") as f:
             f.write(json.dumps(values) + "\n")
 
-    def train(self, pool, tests):
-        args, weights = self.args, (self.args.equal, self.args.different, self.args.alike)
+    def part(self, batch, shifts):
+        """Loss of examples of one size, its terms as numbers."""
+        args, pictures_ = self.args, [p for e in batch for p in problem.pictures_of(e)]
+        inputs = torch.from_numpy(np.stack([p.input for p in pictures_])).to(args.device, memory_format=torch.channels_last)
+        with torch.autocast(args.device, torch.bfloat16, enabled=args.bf16):
+            answers = self.network(inputs)
+        fields = problem.fields_of(answers.float())
+        weights = (args.equal, args.different, args.alike)
+        loss = problem.Loss.apply(batch, weights, 0.0 if args.local_only else 1.0, args.local, *(p.part(f) for f, p in zip(fields, pictures_)))
+        half = (len(inputs) + 1) // 2
+        steady = args.steady and self.step % STEADY_EVERY == 0
+        apart = fields_apart(self.network, inputs[:half], fields[:half], shifts, args.bf16) if steady else torch.zeros(())
+        size = problem.mean_square(fields)
+        return loss + STEADY_EVERY * args.steady * apart + args.small * size, (float(loss), float(apart), float(size))
+
+    def train(self, pools, tests):
+        """pools: those of examples, of which each step takes batches, with their counts."""
+        args = self.args
         if self.step == 0:
             self.log(step=0, fitted=evaluate(None, tests))
-        start, sums, shifts = time.time(), [], np.random.default_rng(args.seed)
+        start, sums, shifts = time.time(), [], np.random.default_rng(args.seed + self.step)
         while self.step < args.steps:
             self.step += 1
             rate = args.rate * min(1, self.step / 100) * 0.5 * (1 + math.cos(math.pi * self.step / args.steps)) + 1e-6
             for group in self.optimizer.param_groups:
-                group["lr"] = rate
-            batch = pool.batch(args.batch)
-            inputs = torch.from_numpy(np.stack([p.input for p in batch])).to(args.device, memory_format=torch.channels_last)
-            fields = problem.fields_of(self.network(inputs))
-            parts = [p.part(f) for f, p in zip(fields, batch)]
-            loss = problem.Loss.apply(batch, weights, None if args.local_only else args.local, *parts)
-            half = (len(inputs) + 1) // 2
-            apart = fields_apart(self.network, inputs[:half], fields[:half], shifts) if args.steady else torch.zeros(())
-            size = problem.mean_square(fields)
+                group["lr"] = rate * group["share"]
             self.optimizer.zero_grad()
-            (loss + args.steady * apart + args.small * size).backward()
+            terms = []
+            for pool, count, weight in pools:
+                loss, term = self.part(pool.batch(count), shifts)
+                (weight * loss).backward()
+                terms.append(term)
             torch.nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)
             self.optimizer.step()
             keep = min(KEEP, self.step / (self.step + 10))
             with torch.no_grad():
                 for a, p in zip(self.average.parameters(), self.network.parameters()):
                     a.mul_(keep).add_(p.to(a.device), alpha=1 - keep)
-            sums.append((float(loss), float(apart), float(size)))
-            if self.step % 100 == 0:
-                loss, apart, size = np.mean(sums, 0)
-                self.log(step=self.step, loss=round(float(loss), 4), apart=round(float(apart), 6), size=round(float(size), 5), seconds=round(time.time() - start, 1), made=pool.made)
+            sums.append(terms)
+            if self.step % 50 == 0:
+                self.log(step=self.step, terms=np.mean(sums, 0).round(4).tolist(), seconds=round(time.time() - start, 1))
                 sums = []
             if self.step % args.every == 0 or self.step == args.steps:
                 self.save()
@@ -144,10 +168,15 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=pathlib.Path, required=True)
     parser.add_argument("--samples", type=pathlib.Path, nargs="*", default=[], help="folders of SEED.npz")
-    parser.add_argument("--width", default="medium", choices=networks.WIDTHS)
-    parser.add_argument("--start", type=pathlib.Path, help="state.pt of another run, of this width or a narrower one")
+    parser.add_argument("--couples", type=pathlib.Path, nargs="*", default=[], help="folders of ../couples")
+    parser.add_argument("--held-out-couples", type=pathlib.Path, nargs="*", default=[])
+    parser.add_argument("--trunk", type=pathlib.Path, help="TensorFlow Lite file of a pretrained MobileNetV2; without it the trunk starts at random")
+    parser.add_argument("--start", type=pathlib.Path, help="state.pt of another run, or its network as ONNX")
     parser.add_argument("--steps", type=int, default=6000)
-    parser.add_argument("--batch", type=int, default=8)
+    parser.add_argument("--batch", type=int, default=8, help="pictures with truth in a step")
+    parser.add_argument("--triples", type=int, default=2, help="of couples in a step, three pictures each")
+    parser.add_argument("--triple-weight", type=float, default=1.0)
+    parser.add_argument("--bf16", action="store_true", help="networks in 16 bits, for processors with AVX-512 bf16 or AMX")
     parser.add_argument("--rate", type=float, default=2e-3)
     parser.add_argument("--equal", type=float, default=1.0, help="weight of pairs of one paint")
     parser.add_argument("--different", type=float, default=0.5, help="weight of pairs of two paints")
@@ -160,6 +189,7 @@ def main():
     parser.add_argument("--shares", type=float, nargs=2, default=(0.3, 0.3), help="of samples and of drawings, among samples, drawings and procedural scenes; each of the first two makes three pictures")
     parser.add_argument("--pool", type=int, default=1500, help="examples in memory")
     parser.add_argument("--fresh", type=float, default=1.2, help="new examples for each step")
+    parser.add_argument("--fresh-couples", type=float, default=0.2, help="new triples for each that a step takes")
     parser.add_argument("--every", type=int, default=500, help="steps between tests on held-out examples")
     parser.add_argument("--tests", type=int, default=40, help="held-out procedural and drawn examples, each")
     parser.add_argument("--seed", type=int, default=1)
@@ -169,13 +199,17 @@ def main():
     torch.set_num_threads(args.threads)
     problem.LIBRARY = problem.load()
     run = Run(args)
-    pool = pictures.Pool(args.samples, args.assets, args.shares, args.pool, args.seed, (args.equal, args.different, args.alike), args.fresh)
+    seed = args.seed + run.step  # other examples than before an interruption
+    pool = pictures.Pool(args.samples, args.assets, args.shares, args.pool, seed, (args.equal, args.different, args.alike), args.fresh)
+    couples = pictures.Couples(args.couples, args.pool, seed, args.fresh_couples)
     start = time.time()
     pool.fill()
-    tests = pictures.held_out(args.samples, args.assets, args.tests)
-    run.log(files=len(pictures.samples(args.samples, False)), pool=len(pool.items), tests=len(tests), parameters=networks.parameters(run.network), seconds=round(time.time() - start, 1))
-    run.train(pool, tests)
+    tests = pictures.held_out(args.samples, args.assets, args.tests, args.held_out_couples)
+    run.log(files=len(pictures.samples(args.samples, False)), pool=len(pool.items), couples=len(couples.items), tests=len(tests), parameters=networks.parameters(run.network), seconds=round(time.time() - start, 1))
+    pools = [(pool, args.batch, 1.0)] + ([(couples, args.triples, args.triple_weight)] if couples.items else [])
+    run.train(pools, tests)
     pool.stop()
+    couples.stop()
 
 
 if __name__ == "__main__":
