@@ -13,25 +13,20 @@ namespace inverse {
 void PriorModels::start(const Log& log) {
   log_ = log;
   source_.clear();
-  models_.clear();
+  model_.reset();
 }
 
-PriorModelPtr PriorModels::take(const std::string& source, PriorWidth width) {
-  if (std::exchange(source_, source) != source) {
-    models_.clear();
-    warned_ = false;
-  }
-  if (source == kFitted) return nullptr;
-  const std::string path =
-      source == kLearned ? models_set() + "/intrinsic/prior-" + name_of(width) + ".net" : source;
-  const auto known = models_.find(path);
-  return known != models_.end() ? known->second : models_[path] = load(path);
+PriorModelPtr PriorModels::take(const std::string& source) {
+  if (std::exchange(source_, source) != source) model_ = source == kFitted ? nullptr : load();
+  return model_;
 }
 
-PriorModelPtr PriorModels::load(const std::string& path) {
+PriorModelPtr PriorModels::load() {
+  const bool learned = source_ == kLearned;
+  const std::string path = learned ? models_set() + "/intrinsic/prior.net" : source_;
   try {
     std::error_code status;
-    if (source_ == kLearned && !std::filesystem::exists(path, status))
+    if (learned && !std::filesystem::exists(path, status))
       throw Error(ErrorKind::file, "there is no " + path +
                                        "; install gst-inverse-models, or set the environment "
                                        "variable INVERSE_MODELS to the folder of networks");
@@ -46,9 +41,8 @@ PriorModelPtr PriorModels::load(const std::string& path) {
                         path.c_str(), model->graph.nodes.size(), model->graph.weights.size());
     return model;
   } catch (const Error& error) {
-    if (!std::exchange(warned_, true))
-      post_warning(log_, GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_READ,
-                   "prior=%s is not used, but the fitted prior: %s", source_.c_str(), error.what());
+    post_warning(log_, GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_READ,
+                 "prior=%s is not used, but the fitted prior: %s", source_.c_str(), error.what());
     return nullptr;
   }
 }

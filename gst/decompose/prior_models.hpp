@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include <map>
 #include <string>
 
 #include "gst/base/log/log.hpp"
@@ -15,16 +14,15 @@ class PriorModels {
   /// Reads files again from now on, and posts warnings there.
   void start(const Log& log);
   /// Null for the fitted prior, and after one warning for what cannot be used. `source` is a file's
-  /// path, kFitted, or kLearned: that of gst-inverse's networks that has this width.
-  PriorModelPtr take(const std::string& source, PriorWidth width);
+  /// path, kFitted, or kLearned: the network that comes with gst-inverse.
+  PriorModelPtr take(const std::string& source);
 
  private:
-  PriorModelPtr load(const std::string& path);
+  PriorModelPtr load();
 
   Log log_{};
-  std::string source_;                           // the last one
-  std::map<std::string, PriorModelPtr> models_;  // of it, by path; null: refused
-  bool warned_ = false;                          // of it
+  std::string source_;   // the last one
+  PriorModelPtr model_;  // of it; null: fitted or refused
 };
 
 }  // namespace inverse

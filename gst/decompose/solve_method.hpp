@@ -17,7 +17,7 @@ class SolveMethod : public DecompositionMethod {
   SolveMethod(const PropertyTable<Params>& table,
               const QualityLevels<typename Method::Params>& levels)
       : settings_(table, levels, [this](Params& params) {
-          params.prior.network = models_.take(params.prior_source, params.prior_width);
+          params.prior.network = models_.take(params.prior_source);
         }) {}
 
   DecomposerSettings& settings() override { return settings_; }
@@ -29,7 +29,7 @@ class SolveMethod : public DecompositionMethod {
     scene_work_->configure(device);
     const Params params = settings_.properties();
     models_.start(log);
-    const PriorModelPtr network = models_.take(params.prior_source, params.prior_width);
+    const PriorModelPtr network = models_.take(params.prior_source);
     method_->prepare(params.halvings(), network);
     // Setting one up later would make the frame late that changes to it.
     if (params.target_fps > 0 || params.latency_budget > 0)

@@ -24,8 +24,6 @@ class ScaledIntrinsic {
     bool half_resolution = false;
     /// With half_resolution: a quarter of width and height instead.
     bool quarter_resolution = false;
-    /// Which of gst-inverse's networks `prior.network` is, if the caller chooses among them.
-    PriorWidth prior_width = PriorWidth::medium;
     /// How often the frame is halved before it is solved, unless Tolerances::half decides.
     size_t halvings() const { return !half_resolution ? 0 : quarter_resolution ? 2 : 1; }
     void set_halvings(size_t halvings) {

@@ -102,26 +102,22 @@ class Settings {
     }
   }
 
-  /// The networks of the prior in the folder that INVERSE_MODELS names, by width.
+  /// The network of the prior in the folder that INVERSE_MODELS names.
   void add_networks() {
     const char* models = std::getenv("INVERSE_MODELS");
     if (!models) return;
-    double order = 0;
-    for (const PriorWidth width : {PriorWidth::small, PriorWidth::medium, PriorWidth::large}) {
-      const std::string file = std::string(models) + "/intrinsic/prior-" + name_of(width) + ".net";
-      if (!std::filesystem::exists(file)) continue;
-      Params params;
-      params.prior.network = PriorModel::load(file);
-      all.push_back({.curve = "prior",
-                     .name = name_of(width),
-                     .order = order++,
-                     .parameters = {{"prior", name_of(width)}},
-                     .make = make(params),
-                     .stills = true,
-                     .video = true,
-                     .photographs = true,
-                     .effort = Effort::full});
-    }
+    const std::string file = std::string(models) + "/intrinsic/prior.net";
+    if (!std::filesystem::exists(file)) return;
+    Params params;
+    params.prior.network = PriorModel::load(file);
+    all.push_back({.curve = "prior",
+                   .name = "learned",
+                   .parameters = {{"prior", "learned"}},
+                   .make = make(params),
+                   .stills = true,
+                   .video = true,
+                   .photographs = true,
+                   .effort = Effort::brief});
   }
 
   /// One term removed. A weight that must be positive becomes a thousandth.

@@ -72,10 +72,10 @@ TEST_P(Prior, LearnedIsTheNetworkInTheModelsFolder) {
     EXPECT_EQ(harness.process(frame_).empty(), false);
     EXPECT_EQ(prior_in_stats(harness), "fitted");
     expect_one(harness.warnings(), "prior=learned is not used",
-               folder_ / "intrinsic/prior-medium.net; install gst-inverse-models");
+               folder_ / "intrinsic/prior.net; install gst-inverse-models");
   }
   std::filesystem::create_directory(folder_ / "intrinsic");
-  const std::string path = network("intrinsic/prior-medium.net", 2);
+  const std::string path = network("intrinsic/prior.net", 2);
   VideoHarness harness(line("learned"), kCaps, kCaps), named(line(path), kCaps, kCaps);
   EXPECT_EQ(harness.process(frame_), named.process(frame_));
   EXPECT_EQ(prior_in_stats(harness), path);

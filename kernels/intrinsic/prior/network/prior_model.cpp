@@ -40,18 +40,6 @@ void check(const PriorModel& model, const network::Shape& given) {
 
 }  // namespace
 
-const char* name_of(PriorWidth width) {
-  switch (width) {
-    case PriorWidth::small:
-      return "small";
-    case PriorWidth::medium:
-      break;
-    case PriorWidth::large:
-      return "large";
-  }
-  return "medium";
-}
-
 PriorModel::PriorModel(std::string file, network::Graph network)
     : name(std::move(file)), graph(std::move(network)) {
   if (graph.inputs.size() != 1 || graph.outputs.size() != 1)

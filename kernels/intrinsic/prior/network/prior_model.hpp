@@ -8,11 +8,6 @@
 
 namespace inverse {
 
-/// The networks that come with gst-inverse, by their size.
-enum class PriorWidth : uint8_t { small, medium, large };
-/// "small", …
-const char* name_of(PriorWidth width);
-
 /// A network that changes the fitted prior of intrinsicdecomp (docs/reference/networks.md). By the
 /// channels of its input it is one of two kinds: of six channels of the guide it makes 44 of half
 /// the size, changes of the prior; of an image of three channels, reflectance of the same size.
