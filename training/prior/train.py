@@ -90,7 +90,9 @@ class Run:
         torch.manual_seed(args.seed)
         self.network, self.average = networks.Prior().to(args.device, memory_format=torch.channels_last), networks.Prior()
         if args.trunk:
-            self.network.trunk.start_pretrained(networks.pretrained(args.trunk))
+            import lite_file  # needs python3-flatbuffers
+
+            self.network.trunk.start_pretrained(lite_file.convolutions(args.trunk))
         self.average.load_state_dict(self.network.state_dict())
         trunk = list(self.network.trunk.fitted())
         others = [p for n, p in self.network.named_parameters() if not n.startswith("trunk.")]
@@ -118,19 +120,19 @@ class Run:
             f.write(json.dumps(values) + "\n")
 
     def part(self, batch, shifts):
-        """Loss of examples of one size, its terms as numbers."""
-        args, pictures_ = self.args, [p for e in batch for p in problem.pictures_of(e)]
-        inputs = torch.from_numpy(np.stack([p.input for p in pictures_])).to(args.device, memory_format=torch.channels_last)
+        """Loss of examples of one size, and as numbers that of the solves, the distance of crops' fields, and the size of fields."""
+        args, shown = self.args, [p for e in batch for p in problem.pictures_of(e)]
+        inputs = torch.from_numpy(np.stack([p.input for p in shown])).to(args.device, memory_format=torch.channels_last)
         with torch.autocast(args.device, torch.bfloat16, enabled=args.bf16):
             answers = self.network(inputs)
         fields = problem.fields_of(answers.float())
         weights = (args.equal, args.different, args.alike)
-        loss = problem.Loss.apply(batch, weights, 0.0 if args.local_only else 1.0, args.local, *(p.part(f) for f, p in zip(fields, pictures_)))
+        loss = problem.Loss.apply(batch, weights, 0.0 if args.local_only else 1.0, args.local, *(p.part(f) for f, p in zip(fields, shown)))
         half = (len(inputs) + 1) // 2
         steady = args.steady and self.step % STEADY_EVERY == 0
         apart = fields_apart(self.network, inputs[:half], fields[:half], shifts, args.bf16) if steady else torch.zeros(())
         size = problem.mean_square(fields)
-        return loss + STEADY_EVERY * args.steady * apart + args.small * size, (float(loss), float(apart), float(size))
+        return loss + STEADY_EVERY * args.steady * apart + args.small * size, (float(loss), STEADY_EVERY * float(apart), float(size))
 
     def train(self, pools, tests):
         """pools: those of examples, of which each step takes batches, with their counts."""
@@ -157,7 +159,8 @@ class Run:
                     a.mul_(keep).add_(p.to(a.device), alpha=1 - keep)
             sums.append(terms)
             if self.step % 50 == 0:
-                self.log(step=self.step, terms=np.mean(sums, 0).round(4).tolist(), seconds=round(time.time() - start, 1))
+                loss, apart, size = np.mean(sums, 0).T.round(4).tolist()  # of each pool
+                self.log(step=self.step, loss=loss, apart=apart, size=size, seconds=round(time.time() - start, 1))
                 sums = []
             if self.step % args.every == 0 or self.step == args.steps:
                 self.save()
