@@ -2,9 +2,6 @@
 """Network of the learned prior: guide (6 × height × width, sides multiples of 16) → 44 × height/2 × width/2 (docs/reference/networks.md).
 
 A MobileNetV2 (Sandler et al. 2018) with output stride 16, as in DeepLabV3, looks at the picture; a decoder joins its features with the guide itself."""
-import sys
-import pathlib
-
 import torch
 from torch import nn
 from torch.nn import functional
@@ -141,14 +138,6 @@ class Prior(nn.Module):
 
 def _double(x):
     return functional.interpolate(x, scale_factor=2, mode="bilinear", align_corners=False)
-
-
-def pretrained(path):
-    """Weights of a trunk from a TensorFlow Lite file, dequantized: see training/prior/README.md."""
-    sys.path.append(str(pathlib.Path(__file__).resolve().parent))
-    import lite_file
-
-    return lite_file.convolutions(path)
 
 
 def parameters(network):

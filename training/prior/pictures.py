@@ -9,12 +9,14 @@ import threading
 import cv2
 import numpy as np
 
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "intrinsic"))
+TRAINING = pathlib.Path(__file__).resolve().parents[1]
+sys.path += [str(TRAINING / "intrinsic"), str(TRAINING / "couples")]
 import flat
 import mix
 import problem
 import retexture
 import sample
+import scenes
 
 SIZES = ((176, 132), (176, 132), (224, 168), (128, 96))
 EASY = 0.1  # loss of the fitted prior below which an example counts no more than in proportion
@@ -22,7 +24,6 @@ HELD_OUT_SEEDS = 1_000_000  # procedural seeds from here on are in no fit
 LEAST_SURFACE = 0.3  # share of a part's pixels
 PLAIN = 0.3  # share of one paint, among what is painted anew
 COPIES = 3  # pictures that `several` makes
-MIN_LIGHT, MIN_PAINT = 0.08, 0.01  # spread of the ln ratio of light; mean size of that of paint
 
 
 def level(rng, width):
@@ -197,17 +198,15 @@ def held_out(folders, assets, count, couples=(), mixes=2):
 
 def triple(path, seed):
     """Of a file of ../couples, or None if hardly any light or paint was added."""
-    rng, data = np.random.default_rng([seed, 3]), np.load(path)
-    light, usable, base = data["light"].astype(np.float32), data["usable"], int(data["on_lit"])
-    if light.mean(-1).std() < MIN_LIGHT or np.abs(data["paint"].astype(np.float32)).mean() < MIN_PAINT:
+    rng, found = np.random.default_rng([seed, 3]), scenes.read(path)
+    if not (found.has_light and found.has_paint):
         return None
-    images, ratio = mix.linear(data["pictures"] / 255), np.exp(light)
-    masks = [usable[0], usable[0] & usable[1], usable[base] & usable[2]]
+    images, ratio, masks = found.pictures, found.light, found.usable
     if rng.random() < 0.5:
         images, ratio, masks = images[:, :, ::-1], ratio[:, ::-1], [m[:, ::-1] for m in masks]
     size = int(rng.random() < 0.5)
     pictures = [problem.of_picture(image, image, ratio, mask, int(rng.integers(2**31)), "photograph", size) for image, mask in zip(images, masks)]
-    return problem.Triple(pictures, base, ratio)
+    return problem.Triple(pictures, found.base, ratio)
 
 
 class Couples:

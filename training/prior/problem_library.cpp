@@ -146,12 +146,31 @@ void to_fields(const Problem& p, const Prior& change, float* gradient) {
   });
 }
 
+Prior zeros_like(const Prior& prior) {
+  Prior zeros;
+  zeros.right.fill(Plane(prior.right[0].size(), 0)), zeros.down = zeros.right;
+  zeros.cell.fill(Plane(prior.cell[0].size(), 0));
+  return zeros;
+}
+
+/// The cross entropy of the share of paint that the weights o of edge i say, b / (a + b), less its
+/// minimum, times `weight`. Adds its derivative by ln a and ln b.
+double share_loss(const std::array<Plane, 2>& o, std::size_t i, double share, double weight,
+                  std::array<Plane, 2>& d) {
+  const double said = 1 / (1 + std::exp(double(o[0][i] - o[1][i])));
+  const auto entropy = [share](double q) {
+    return -share * std::log(q + 1e-6) - (1 - share) * std::log(1 - q + 1e-6);
+  };
+  d[1][i] += float(weight * (said - share));
+  d[0][i] -= float(weight * (said - share));
+  return weight * (entropy(said) - entropy(share));
+}
+
 /// See problem_local_loss.
 double local_loss(const Example& e, const Prior& prior, Prior& change) {
   constexpr double kStep = 0.05, kNear = 0.2, kValueWeight = 1;
   const std::size_t n = e.m.size(), w = std::size_t(e.width), cells = e.cell_m.size();
-  change.right.fill(Plane(n, 0)), change.down = change.right;
-  change.cell.fill(Plane(cells, 0));
+  change = zeros_like(prior);
   const auto known = [&](std::size_t i) {
     return e.mask.data[i] > 0.5F && e.shading.data[i] > 1e-4F && e.m[i] > -5;
   };
@@ -171,15 +190,8 @@ double local_loss(const Example& e, const Prior& prior, Prior& change) {
   for_edges([&](std::size_t i, std::size_t j, const auto& o, auto& d) {
     const double shading = std::log(double(e.shading.data[i]) / e.shading.data[j]),
                  step = double(e.m[i] - e.m[j]), paint = step - shading,
-                 share = std::abs(paint) / (std::abs(paint) + std::abs(shading) + 1e-4),
-                 logit = double(o[1][i] - o[0][i]), said = 1 / (1 + std::exp(-logit)),
-                 weight = weight_of_step(i, j) / all;
-    const auto entropy = [](double p, double q) {
-      return -p * std::log(q + 1e-6) - (1 - p) * std::log(1 - q + 1e-6);
-    };
-    error += weight * (entropy(share, said) - entropy(share, share));
-    d[1][i] += float(weight * (said - share));
-    d[0][i] -= float(weight * (said - share));
+                 share = std::abs(paint) / (std::abs(paint) + std::abs(shading) + 1e-4);
+    error += share_loss(o, i, share, weight_of_step(i, j) / all, d);
   });
   Plane truth(cells, 0), count(cells, 0);
   for (std::size_t i = 0; i < n; ++i)
@@ -245,24 +257,10 @@ double local_loss(const Change& c, const Example& before, const Prior& v0, const
   for_edges([&](std::size_t i, double sure, double rest, double light, double added, const auto& o,
                 auto& d) {
     const double lit = std::clamp(light / added, 0.0, 1.0),
-                 share = (1 - rest) * (1 - lit) + rest / 2,
-                 said = 1 / (1 + std::exp(double(o[0][i] - o[1][i])));
-    const auto entropy = [&](double p) {
-      return -share * std::log(p + 1e-6) - (1 - share) * std::log(1 - p + 1e-6);
-    };
-    error += sure / all * (entropy(said) - entropy(share));
-    d[1][i] += float(sure / all * (said - share));
-    d[0][i] -= float(sure / all * (said - share));
+                 share = (1 - rest) * (1 - lit) + rest / 2;
+    error += share_loss(o, i, share, sure / all, d);
   });
   return error;
-}
-
-Prior zeros_like(const Prior& prior) {
-  Prior zeros = prior;
-  for (auto* planes : {&zeros.right, &zeros.down})
-    for (Plane& plane : *planes) std::fill(plane.begin(), plane.end(), 0.0F);
-  for (Plane& plane : zeros.cell) std::fill(plane.begin(), plane.end(), 0.0F);
-  return zeros;
 }
 
 void add(Prior& to, const Prior& from, float factor) {
@@ -273,52 +271,57 @@ void add(Prior& to, const Prior& from, float factor) {
   planes(to.right, from.right), planes(to.down, from.down), planes(to.cell, from.cell);
 }
 
+/// Solves the three pictures, and returns the distances of their changes of ln S from the light
+/// that was added, each seen from both of its pictures; `change`, if given, receives derivatives.
+double solved_loss(Triple& t, const std::array<Prior, 3>& prior, std::array<Prior, 3>* change) {
+  const auto solve = [&](std::size_t k, Prior* slope, const LossOfShading& loss_of) {
+    return evaluate(t.picture[k]->e, prior[k], t.picture[k]->solution, slope, loss_of);
+  };
+  for (std::size_t k = 0; k < 3; ++k) solve(k, nullptr, [](const Plane&, Plane&) { return 0.0; });
+  double value = 0;
+  for (std::size_t k = 0; k < 3; ++k)
+    value += solve(k, change ? &(*change)[k] : nullptr, [&](const Plane& s, Plane& slope) {
+      double sum = 0;
+      slope.assign(s.size(), 0);
+      Plane one;
+      for (const std::size_t which : {0, 1}) {
+        const bool after = k == t.after(which);
+        if (!after && k != t.before(which)) continue;
+        const Problem& other = *t.picture[after ? t.before(which) : t.after(which)];
+        sum += change_distance(t.change[which], after ? 1 : -1, s, other.solution.s, one);
+        for (std::size_t i = 0; i < s.size(); ++i) slope[i] += one[i];
+      }
+      return sum;
+    });
+  return value / 2;
+}
+
+/// The slope of the change of ln R by that of ln I between two solved pictures.
+double kept_share(const Triple& t, std::size_t which) {
+  const Problem &before = *t.picture[t.before(which)], &after = *t.picture[t.after(which)];
+  const Plane& weight = t.change[which].weight;
+  double n = 1e-9, x = 0, y = 0, xy = 0, yy = 0;
+  for (std::size_t i = 0; i < weight.size(); ++i) {
+    if (weight[i] == 0) continue;
+    const double added = double(after.e.m[i]) - before.e.m[i],
+                 kept = added - after.solution.s[i] + before.solution.s[i];
+    n += 1, x += kept, y += added, xy += kept * added, yy += added * added;
+  }
+  return (xy - x * y / n) / (yy - y * y / n + 1e-9);
+}
+
 /// See triple_loss.
-double triple_loss(Triple& t, const std::array<const float*, 3>& fields, double solved,
-                   double local, double* shares, const std::array<float*, 3>& gradient) {
-  std::array<Prior, 3> prior, change;
+double loss_of(Triple& t, const std::array<const float*, 3>& fields, double solved, double local,
+               double* shares, const std::array<float*, 3>& gradient) {
+  std::array<Prior, 3> prior, change, slope;
   for (std::size_t k = 0; k < 3; ++k)
     prior[k] = with_fields(*t.picture[k], fields[k]), change[k] = zeros_like(prior[k]);
-  const auto s_of = [&](std::size_t k) -> const Plane& { return t.picture[k]->solution.s; };
   double value = 0;
   if (solved > 0) {
-    for (std::size_t k = 0; k < 3; ++k)
-      evaluate(t.picture[k]->e, prior[k], t.picture[k]->solution, nullptr,
-               [](const Plane&, Plane&) { return 0.0; });
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto loss_of = [&](const Plane& s, Plane& slope) {
-        double sum = 0;
-        slope.assign(s.size(), 0);
-        Plane one;
-        const auto part = [&](std::size_t which, double sign, std::size_t other) {
-          sum += change_distance(t.change[which], sign, s, s_of(other), one);
-          for (std::size_t i = 0; i < s.size(); ++i) slope[i] += one[i];
-        };
-        for (const std::size_t which : {0, 1}) {
-          if (k == t.after(which)) part(which, 1, t.before(which));
-          if (k == t.before(which)) part(which, -1, t.after(which));
-        }
-        return sum;
-      };
-      Prior slope;
-      // Each change is seen from both of its pictures.
-      value += solved / 2 *
-               evaluate(t.picture[k]->e, prior[k], t.picture[k]->solution,
-                        gradient[0] ? &slope : nullptr, loss_of);
-      if (gradient[0]) add(change[k], slope, float(solved));
-    }
-    for (const std::size_t which : {0, 1}) {
-      const std::size_t a = t.before(which), b = t.after(which);
-      const Change& c = t.change[which];
-      double n = 1e-9, x = 0, y = 0, xy = 0, yy = 0;
-      for (std::size_t i = 0; i < c.weight.size(); ++i) {
-        if (c.weight[i] == 0) continue;
-        const double added = double(t.picture[b]->e.m[i]) - t.picture[a]->e.m[i],
-                     kept = added - s_of(b)[i] + s_of(a)[i];
-        n += 1, x += kept, y += added, xy += kept * added, yy += added * added;
-      }
-      shares[which] = (xy - x * y / n) / (yy - y * y / n + 1e-9);
-    }
+    value += solved * solved_loss(t, prior, gradient[0] ? &slope : nullptr);
+    if (gradient[0])
+      for (std::size_t k = 0; k < 3; ++k) add(change[k], slope[k], float(solved));
+    for (const std::size_t which : {0, 1}) shares[which] = kept_share(t, which);
   }
   if (local > 0)
     for (const std::size_t which : {0, 1}) {
@@ -453,7 +456,7 @@ void triple_free(void* triple) { delete static_cast<Triple*>(triple); }
 /// and of paint that reflectance keeps, if `solved` is above 0. Not in two threads.
 double triple_loss(void* triple, const float* const* fields, double solved, double local,
                    double* shares, float* const* gradient) {
-  return triple_loss(*static_cast<Triple*>(triple), {fields[0], fields[1], fields[2]}, solved,
-                     local, shares, {gradient[0], gradient[1], gradient[2]});
+  return loss_of(*static_cast<Triple*>(triple), {fields[0], fields[1], fields[2]}, solved, local,
+                 shares, {gradient[0], gradient[1], gradient[2]});
 }
 }
