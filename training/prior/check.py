@@ -69,7 +69,7 @@ def triple():
     ink[30:60, 40:90] = 0.3
     inked = picture * ink
     problems = [problem.of_picture(p, p, light / other, mask, k, "couple", 1) for k, p in enumerate((picture, lit, inked))]
-    return problem.Triple(problems, 0, other / light)
+    return problem.Triple(problems, 0, other / light, "drawn")
 
 
 def check_triple_derivatives():

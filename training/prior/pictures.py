@@ -206,7 +206,7 @@ def triple(path, seed):
         images, ratio, masks = images[:, :, ::-1], ratio[:, ::-1], [m[:, ::-1] for m in masks]
     size = int(rng.random() < 0.5)
     pictures = [problem.of_picture(image, image, ratio, mask, int(rng.integers(2**31)), "photograph", size) for image, mask in zip(images, masks)]
-    return problem.Triple(pictures, found.base, ratio)
+    return problem.Triple(pictures, found.base, ratio, pathlib.Path(path).parent.name)
 
 
 class Couples:

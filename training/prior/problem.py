@@ -97,11 +97,12 @@ class Triple:
     """A photograph, the same with light, and one of the two with paint (../couples).
 
     pictures  Problems without truth, of one size
+    kind      a word for tables
     shares    of light and of paint that reflectance keeps, of the last loss that solved"""
 
-    def __init__(self, pictures, base, light):
+    def __init__(self, pictures, base, light, kind):
         """base: 0 or 1, of the paint. light: height × width × 3, ratio."""
-        self.pictures, self.weight, self.shares = pictures, 1.0, (ctypes.c_double * 2)()
+        self.pictures, self.kind, self.weight, self.shares = pictures, kind, 1.0, (ctypes.c_double * 2)()
         self.handle = LIBRARY.triple_of(*(p.handle for p in pictures), base, pointer(np.ascontiguousarray(light, np.float32)))
 
     def __del__(self):

@@ -73,7 +73,7 @@ def evaluate(network, examples):
         if isinstance(example, problem.Triple):
             example.loss([fields_of(p) for p in example.pictures], 1, 0, False)
             light, paint = example.shares
-            return ("couples",), (light, paint, (light + 1 - paint) / 2)
+            return {"couples", example.kind}, (light, paint, (light + 1 - paint) / 2)
         loss, wrong = example.loss(fields_of(example), (0, 0, 0), False)[0], whdr(example)
         return {example.kind, example.kind if example.kind in ("procedural", "flat") else "traced"}, (loss, np.nan if wrong is None else wrong)
 
@@ -171,7 +171,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=pathlib.Path, required=True)
     parser.add_argument("--samples", type=pathlib.Path, nargs="*", default=[], help="folders of SEED.npz")
-    parser.add_argument("--couples", type=pathlib.Path, nargs="*", default=[], help="folders of ../couples")
+    parser.add_argument("--couples", type=pathlib.Path, nargs="*", default=[], help="folders of ../couples; one that is named twice is drawn from twice as often")
     parser.add_argument("--held-out-couples", type=pathlib.Path, nargs="*", default=[])
     parser.add_argument("--trunk", type=pathlib.Path, help="TensorFlow Lite file of a pretrained MobileNetV2; without it the trunk starts at random")
     parser.add_argument("--start", type=pathlib.Path, help="state.pt of another run, or its network as ONNX")
