@@ -7,5 +7,8 @@ ivec4 around(int i, int side) {
   return ivec4(max(at - 2, 0), min(at + 2, side - 1));
 }
 
+// Last component of the regression of a point that does not count.
+const float kNone = -1e30;
+
 // Noise variance of light at white, and of its square root at any light: much smaller variances are noise, not edges.
 const float kNoise = 1e-3;

@@ -20,8 +20,7 @@ void GuidedLayers::record_mask(gpu::Commands& commands, const gpu::BufferPtr& im
   commands.dispatch(mask_points_, {.image = image, .probability = probability, .result = points_},
                     {.count = count()}, each());
   commands.dispatch(mask_fit_, {.points = points_, .result = fits_}, {.side = side()}, each());
-  commands.dispatch(mask_mean_, {.points = points_, .lines = fits_, .result = mask_},
-                    {.side = side()}, each());
+  commands.dispatch(mask_mean_, {.lines = fits_, .result = mask_}, {.side = side()}, each());
 }
 
 void GuidedLayers::record_specular(gpu::Commands& commands, const gpu::BufferPtr& masked,
@@ -29,8 +28,8 @@ void GuidedLayers::record_specular(gpu::Commands& commands, const gpu::BufferPtr
   commands.dispatch(specular_points_, {.masked = masked, .codes = codes, .result = points_},
                     {.count = count()}, each());
   commands.dispatch(specular_fit_, {.points = points_, .result = fits_}, {.side = side()}, each());
-  commands.dispatch(specular_mean_, {.points = points_, .lines = fits_, .result = specular_},
-                    {.side = side()}, each());
+  commands.dispatch(specular_mean_, {.lines = fits_, .result = specular_}, {.side = side()},
+                    each());
 }
 
 }  // namespace inverse

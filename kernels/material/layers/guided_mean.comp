@@ -6,9 +6,8 @@
 // Mean of the regressions of all valid points around each point, which smooths network outputs. Invalid points get a
 // line for the specular layer, for pixels between points; for the mask they get none.
 layout(constant_id = 1) const bool kBeyond = true;
-PLANE_IN(0, points);   // w: whether it counts
-PLANE_IN(1, lines);    // slopes and offset, of either
-PLANE_OUT(2, result);
+PLANE_IN(0, lines);    // slopes and offset, of either
+PLANE_OUT(1, result);
 layout(push_constant) uniform Push { int side; } push;
 
 void main() {
@@ -19,11 +18,11 @@ void main() {
   ivec4 window = around(i, push.side);
   for (int y = window.y; y <= window.w; ++y)
     for (int x = window.x; x <= window.z; ++x) {
-      int j = y * push.side + x;
-      if (FETCH(points, j).w == 0.0) continue;
-      sum += FETCH(lines, j);
-      count += 1.0;
+      vec4 line = FETCH(lines, y * push.side + x);
+      bool counts = line.w != kNone;
+      sum += counts ? line : vec4(0.0);
+      count += float(counts);
     }
-  bool known = kBeyond || FETCH(points, i).w != 0.0;
+  bool known = kBeyond || FETCH(lines, i).w != kNone;
   STORE(result, i, known ? sum / max(count, 1.0) : vec4(0.0));
 }

@@ -6,7 +6,7 @@
 // As guided_lines.comp, in three channels: probability = slopes · color + offset. Points of probability 0 were masked
 // out (drop_foreign.comp) or are clearly background; they are ignored.
 PLANE_IN(0, points);   // color, probability
-PLANE_OUT(1, result);  // slopes, offset
+PLANE_OUT(1, result);  // slopes, offset or kNone
 layout(push_constant) uniform Push { int side; } push;
 
 void main() {
@@ -41,5 +41,6 @@ void main() {
   slopes.b = along.b / b;
   slopes.g = along.g / g - gb * slopes.b;
   slopes.r = along.r / squares.r - rg * slopes.g - rb * slopes.b;
-  STORE(result, i, vec4(slopes, mean.w - dot(slopes, mean.rgb)));
+  bool counts = FETCH(points, i).w != 0.0;
+  STORE(result, i, vec4(slopes, counts ? mean.w - dot(slopes, mean.rgb) : kNone));
 }
