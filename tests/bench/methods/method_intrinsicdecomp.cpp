@@ -108,7 +108,8 @@ class Settings {
     if (!models) return;
     const std::string file = std::string(models) + "/intrinsic/prior.net";
     if (!std::filesystem::exists(file)) return;
-    Params params;
+    Params params;  // with the interval of runs that the element has at its default quality
+    intrinsic_levels().set(params, Quality::medium);
     params.prior.network = PriorModel::load(file);
     all.push_back({.curve = "prior",
                    .name = "learned",
