@@ -10,15 +10,16 @@ import flat
 import mix
 
 LOWEST, HIGHEST = 0.03, 8.0  # factors of paint
+COLORED = 1.6  # largest by least channel
 LIKE = (14, 8, 8)  # CIELab distances of a region of one color
 
 
 def shadow(sheet):
-    """What gets past things outside of the picture, falling on a fill of another color; a third of the edges is harder."""
+    """What gets past things outside of the picture, falling on a fill of another color; most edges are harder than those of the drawings."""
     draw = sheet.draw
     lit = np.minimum(sheet.shadow(), sheet.shadow()) if draw.chance(0.2) else sheet.shadow()
-    if draw.chance(0.5):
-        gain = math.exp(draw.uniform(0, math.log(12)))
+    if draw.chance(0.75):
+        gain = math.exp(draw.uniform(0, math.log(30)))
         lit = cv2.GaussianBlur(np.clip((lit - 0.5) * gain + 0.5, 0, 1).astype(np.float32), (0, 0), 0.6)
     fill = math.exp(draw.uniform(math.log(0.1), math.log(0.6)))
     slope = draw.uniform(-0.15, 0.6) if draw.chance(0.8) else draw.uniform(-1, 0.6)
@@ -62,16 +63,26 @@ def recolored(sheet, picture):
     return cv2.GaussianBlur(inside, (0, 0), 0.7)[..., None] * step
 
 
+def detail(picture, size):
+    """ln of what a picture has that is smaller than some pixels."""
+    logs = np.log(np.maximum(picture, 0.004)).astype(np.float32)
+    return logs - cv2.GaussianBlur(logs, (0, 0), size)
+
+
 def piece(sheet, picture):
-    """A print, a pattern, plain paint, a texture, a picture, or the dark of a print alone; None if it is outside of the picture."""
+    """A print, a pattern, plain paint, a texture, a picture, or the dark of a print alone; None if it is outside of the picture.
+    Some of it hides the detail under it. Plain paint hides it or has a color: gray that multiplies looks like a shadow to anyone."""
     draw, outline, quad = sheet.draw, sheet.outline(), sheet.quad()
     alpha = sheet.warp(outline, sheet.homography(outline.shape, quad))
-    kind = draw.pick(["print", "pattern", "plain", "texture", "art", "ink"], [3, 3, 3, 1.5, 1, 3])
+    kind = draw.pick(["print", "pattern", "plain", "texture", "art", "ink"], [3, 3, 2, 1.5, 1, 3])
+    covers = draw.chance(0.4)
     if kind == "ink":
         paint = sheet.printed()
         paint = paint / max(float(np.percentile(paint, 95)), 0.05)
     elif kind == "plain":
-        paint = np.ones((8, 8, 3), np.float32) * np.asarray(draw.color(), np.float32) / 0.6
+        color = np.asarray(draw.color(), np.float32)
+        covers = covers or color.max() < COLORED * color.min()
+        paint = np.ones((8, 8, 3), np.float32) * color / 0.6
     else:
         paint = {"print": sheet.printed, "pattern": sheet.pattern, "texture": sheet.texture, "art": sheet.art}[kind]() / draw.uniform(0.5, 0.9)
     laid = sheet.warp(paint, sheet.homography(paint.shape[:2], quad), fill=True)
@@ -79,7 +90,8 @@ def piece(sheet, picture):
     if not inside.any():
         return None
     laid = laid / max(1, float(np.percentile((picture * laid)[inside].max(-1), 97)) / 0.92)
-    return alpha[..., None] * np.log(np.clip(laid, LOWEST, HIGHEST))
+    ratio = np.log(np.clip(laid, LOWEST, HIGHEST))
+    return alpha[..., None] * (ratio - detail(picture, draw.uniform(3, 20)) if covers else ratio)
 
 
 def paint(sheet, picture):

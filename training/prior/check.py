@@ -107,7 +107,7 @@ def check_networks():
 
 
 def check_run():
-    options = {"trunk": None, "bf16": False, "rate": 2e-3, "seed": 1, "start": None, "batch": 2, "equal": 1.0, "different": 0.5, "alike": 1.0, "every": 2, "device": "cpu", "steady": 1.0, "small": 0.3, "local": 0.3, "local_only": False}
+    options = {"trunk": None, "bf16": False, "rate": 2e-3, "seed": 1, "start": None, "batch": 2, "equal": 1.0, "different": 0.5, "alike": 1.0, "every": 2, "device": "cpu", "steady": 1.0, "small": 0.3, "cells_only": True, "local": 0.3, "local_only": False}
     with tempfile.TemporaryDirectory() as folder:
         tests = [pictures.procedural(pictures.HELD_OUT_SEEDS)]
         for steps in (2, 4):

@@ -7,7 +7,7 @@ from torch import nn
 from torch.nn import functional
 
 INPUTS, OUTPUTS = 6, 44
-FIELD_OF_VALUE = 9  # V, of the 11 fields
+FIRST_OF_CELLS, FIELD_OF_VALUE = 8, 9  # of the 11 fields: those before are of edges; V
 BLOCKS = (  # expansion, channels, stride, dilation
     (1, 16, 1, 1), (6, 24, 2, 1), (6, 24, 1, 1), (6, 32, 2, 1), (6, 32, 1, 1), (6, 32, 1, 1), (6, 64, 2, 1), (6, 64, 1, 1), (6, 64, 1, 1),
     (6, 64, 1, 1), (6, 96, 1, 1), (6, 96, 1, 1), (6, 96, 1, 1), (6, 160, 1, 1), (6, 160, 1, 2), (6, 160, 1, 2), (6, 320, 1, 2))
@@ -122,6 +122,12 @@ class Prior(nn.Module):
             nn.init.zeros_(module.bias)
         with torch.no_grad():
             self.head.weight[4 * FIELD_OF_VALUE : 4 * FIELD_OF_VALUE + 4, 32] = 1
+
+    def forget_edges(self):
+        """Sets the gradients of what only the fields of edges depend on to 0."""
+        for layer in (self.head, self.straight):
+            for p in (layer.weight, layer.bias):
+                p.grad[: 4 * FIRST_OF_CELLS] = 0
 
     def forward(self, guide):
         seen = self.colors(guide)

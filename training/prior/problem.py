@@ -12,7 +12,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 WEIGHTS = str(ROOT / "training/edges/weights.txt").encode()
 SLOPE_ERROR = 0.2  # rms, of an estimate (training/edges/colored_light.hpp)
 FIELDS = 11
-LIMITS = torch.tensor([5.0] * 4 + [2.0] * 4 + [5.0, 2.0, 5.0])  # at which fields saturate
+LIMITS = torch.tensor([5.0] * 4 + [2.0] * 4 + [5.0] * 3)  # at which fields saturate
 FLOATS = ctypes.POINTER(ctypes.c_float)
 
 

@@ -21,6 +21,7 @@ namespace inverse::training {
 namespace {
 
 constexpr int kFields = reference::kPriorFields;
+constexpr double kShareWeight = 2;  // of a kept share beside the distance of the whole change
 // Fields of the network's answer: bias of ln a and ln b to the right, downward; coefficients of the
 // contrast cue and of the chroma cue, for both directions; ln v, V, ln g.
 enum Field { kBias = 0, kContrast = 4, kChroma = 6, kCell = 8 };
@@ -271,9 +272,53 @@ void add(Prior& to, const Prior& from, float factor) {
   planes(to.right, from.right), planes(to.down, from.down), planes(to.cell, from.cell);
 }
 
+/// The slope of the change of ln R by that of ln I between two solved pictures.
+struct KeptShare {
+  double share = 0;
+  Plane
+      by_after;  ///< Its derivative by ln S of the picture after; by that of the other, less this.
+  bool is_known = false;  ///< Enough was added.
+};
+
+KeptShare kept_share(const Triple& t, std::size_t which) {
+  constexpr double kMinVariance = 0.05 * 0.05;
+  const Problem &before = *t.picture[t.before(which)], &after = *t.picture[t.after(which)];
+  const Plane& weight = t.change[which].weight;
+  double n = 1e-9, mean = 0, yy = 1e-9;
+  const auto added = [&](std::size_t i) { return double(after.e.m[i]) - before.e.m[i]; };
+  for (std::size_t i = 0; i < weight.size(); ++i)
+    if (weight[i] > 0) n += 1, mean += added(i);
+  mean /= n;
+  for (std::size_t i = 0; i < weight.size(); ++i)
+    if (weight[i] > 0) yy += (added(i) - mean) * (added(i) - mean);
+  KeptShare kept{
+      .share = 0, .by_after = Plane(weight.size(), 0), .is_known = yy > n * kMinVariance};
+  for (std::size_t i = 0; i < weight.size(); ++i) {
+    if (weight[i] == 0) continue;
+    const double part = (added(i) - mean) / yy;
+    kept.share += part * (added(i) - after.solution.s[i] + before.solution.s[i]);
+    kept.by_after[i] = float(-part);
+  }
+  return kept;
+}
+
+/// The pseudo-Huber distance of a kept share from what it should be; adds the derivative by ln S of
+/// the picture after (sign 1) or before (-1). A mean distance of planes is decided by weak and wide
+/// changes, a share by large steps: a fit on the first alone keeps more and more light.
+double share_distance(const KeptShare& kept, double target, double sign, Plane& slope) {
+  constexpr double kNear = 0.05;
+  if (!kept.is_known) return 0;
+  const double off = kept.share - target, root = std::sqrt(off * off + kNear * kNear);
+  for (std::size_t i = 0; i < slope.size(); ++i)
+    slope[i] += float(kShareWeight * sign * off / root) * kept.by_after[i];
+  return kShareWeight * (root - kNear);
+}
+
 /// Solves the three pictures, and returns the distances of their changes of ln S from the light
-/// that was added, each seen from both of its pictures; `change`, if given, receives derivatives.
-double solved_loss(Triple& t, const std::array<Prior, 3>& prior, std::array<Prior, 3>* change) {
+/// that was added, and of the shares that they keep, each seen from both of its pictures;
+/// `change`, if given, receives derivatives.
+double solved_loss(Triple& t, const std::array<Prior, 3>& prior, std::array<Prior, 3>* change,
+                   double* shares) {
   const auto solve = [&](std::size_t k, Prior* slope, const LossOfShading& loss_of) {
     return evaluate(t.picture[k]->e, prior[k], t.picture[k]->solution, slope, loss_of);
   };
@@ -288,26 +333,15 @@ double solved_loss(Triple& t, const std::array<Prior, 3>& prior, std::array<Prio
         const bool after = k == t.after(which);
         if (!after && k != t.before(which)) continue;
         const Problem& other = *t.picture[after ? t.before(which) : t.after(which)];
-        sum += change_distance(t.change[which], after ? 1 : -1, s, other.solution.s, one);
+        const double sign = after ? 1 : -1;
+        sum += change_distance(t.change[which], sign, s, other.solution.s, one);
         for (std::size_t i = 0; i < s.size(); ++i) slope[i] += one[i];
+        sum += share_distance(kept_share(t, which), double(which), sign, slope);
       }
       return sum;
     });
+  for (const std::size_t which : {0, 1}) shares[which] = kept_share(t, which).share;
   return value / 2;
-}
-
-/// The slope of the change of ln R by that of ln I between two solved pictures.
-double kept_share(const Triple& t, std::size_t which) {
-  const Problem &before = *t.picture[t.before(which)], &after = *t.picture[t.after(which)];
-  const Plane& weight = t.change[which].weight;
-  double n = 1e-9, x = 0, y = 0, xy = 0, yy = 0;
-  for (std::size_t i = 0; i < weight.size(); ++i) {
-    if (weight[i] == 0) continue;
-    const double added = double(after.e.m[i]) - before.e.m[i],
-                 kept = added - after.solution.s[i] + before.solution.s[i];
-    n += 1, x += kept, y += added, xy += kept * added, yy += added * added;
-  }
-  return (xy - x * y / n) / (yy - y * y / n + 1e-9);
 }
 
 /// See triple_loss.
@@ -318,10 +352,9 @@ double loss_of(Triple& t, const std::array<const float*, 3>& fields, double solv
     prior[k] = with_fields(*t.picture[k], fields[k]), change[k] = zeros_like(prior[k]);
   double value = 0;
   if (solved > 0) {
-    value += solved * solved_loss(t, prior, gradient[0] ? &slope : nullptr);
+    value += solved * solved_loss(t, prior, gradient[0] ? &slope : nullptr, shares);
     if (gradient[0])
       for (std::size_t k = 0; k < 3; ++k) add(change[k], slope[k], float(solved));
-    for (const std::size_t which : {0, 1}) shares[which] = kept_share(t, which);
   }
   if (local > 0)
     for (const std::size_t which : {0, 1}) {
@@ -452,8 +485,9 @@ void triple_free(void* triple) { delete static_cast<Triple*>(triple); }
 
 /// `fields` and `gradient`: of the three pictures, as in problem_loss; `gradient` may have nulls.
 /// Returns `solved` x the distance of the changes of ln S from the light that was added, as shares
-/// of what was added, + `local` x a loss that takes no solve. `shares` receives the shares of light
-/// and of paint that reflectance keeps, if `solved` is above 0. Not in two threads.
+/// of what was added, and of the shares that reflectance keeps from 0 and 1, + `local` x a loss
+/// that takes no solve. `shares` receives the shares of light and of paint that reflectance keeps,
+/// if `solved` is above 0. Not in two threads.
 double triple_loss(void* triple, const float* const* fields, double solved, double local,
                    double* shares, float* const* gradient) {
   return loss_of(*static_cast<Triple*>(triple), {fields[0], fields[1], fields[2]}, solved, local,

@@ -151,6 +151,8 @@ class Run:
                 loss, term = self.part(pool.batch(count), shifts)
                 (weight * loss).backward()
                 terms.append(term)
+            if args.cells_only:
+                self.network.forget_edges()
             torch.nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)
             self.optimizer.step()
             keep = min(KEEP, self.step / (self.step + 10))
@@ -189,6 +191,7 @@ def main():
     parser.add_argument("--local-only", action="store_true", help="no solves: a fast start")
     parser.add_argument("--steady", type=float, default=1.0, help="weight of the fields' change between crops and noise")
     parser.add_argument("--small", type=float, default=0.3, help="weight of the fields' mean square, relative to their limits")
+    parser.add_argument("--cells-only", action="store_true", help="leave the weights of the fields of edges as they are")
     parser.add_argument("--shares", type=float, nargs=2, default=(0.3, 0.3), help="of samples and of drawings, among samples, drawings and procedural scenes; each of the first two makes three pictures")
     parser.add_argument("--pool", type=int, default=1500, help="examples in memory")
     parser.add_argument("--fresh", type=float, default=1.2, help="new examples for each step")

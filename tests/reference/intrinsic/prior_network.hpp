@@ -20,7 +20,7 @@ inline constexpr double kPriorInput = 8;   ///< Largest size of an input.
 /// 1; ln v, V, ln g of a cell.
 using PriorFields = std::array<double, kPriorFields>;
 /// What the fields saturate to.
-inline constexpr PriorFields kPriorLimits = {5, 5, 5, 5, 2, 2, 2, 2, 5, 2, 5};
+inline constexpr PriorFields kPriorLimits = {5, 5, 5, 5, 2, 2, 2, 2, 5, 5, 5};
 
 /// The network's picture of a frame.
 struct PriorPicture {

@@ -15,7 +15,7 @@ layout(push_constant) uniform Push {
   ivec2 half_padded;
 } push;
 
-const float kLimit = 5.0, kNarrowLimit = 2.0;  // of the fields, after saturation
+const float kLimit = 5.0, kCueLimit = 2.0;  // of the fields, after saturation
 const float kHuge = 1e30;
 
 // x / (1 + |x| / limit). NaN counts as 0.
@@ -37,8 +37,7 @@ void main() {
     if (any(greaterThanEqual(at, push.size))) continue;
     uint to = uint(FIELDS_STRIDE * (at.y * push.size.x + at.x));
     STORE(fields, to + FIELDS_EDGES, saturated(vec4(field[0][k], field[1][k], field[2][k], field[3][k]), vec4(kLimit)));
-    STORE(fields, to + FIELDS_CUES, saturated(vec4(field[4][k], field[5][k], field[6][k], field[7][k]), vec4(kNarrowLimit)));
-    STORE(fields, to + FIELDS_CELL,
-          saturated(vec4(field[8][k], field[9][k], field[10][k], field[11][k]), vec4(kLimit, kNarrowLimit, kLimit, kLimit)));
+    STORE(fields, to + FIELDS_CUES, saturated(vec4(field[4][k], field[5][k], field[6][k], field[7][k]), vec4(kCueLimit)));
+    STORE(fields, to + FIELDS_CELL, saturated(vec4(field[8][k], field[9][k], field[10][k], field[11][k]), vec4(kLimit)));
   }
 }
