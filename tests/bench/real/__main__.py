@@ -9,11 +9,15 @@ Each row is a baseline or elements of a launch line. Needs python3-gi, python3-o
 import argparse
 import json
 import pathlib
+import sys
 
 import added
 import measures
 import numpy as np
 from methods import BASELINES, methods
+
+sys.path.append(str(pathlib.Path(__file__).parents[1] / "report"))
+import tables
 
 ELEMENTS = ("intrinsicdecompthesis", "globalintrinsicthesis", "intrinsicdecomp", "globalintrinsic")
 HEAD = ("", "light / paint added", "confusion", "lamps / paint", "confusion", "change / contrast", "index", "WHDR δ .10 / best", "AUC", "chroma")
@@ -51,10 +55,6 @@ def row(name, found):
     return [*cells, f"{shown(pairs['at'])} / {shown(pairs['best'])}", shown(pairs["auc"]), shown(pairs["chroma"])]
 
 
-def line(cells):
-    return f"| {' | '.join(cells)} |"
-
-
 def main():
     parser = argparse.ArgumentParser(prog="tests/bench/real", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("elements", nargs="*", default=ELEMENTS, help="elements of a launch line; by default %(default)s")
@@ -62,17 +62,21 @@ def main():
     parser.add_argument("--photographs", type=int, default=58, help="that light and paint are added to (default %(default)s)")
     parser.add_argument("--lamps", type=int, default=2, help="on each picture with depth (default %(default)s)")
     parser.add_argument("--no-baselines", action="store_true", help="measure the elements only")
+    parser.add_argument("--page", type=pathlib.Path, help="also write the table between the page's lines <!-- real --> and <!-- end -->")
     parser.add_argument("--json", type=pathlib.Path, help="also write all figures to a file")
     args = parser.parse_args()
-    print(line(HEAD), line(["---"] * len(HEAD)), sep="\n", flush=True)
-    results = {}
+    print(tables.table(HEAD, []), end="", flush=True)
+    results, rows = {}, []
     for name, method in methods(args.elements).items():
         if name in BASELINES and args.no_baselines:
             continue
         results[name] = measured(method, args.data, args.photographs, args.lamps)
-        print(line(row(name, results[name])), flush=True)
+        rows.append(row(name, results[name]))
+        print(tables.table(HEAD, rows).splitlines()[-1], flush=True)
         if args.json:
             args.json.write_text(json.dumps(results, indent=1, default=float))
+    if args.page:
+        args.page.write_text(tables.inserted(args.page.read_text(), "real", tables.table(HEAD, rows)))
 
 
 if __name__ == "__main__":
