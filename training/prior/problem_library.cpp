@@ -209,11 +209,31 @@ double local_loss(const Example& e, const Prior& prior, Prior& change) {
   return error + distance_from_mean(weight, off, kNear, kValueWeight, change.cell[1]);
 }
 
+/// The slope of a change by that of ln I is the sum of `part` times the change.
+struct Share {
+  Plane part;
+  bool is_known = false;  ///< Enough was added.
+
+  Share(const Example& before, const Example& after, const Plane& weight) : part(weight.size(), 0) {
+    constexpr double kMinVariance = 0.05 * 0.05;
+    const auto added = [&](std::size_t i) { return double(after.m[i]) - before.m[i]; };
+    double n = 1e-9, mean = 0, variance = 1e-9;
+    for (std::size_t i = 0; i < weight.size(); ++i)
+      if (weight[i] > 0) n += 1, mean += added(i);
+    mean /= n;
+    for (std::size_t i = 0; i < weight.size(); ++i)
+      if (weight[i] > 0) part[i] = float(added(i) - mean), variance += part[i] * part[i];
+    for (float& p : part) p = float(p / variance);
+    is_known = variance > n * kMinVariance;
+  }
+};
+
 /// A photograph, the same with light, and one of the two with paint (training/couples).
 struct Triple {
   std::array<Problem*, 3> picture;
   std::size_t base;  ///< Of the paint: 0 or 1.
   std::array<Change, 2> change;
+  std::array<Share, 2> share;
 
   std::size_t before(std::size_t which) const { return which == 0 ? 0 : base; }
   std::size_t after(std::size_t which) const { return which + 1; }
@@ -272,45 +292,27 @@ void add(Prior& to, const Prior& from, float factor) {
   planes(to.right, from.right), planes(to.down, from.down), planes(to.cell, from.cell);
 }
 
-/// The slope of the change of ln R by that of ln I between two solved pictures.
-struct KeptShare {
-  double share = 0;
-  Plane
-      by_after;  ///< Its derivative by ln S of the picture after; by that of the other, less this.
-  bool is_known = false;  ///< Enough was added.
-};
-
-KeptShare kept_share(const Triple& t, std::size_t which) {
-  constexpr double kMinVariance = 0.05 * 0.05;
-  const Problem &before = *t.picture[t.before(which)], &after = *t.picture[t.after(which)];
-  const Plane& weight = t.change[which].weight;
-  double n = 1e-9, mean = 0, yy = 1e-9;
-  const auto added = [&](std::size_t i) { return double(after.e.m[i]) - before.e.m[i]; };
-  for (std::size_t i = 0; i < weight.size(); ++i)
-    if (weight[i] > 0) n += 1, mean += added(i);
-  mean /= n;
-  for (std::size_t i = 0; i < weight.size(); ++i)
-    if (weight[i] > 0) yy += (added(i) - mean) * (added(i) - mean);
-  KeptShare kept{
-      .share = 0, .by_after = Plane(weight.size(), 0), .is_known = yy > n * kMinVariance};
-  for (std::size_t i = 0; i < weight.size(); ++i) {
-    if (weight[i] == 0) continue;
-    const double part = (added(i) - mean) / yy;
-    kept.share += part * (added(i) - after.solution.s[i] + before.solution.s[i]);
-    kept.by_after[i] = float(-part);
-  }
-  return kept;
+/// The share of what was added that reflectance keeps: the slope of the change of ln R by that of
+/// ln I, between two solved pictures.
+double kept_share(const Triple& t, std::size_t which) {
+  const Plane &part = t.share[which].part, &before = t.picture[t.before(which)]->solution.s,
+              &after = t.picture[t.after(which)]->solution.s;
+  double share = 1;
+  for (std::size_t i = 0; i < part.size(); ++i)
+    share -= double(part[i]) * (double(after[i]) - before[i]);
+  return share;
 }
 
-/// The pseudo-Huber distance of a kept share from what it should be; adds the derivative by ln S of
-/// the picture after (sign 1) or before (-1). A mean distance of planes is decided by weak and wide
-/// changes, a share by large steps: a fit on the first alone keeps more and more light.
-double share_distance(const KeptShare& kept, double target, double sign, Plane& slope) {
+/// The pseudo-Huber distance of the kept share from what it should be; adds the derivative by ln S
+/// of the picture after (sign 1) or before (-1). A mean distance of planes is decided by weak and
+/// wide changes, a share by large steps: a fit on the first alone keeps more and more light.
+double share_distance(const Triple& t, std::size_t which, double sign, Plane& slope) {
   constexpr double kNear = 0.05;
-  if (!kept.is_known) return 0;
-  const double off = kept.share - target, root = std::sqrt(off * off + kNear * kNear);
+  if (!t.share[which].is_known) return 0;
+  const double off = kept_share(t, which) - double(which),
+               root = std::sqrt(off * off + kNear * kNear);
   for (std::size_t i = 0; i < slope.size(); ++i)
-    slope[i] += float(kShareWeight * sign * off / root) * kept.by_after[i];
+    slope[i] -= float(kShareWeight * sign * off / root) * t.share[which].part[i];
   return kShareWeight * (root - kNear);
 }
 
@@ -336,11 +338,11 @@ double solved_loss(Triple& t, const std::array<Prior, 3>& prior, std::array<Prio
         const double sign = after ? 1 : -1;
         sum += change_distance(t.change[which], sign, s, other.solution.s, one);
         for (std::size_t i = 0; i < s.size(); ++i) slope[i] += one[i];
-        sum += share_distance(kept_share(t, which), double(which), sign, slope);
+        sum += share_distance(t, which, sign, slope);
       }
       return sum;
     });
-  for (const std::size_t which : {0, 1}) shares[which] = kept_share(t, which).share;
+  for (const std::size_t which : {0, 1}) shares[which] = kept_share(t, which);
   return value / 2;
 }
 
@@ -475,10 +477,14 @@ void* triple_of(void* first, void* lit, void* painted, int base, const float* li
   bench::Image ratio(e.width, e.height, 3), none = ratio;
   std::copy(light, light + ratio.data.size(), ratio.data.begin());
   std::fill(none.data.begin(), none.data.end(), 1.0F);
-  return new Triple{picture,
-                    std::size_t(base),
-                    {Change(e, picture[1]->e, ratio),
-                     Change(picture[std::size_t(base)]->e, picture[2]->e, none)}};
+  const Example &lit_one = picture[1]->e, &unpainted = picture[std::size_t(base)]->e,
+                &painted_one = picture[2]->e;
+  const Change by_light(e, lit_one, ratio), by_paint(unpainted, painted_one, none);
+  return new Triple{
+      picture,
+      std::size_t(base),
+      {by_light, by_paint},
+      {Share(e, lit_one, by_light.weight), Share(unpainted, painted_one, by_paint.weight)}};
 }
 
 void triple_free(void* triple) { delete static_cast<Triple*>(triple); }
