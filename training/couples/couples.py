@@ -102,12 +102,16 @@ def found(images, light, paint, known, on_lit):
             "paint": paint.clip(-RATIO, RATIO).astype(np.float16), "usable": usable, "on_lit": on_lit}
 
 
+def exposed(picture, rng):
+    """Half of the pictures darker, so that there can be paint that is brighter than what is in them: else bright things look like light."""
+    return picture * math.exp(rng.uniform(-0.3, 0.1) if rng.random() < 0.5 else rng.uniform(-1.8, -0.3))
+
+
 def photograph(seed, args, rng):
     """Light and paint that are drawn."""
     picture = Pictures(args.photographs, args.maps).draw(rng)
     sheet = ratios.sheet(seed + 5_000_000, args.assets, WIDTH, HEIGHT)
-    if rng.random() < 0.5:
-        picture = picture * math.exp(rng.uniform(-0.3, 0.1))
+    picture = exposed(picture, rng)
     if rng.random() < 0.35:  # pictures that have more light already
         picture = picture * np.exp(ratios.light(sheet))
     return triple(seed, picture, ratios.light(sheet), np.ones((HEIGHT, WIDTH)), sheet, rng)
@@ -129,7 +133,7 @@ def with_depth(seed, args, rng):
         planes = [np.ascontiguousarray(p[:, ::-1]) for p in planes]
     picture, light, known = planes
     sheet = ratios.sheet(seed + 7_000_000, args.assets, WIDTH, HEIGHT)
-    return triple(seed, picture * math.exp(rng.uniform(-0.3, 0.1)), light, known, sheet, rng)
+    return triple(seed, exposed(picture, rng), light, known, sheet, rng)
 
 
 def window(scene, rng):

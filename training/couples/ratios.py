@@ -11,6 +11,8 @@ import mix
 
 LOWEST, HIGHEST = 0.03, 8.0  # factors of paint
 COLORED = 1.6  # largest by least channel
+WHITE = 0.92  # largest of what is painted
+BRIGHTER = 0.5  # share of paint that is made as bright as the picture's exposure allows; the rest is mostly darker than what is under it
 LIKE = (14, 8, 8)  # CIELab distances of a region of one color
 
 
@@ -51,6 +53,10 @@ def light(sheet):
     return (ratio - np.percentile(ratio.mean(-1), 98)).astype(np.float32)
 
 
+def brightest(picture):
+    return max(float(np.percentile(picture.max(-1), 97)), 0.02)
+
+
 def recolored(sheet, picture):
     """The region of like color around a point in another paint, or None if it is too small or too large."""
     lab = cv2.GaussianBlur(cv2.cvtColor(mix.srgb(picture).astype(np.float32), cv2.COLOR_RGB2Lab), (0, 0), 1)
@@ -59,7 +65,15 @@ def recolored(sheet, picture):
     inside = (parts == parts[y, x]).astype(np.float32)
     if not 0.01 < inside.mean() < 0.6:
         return None
-    step = np.log(np.clip(np.asarray(sheet.draw.color(), np.float32), LOWEST, 0.9) / 0.5)
+    color = np.asarray(sheet.draw.color(), np.float32)
+    if sheet.draw.chance(BRIGHTER):
+        if color.max() < COLORED * color.min():
+            return None  # brighter, of the same color: a lit thing
+        before = brightest(picture[inside > 0])
+        color = color / color.max() * sheet.draw.uniform(0.5, 1) * min(WHITE / before, HIGHEST)
+    else:
+        color = color / 0.5
+    step = np.log(np.clip(color, LOWEST, HIGHEST))
     return cv2.GaussianBlur(inside, (0, 0), 0.7)[..., None] * step
 
 
@@ -89,7 +103,8 @@ def piece(sheet, picture):
     inside = alpha > 0.5
     if not inside.any():
         return None
-    laid = laid / max(1, float(np.percentile((picture * laid)[inside].max(-1), 97)) / 0.92)
+    after = brightest((picture * laid)[inside])
+    laid = laid * (WHITE * draw.uniform(0.5, 1) / after if draw.chance(BRIGHTER) else 1 / max(1, after / WHITE))
     ratio = np.log(np.clip(laid, LOWEST, HIGHEST))
     return alpha[..., None] * (ratio - detail(picture, draw.uniform(3, 20)) if covers else ratio)
 
