@@ -40,13 +40,13 @@ def check_derivative():
     for example in (problem.of_seed(1001, 176, 132, 1), twin_of_drawing()):
         zero = np.zeros((problem.FIELDS, *example.size), np.float32)
         _, slope = converged(example, zero)
-        for group in (slice(0, 4), slice(4, 8), slice(8, 11)):
+        for group in ([0, 2], [1]):
             way = zero.copy()
             way[group] = slope[group] / np.linalg.norm(slope[group])
             step = 4.0  # well above what solves leave
             measured = (converged(example, step * way)[0] - converged(example, -step * way)[0]) / (2 * step)
             stated = float((slope * way).sum())  # differs where a weight is at its limit, so that it may come back from there
-            expect(abs(measured - stated) < 0.15 * stated, f"derivative by fields {group.start} to {group.stop - 1}: {measured:.4f} by differences, {stated:.4f}")
+            expect(abs(measured - stated) < 0.15 * stated, f"derivative by fields {group}: {measured:.4f} by differences, {stated:.4f}")
 
 
 def check_local_derivative():
@@ -54,12 +54,11 @@ def check_local_derivative():
     for example in (problem.of_seed(1001, 128, 96, 1), twin_of_drawing()):
         fields = rng.normal(size=(problem.FIELDS, *example.size)).astype(np.float32)
         _, slope = example.local_loss(fields)
-        for group in (slice(0, 4), slice(4, 8), slice(9, 10)):
-            way = np.zeros_like(fields)
-            way[group] = slope[group] / np.linalg.norm(slope[group])
-            measured = (example.local_loss(fields + 0.1 * way)[0] - example.local_loss(fields - 0.1 * way)[0]) / 0.2
-            stated = float((slope * way).sum())
-            expect(abs(measured - stated) < 0.01 * stated, f"derivative of the local loss: {measured:.5f} by differences, {stated:.5f}")
+        way = np.zeros_like(fields)
+        way[1] = slope[1] / np.linalg.norm(slope[1])
+        measured = (example.local_loss(fields + 0.1 * way)[0] - example.local_loss(fields - 0.1 * way)[0]) / 0.2
+        stated = float((slope * way).sum())
+        expect(abs(measured - stated) < 0.01 * stated, f"derivative of the local loss: {measured:.5f} by differences, {stated:.5f}")
 
 
 def triple():
@@ -82,7 +81,7 @@ def check_triple_derivatives():
             return result
 
         slopes = found(fields)[1]
-        for k, group in ((1, slice(0, 4)), (0, slice(9, 10)), (2, slice(8, 11))):
+        for k, group in ((1, slice(1, 2)), (0, slice(1, 2)), (2, slice(0, 3))):
             way = [np.zeros_like(f) for f in fields]
             way[k][group] = slopes[k][group] / np.linalg.norm(slopes[k][group])
             step = 4.0 if weights[0] else 0.1
@@ -102,12 +101,12 @@ def check_networks():
     codes = [2 * float(mix.srgb(float(x.exp()) - networks.FLOOR)) - 1 for x in logs]
     found = network.colors(guide).flatten().tolist()
     expect(np.abs(np.subtract(found, codes)).max() < 0.06, f"the trunk sees sRGB: {found}, {codes}")
-    fields = problem.fields_of(torch.full((1, 44, 8, 8), 1e9))
-    expect(fields.shape == (1, 11, 16, 16) and torch.allclose(fields.amax((0, 2, 3)), problem.LIMITS), "fields saturate at their limits")
+    fields = problem.fields_of(torch.full((1, networks.OUTPUTS, 8, 8), 1e9))
+    expect(fields.shape == (1, problem.FIELDS, 16, 16) and torch.allclose(fields.amax((0, 2, 3)), torch.tensor(problem.LIMIT)), "fields saturate at their limits")
 
 
 def check_run():
-    options = {"trunk": None, "bf16": False, "rate": 2e-3, "seed": 1, "start": None, "batch": 2, "equal": 1.0, "different": 0.5, "alike": 1.0, "every": 2, "device": "cpu", "steady": 1.0, "small": 0.3, "cells_only": True, "local": 0.3, "local_only": False}
+    options = {"trunk": None, "bf16": False, "rate": 2e-3, "seed": 1, "start": None, "batch": 2, "equal": 1.0, "different": 0.5, "alike": 1.0, "every": 2, "device": "cpu", "steady": 1.0, "small": 0.3, "local": 0.3, "local_only": False}
     with tempfile.TemporaryDirectory() as folder:
         tests = [pictures.procedural(pictures.HELD_OUT_SEEDS)]
         for steps in (2, 4):

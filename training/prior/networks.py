@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Network of the learned prior: guide (6 × height × width, sides multiples of 16) → 44 × height/2 × width/2 (docs/reference/networks.md).
+"""Network of the learned prior: guide (6 × height × width, sides multiples of 16) → 12 × height/2 × width/2 (docs/reference/networks.md).
 
 A MobileNetV2 (Sandler et al. 2018) with output stride 16, as in DeepLabV3, looks at the picture; a decoder joins its features with the guide itself."""
 import torch
 from torch import nn
 from torch.nn import functional
 
-INPUTS, OUTPUTS = 6, 44
-FIRST_OF_CELLS, FIELD_OF_VALUE = 8, 9  # of the 11 fields: those before are of edges; V
+INPUTS, OUTPUTS = 6, 12
+FIELD_OF_VALUE = 1  # V, of ln v, V, ln g
 BLOCKS = (  # expansion, channels, stride, dilation
     (1, 16, 1, 1), (6, 24, 2, 1), (6, 24, 1, 1), (6, 32, 2, 1), (6, 32, 1, 1), (6, 32, 1, 1), (6, 64, 2, 1), (6, 64, 1, 1), (6, 64, 1, 1),
     (6, 64, 1, 1), (6, 96, 1, 1), (6, 96, 1, 1), (6, 96, 1, 1), (6, 160, 1, 1), (6, 160, 1, 2), (6, 160, 1, 2), (6, 320, 1, 2))
@@ -122,12 +122,6 @@ class Prior(nn.Module):
             nn.init.zeros_(module.bias)
         with torch.no_grad():
             self.head.weight[4 * FIELD_OF_VALUE : 4 * FIELD_OF_VALUE + 4, 32] = 1
-
-    def forget_edges(self):
-        """Sets the gradients of what only the fields of edges depend on to 0."""
-        for layer in (self.head, self.straight):
-            for p in (layer.weight, layer.bias):
-                p.grad[: 4 * FIRST_OF_CELLS] = 0
 
     def forward(self, guide):
         seen = self.colors(guide)

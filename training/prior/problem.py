@@ -11,8 +11,7 @@ import torch
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 WEIGHTS = str(ROOT / "training/edges/weights.txt").encode()
 SLOPE_ERROR = 0.2  # rms, of an estimate (training/edges/colored_light.hpp)
-FIELDS = 11
-LIMITS = torch.tensor([5.0] * 4 + [2.0] * 4 + [5.0] * 3)  # at which fields saturate
+FIELDS, LIMIT = 3, 5.0  # ln v, V, ln g; at which they saturate
 FLOATS = ctypes.POINTER(ctypes.c_float)
 
 
@@ -68,7 +67,7 @@ class Problem:
             LIBRARY.problem_free(self.handle)
 
     def loss(self, fields, weights, gradient=True):
-        """Loss of fields (11 × size, saturated, float32), and its derivative by them or None. weights: of equal and different pairs, and of the
+        """Loss of fields (3 × size, saturated, float32), and its derivative by them or None. weights: of equal and different pairs, and of the
         distance of ln R from that of the twin."""
         fields = np.ascontiguousarray(fields, np.float32)
         slope = np.empty_like(fields) if gradient else None
@@ -76,7 +75,7 @@ class Problem:
         return LIBRARY.problem_loss(self.handle, pointer(fields), *weights, twin, pointer(slope) if gradient else None), slope
 
     def local_loss(self, fields):
-        """The same of a loss that takes no solve: shares of paint at edges, and V."""
+        """The same of a loss that takes no solve: of V."""
         fields = np.ascontiguousarray(fields, np.float32)
         slope = np.empty_like(fields)
         return LIBRARY.problem_local_loss(self.handle, pointer(fields), pointer(slope)), slope
@@ -132,14 +131,14 @@ def of_picture(picture, reflectance, light, mask, seed, kind, level=0):
 
 
 def fields_of(answers):
-    """The network's answers (batch × 44 × height/2 × width/2) as saturated fields (batch × 11 × height × width)."""
+    """The network's answers (batch × 12 × height/2 × width/2) as saturated fields (batch × 3 × height × width)."""
     x = torch.nn.functional.pixel_shuffle(answers, 2)
-    return x / (1 + x.abs() / LIMITS.to(x.device)[:, None, None])
+    return x / (1 + x.abs() / LIMIT)
 
 
 def mean_square(fields):
-    """Relative to the limits."""
-    return ((fields / LIMITS.to(fields.device)[:, None, None]) ** 2).mean()
+    """Relative to the limit."""
+    return ((fields / LIMIT) ** 2).mean()
 
 
 class Loss(torch.autograd.Function):

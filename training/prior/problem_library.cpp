@@ -20,11 +20,9 @@
 namespace inverse::training {
 namespace {
 
-constexpr int kFields = reference::kPriorFields;
-constexpr double kShareWeight = 2;  // of a kept share beside the distance of the whole change
-// Fields of the network's answer: bias of ln a and ln b to the right, downward; coefficients of the
-// contrast cue and of the chroma cue, for both directions; ln v, V, ln g.
-enum Field { kBias = 0, kContrast = 4, kChroma = 6, kCell = 8 };
+constexpr std::size_t kFields = reference::kPriorFields;
+using Cells = decltype(Prior::cell);  // ln v, V, ln g
+constexpr double kShareWeight = 2;    // of a kept share beside the distance of the whole change
 
 std::size_t index(int x, int y, int width) {
   return std::size_t(y) * std::size_t(width) + std::size_t(x);
@@ -40,9 +38,6 @@ struct Problem {
   reference::Image input;
 
   std::size_t size() const { return std::size_t(picture.width) * std::size_t(picture.height); }
-  std::size_t pixel(int x, int y) const {
-    return index(x >> picture.level, y >> picture.level, picture.width);
-  }
 };
 
 void make_input(Problem& p, double slope, int least_level) {
@@ -52,12 +47,6 @@ void make_input(Problem& p, double slope, int least_level) {
   guide.statistics.back() = std::min(std::abs(slope), 1.0);  // the picture is in white light
   p.picture = {e.width, e.height, least_level};
   p.input = reference::prior_input(guide, p.picture);
-}
-
-/// Keeps of the cues only those that the network's coefficients multiply.
-void forget_cues(Example& e) {
-  for (auto* cues : {&e.right, &e.down}) cues->resize(2), cues->shrink_to_fit();
-  e.cell.clear();
 }
 
 /// The weights of a file, which is read once.
@@ -79,7 +68,7 @@ Problem* make_problem(const Scene& scene, double slope_error, unsigned seed, int
   draw_pairs(p->e);
   p->fitted = fitted_prior({weights.edge_hidden, weights.cell_hidden}, weights.values, p->e);
   make_input(*p, slope, least_level);
-  forget_cues(p->e);
+  for (auto* cues : {&p->e.right, &p->e.down, &p->e.cell}) cues->clear();  // fitted_prior had them
   return p.release();
 }
 
@@ -100,103 +89,37 @@ void for_cells(const Problem& p, F f) {
 
 /// The fitted prior, changed by fields.
 Prior with_fields(const Problem& p, const float* fields) {
-  const Example& e = p.e;
-  const std::size_t n = p.size();
   Prior prior = p.fitted;
-  const auto at = [&](int field, std::size_t pixel) {
-    return fields[std::size_t(field) * n + pixel];
-  };
-  for (int y = 0; y < e.height; ++y)
-    for (int x = 0; x < e.width; ++x) {
-      const std::size_t i = index(x, y, e.width), j = p.pixel(x, y);
-      for (int o = 0; o < 2; ++o) {
-        const float contrast = at(kContrast + o, j), chroma = at(kChroma + o, j);
-        prior.right[std::size_t(o)][i] +=
-            at(kBias + o, j) + contrast * e.right[0][i] + chroma * e.right[1][i];
-        prior.down[std::size_t(o)][i] +=
-            at(kBias + 2 + o, j) + contrast * e.down[0][i] + chroma * e.down[1][i];
-      }
-    }
   for_cells(p, [&](std::size_t cell, std::size_t pixel, float share) {
-    for (int o = 0; o < 3; ++o) prior.cell[std::size_t(o)][cell] += share * at(kCell + o, pixel);
+    for (std::size_t o = 0; o < kFields; ++o)
+      prior.cell[o][cell] += share * fields[o * p.size() + pixel];
   });
   return prior;
 }
 
-/// The derivative by fields of what has the derivative `change` by the prior.
-void to_fields(const Problem& p, const Prior& change, float* gradient) {
-  const Example& e = p.e;
-  const std::size_t n = p.size();
-  std::fill(gradient, gradient + std::size_t(kFields) * n, 0.0F);
-  const auto to = [&](int field, std::size_t pixel) -> float& {
-    return gradient[std::size_t(field) * n + pixel];
-  };
-  for (int y = 0; y < e.height; ++y)
-    for (int x = 0; x < e.width; ++x) {
-      const std::size_t i = index(x, y, e.width), j = p.pixel(x, y);
-      for (int o = 0; o < 2; ++o) {
-        const float right = change.right[std::size_t(o)][i], down = change.down[std::size_t(o)][i];
-        to(kBias + o, j) += right;
-        to(kBias + 2 + o, j) += down;
-        to(kContrast + o, j) += right * e.right[0][i] + down * e.down[0][i];
-        to(kChroma + o, j) += right * e.right[1][i] + down * e.down[1][i];
-      }
-    }
+/// The derivative by fields of what has the derivative `change` by the prior's cells.
+void to_fields(const Problem& p, const Cells& change, float* gradient) {
+  std::fill(gradient, gradient + kFields * p.size(), 0.0F);
   for_cells(p, [&](std::size_t cell, std::size_t pixel, float share) {
-    for (int o = 0; o < 3; ++o) to(kCell + o, pixel) += share * change.cell[std::size_t(o)][cell];
+    for (std::size_t o = 0; o < kFields; ++o)
+      gradient[o * p.size() + pixel] += share * change[o][cell];
   });
 }
 
-Prior zeros_like(const Prior& prior) {
-  Prior zeros;
-  zeros.right.fill(Plane(prior.right[0].size(), 0)), zeros.down = zeros.right;
-  zeros.cell.fill(Plane(prior.cell[0].size(), 0));
+Cells zeros_like(const Cells& cells) {
+  Cells zeros;
+  zeros.fill(Plane(cells[0].size(), 0));
   return zeros;
 }
 
-/// The cross entropy of the share of paint that the weights o of edge i say, b / (a + b), less its
-/// minimum, times `weight`. Adds its derivative by ln a and ln b.
-double share_loss(const std::array<Plane, 2>& o, std::size_t i, double share, double weight,
-                  std::array<Plane, 2>& d) {
-  const double said = 1 / (1 + std::exp(double(o[0][i] - o[1][i])));
-  const auto entropy = [share](double q) {
-    return -share * std::log(q + 1e-6) - (1 - share) * std::log(1 - q + 1e-6);
-  };
-  d[1][i] += float(weight * (said - share));
-  d[0][i] -= float(weight * (said - share));
-  return weight * (entropy(said) - entropy(share));
-}
-
 /// See problem_local_loss.
-double local_loss(const Example& e, const Prior& prior, Prior& change) {
-  constexpr double kStep = 0.05, kNear = 0.2, kValueWeight = 1;
-  const std::size_t n = e.m.size(), w = std::size_t(e.width), cells = e.cell_m.size();
-  change = zeros_like(prior);
-  const auto known = [&](std::size_t i) {
-    return e.mask.data[i] > 0.5F && e.shading.data[i] > 1e-4F && e.m[i] > -5;
-  };
-  const auto for_edges = [&](auto visit) {
-    for (std::size_t i = 0; i < n; ++i) {
-      if (!known(i)) continue;
-      if (i % w + 1 < w && known(i + 1)) visit(i, i + 1, prior.right, change.right);
-      if (i + w < n && known(i + w)) visit(i, i + w, prior.down, change.down);
-    }
-  };
-  const auto weight_of_step = [&](std::size_t i, std::size_t j) {
-    const double step = std::abs(double(e.m[i] - e.m[j]));
-    return step / (step + kStep);
-  };
-  double all = 1e-9, error = 0;
-  for_edges([&](std::size_t i, std::size_t j, const auto&, auto&) { all += weight_of_step(i, j); });
-  for_edges([&](std::size_t i, std::size_t j, const auto& o, auto& d) {
-    const double shading = std::log(double(e.shading.data[i]) / e.shading.data[j]),
-                 step = double(e.m[i] - e.m[j]), paint = step - shading,
-                 share = std::abs(paint) / (std::abs(paint) + std::abs(shading) + 1e-4);
-    error += share_loss(o, i, share, weight_of_step(i, j) / all, d);
-  });
+double local_loss(const Example& e, const Prior& prior, Cells& change) {
+  constexpr double kNear = 0.2;
+  const std::size_t cells = e.cell_m.size();
+  change = zeros_like(prior.cell);
   Plane truth(cells, 0), count(cells, 0);
-  for (std::size_t i = 0; i < n; ++i)
-    if (known(i)) {
+  for (std::size_t i = 0; i < e.m.size(); ++i)
+    if (e.mask.data[i] > 0.5F && e.shading.data[i] > 1e-4F && e.m[i] > -5) {
       truth[std::size_t(e.cell_of(int(i)))] += std::log(e.shading.data[i]);
       count[std::size_t(e.cell_of(int(i)))] += 1;
     }
@@ -206,7 +129,7 @@ double local_loss(const Example& e, const Prior& prior, Prior& change) {
     weight[c] = float(brightness_weight(e.cell_m[c]));
     off[c] = e.cell_value[c] + prior.cell[1][c] - truth[c] / count[c];
   }
-  return error + distance_from_mean(weight, off, kNear, kValueWeight, change.cell[1]);
+  return distance_from_mean(weight, off, kNear, 1, change[1]);
 }
 
 /// The slope of a change by that of ln I is the sum of `part` times the change.
@@ -239,12 +162,11 @@ struct Triple {
   std::size_t after(std::size_t which) const { return which + 1; }
 };
 
-/// Without a solve: the change of V between two pictures against the light that was added, and the
-/// shares of paint at edges that were added and hide what was there.
+/// Without a solve: the change of V between two pictures against the light that was added.
 double local_loss(const Change& c, const Example& before, const Prior& v0, const Example& after,
-                  const Prior& v1, Prior& d0, Prior& d1) {
-  constexpr double kNear = 0.1, kClear = 3, kStep = 0.05;
-  const std::size_t n = after.m.size(), cells = after.cell_m.size(), w = std::size_t(c.width);
+                  const Prior& v1, Cells& d0, Cells& d1) {
+  constexpr double kNear = 0.1;
+  const std::size_t n = after.m.size(), cells = after.cell_m.size();
   Plane off(cells, 0), weight(cells, 0), slope(cells, 0);
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t cell = std::size_t(after.cell_of(int(i)));
@@ -255,41 +177,14 @@ double local_loss(const Change& c, const Example& before, const Prior& v0, const
     off[j] = off[j] / weight[j] + after.cell_value[j] + v1.cell[1][j] - before.cell_value[j] -
              v0.cell[1][j];
   }
-  double error = distance_from_mean(weight, off, kNear, 1 / c.spread, slope);
-  for (std::size_t j = 0; j < cells; ++j) d1.cell[1][j] += slope[j], d0.cell[1][j] -= slope[j];
-
-  const auto for_edges = [&](auto visit) {
-    for (std::size_t i = 0; i < n; ++i) {
-      const auto edge = [&](std::size_t j, const auto& o, auto& d) {
-        const double there = double(before.m[i]) - before.m[j],
-                     step = double(after.m[i]) - after.m[j], added = step - there,
-                     sure = std::min(c.weight[i], c.weight[j]) *
-                            std::max(std::abs(added) - kClear * std::abs(there), 0.0);
-        if (sure > 0)
-          visit(i, sure / (sure + kStep), std::abs(there / step), c.light[i] - c.light[j], added, o,
-                d);
-      };
-      if (i % w + 1 < w) edge(i + 1, v1.right, d1.right);
-      if (i + w < n) edge(i + w, v1.down, d1.down);
-    }
-  };
-  double all = 1e-3 * double(n);
-  for_edges([&](auto, double sure, const auto&...) { all += sure; });
-  for_edges([&](std::size_t i, double sure, double rest, double light, double added, const auto& o,
-                auto& d) {
-    const double lit = std::clamp(light / added, 0.0, 1.0),
-                 share = (1 - rest) * (1 - lit) + rest / 2;
-    error += share_loss(o, i, share, sure / all, d);
-  });
+  const double error = distance_from_mean(weight, off, kNear, 1 / c.spread, slope);
+  for (std::size_t j = 0; j < cells; ++j) d1[1][j] += slope[j], d0[1][j] -= slope[j];
   return error;
 }
 
-void add(Prior& to, const Prior& from, float factor) {
-  const auto planes = [&](auto& a, const auto& b) {
-    for (std::size_t k = 0; k < a.size(); ++k)
-      for (std::size_t i = 0; i < a[k].size(); ++i) a[k][i] += factor * b[k][i];
-  };
-  planes(to.right, from.right), planes(to.down, from.down), planes(to.cell, from.cell);
+void add(Cells& to, const Cells& from, double factor) {
+  for (std::size_t o = 0; o < to.size(); ++o)
+    for (std::size_t i = 0; i < to[o].size(); ++i) to[o][i] += float(factor) * from[o][i];
 }
 
 /// The share of what was added that reflectance keeps: the slope of the change of ln R by that of
@@ -349,22 +244,23 @@ double solved_loss(Triple& t, const std::array<Prior, 3>& prior, std::array<Prio
 /// See triple_loss.
 double loss_of(Triple& t, const std::array<const float*, 3>& fields, double solved, double local,
                double* shares, const std::array<float*, 3>& gradient) {
-  std::array<Prior, 3> prior, change, slope;
+  std::array<Prior, 3> prior, slope;
+  std::array<Cells, 3> change;
   for (std::size_t k = 0; k < 3; ++k)
-    prior[k] = with_fields(*t.picture[k], fields[k]), change[k] = zeros_like(prior[k]);
+    prior[k] = with_fields(*t.picture[k], fields[k]), change[k] = zeros_like(prior[k].cell);
   double value = 0;
   if (solved > 0) {
     value += solved * solved_loss(t, prior, gradient[0] ? &slope : nullptr, shares);
     if (gradient[0])
-      for (std::size_t k = 0; k < 3; ++k) add(change[k], slope[k], float(solved));
+      for (std::size_t k = 0; k < 3; ++k) add(change[k], slope[k].cell, solved);
   }
   if (local > 0)
     for (const std::size_t which : {0, 1}) {
       const std::size_t a = t.before(which), b = t.after(which);
-      Prior da = zeros_like(prior[a]), db = zeros_like(prior[b]);
+      Cells da = zeros_like(change[a]), db = zeros_like(change[b]);
       value += local * local_loss(t.change[which], t.picture[a]->e, prior[a], t.picture[b]->e,
                                   prior[b], da, db);
-      add(change[a], da, float(local)), add(change[b], db, float(local));
+      add(change[a], da, local), add(change[b], db, local);
     }
   if (gradient[0])
     for (std::size_t k = 0; k < 3; ++k) to_fields(*t.picture[k], change[k], gradient[k]);
@@ -422,9 +318,10 @@ void problem_input(const void* problem, float* out) {
   std::copy(p.input.data.begin(), p.input.data.end(), out);
 }
 
-/// `fields`: 11 x height x width of the network's picture; `twin`: the same scene in another light,
-/// or null. Returns the loss; `gradient`, if not null, receives its derivative by the fields; what
-/// was last found for the twin is constant in it. Not for one problem in two threads.
+/// `fields`: ln v, V and ln g, 3 x height x width of the network's picture; `twin`: the same scene
+/// in another light, or null. Returns the loss; `gradient`, if not null, receives its derivative by
+/// the fields; what was last found for the twin is constant in it. Not for one problem in two
+/// threads.
 double problem_loss(void* problem, const float* fields, double equal, double different,
                     double alike, void* twin, float* gradient) {
   auto& p = *static_cast<Problem*>(problem);
@@ -440,17 +337,15 @@ double problem_loss(void* problem, const float* fields, double equal, double dif
   const std::lock_guard lock(p.settling);
   p.settled = p.e.m;
   for (std::size_t i = 0; i < p.settled.size(); ++i) p.settled[i] -= p.solution.s[i];
-  if (gradient) to_fields(p, change, gradient);
+  if (gradient) to_fields(p, change.cell, gradient);
   return value;
 }
 
-/// Without a solve: how far the prior is from the truth at each edge and cell. An edge's share of
-/// paint, b / (a + b), is compared with the true share of the step in ln R (cross entropy less its
-/// minimum, weighted by the step); V with true ln shading less the mean difference (pseudo-Huber).
+/// Without a solve: how far V is from true ln shading, less the mean difference (pseudo-Huber).
 double problem_local_loss(void* problem, const float* fields, float* gradient) {
   const auto& p = *static_cast<const Problem*>(problem);
   const Prior prior = with_fields(p, fields);
-  Prior change;
+  Cells change;
   const double value = local_loss(p.e, prior, change);
   if (gradient) to_fields(p, change, gradient);
   return value;

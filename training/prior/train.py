@@ -43,7 +43,7 @@ def whdr(example, planes=None, count=600):
 
 
 def fields_apart(network, inputs, fields, rng, bf16=False):
-    """Mean square distance of the fields of inputs, relative to their limits, from those of crops that start a few pixels later and have noise:
+    """Mean square distance of the fields of inputs, relative to their limit, from those of crops that start a few pixels later and have noise:
     what would flicker when a camera moves."""
     step, inner = 16, 8  # of sizes; what a crop's border changes does not count
     y, x = (int(k) for k in rng.integers(0, step, 2))
@@ -151,8 +151,6 @@ class Run:
                 loss, term = self.part(pool.batch(count), shifts)
                 (weight * loss).backward()
                 terms.append(term)
-            if args.cells_only:
-                self.network.forget_edges()
             torch.nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)
             self.optimizer.step()
             keep = min(KEEP, self.step / (self.step + 10))
@@ -187,11 +185,10 @@ def main():
     parser.add_argument("--different", type=float, default=0.5, help="weight of pairs of two paints")
     parser.add_argument("--alike", type=float, default=1.0, help="weight of the distance of ln R between lights of one scene")
     parser.add_argument("--assets", type=pathlib.Path, help="of ../intrinsic/README.md, for drawn pictures")
-    parser.add_argument("--local", type=float, default=0.3, help="weight of shares of paint at edges, and of V")
+    parser.add_argument("--local", type=float, default=0.3, help="weight of V's distance from ln shading, without a solve")
     parser.add_argument("--local-only", action="store_true", help="no solves: a fast start")
     parser.add_argument("--steady", type=float, default=1.0, help="weight of the fields' change between crops and noise")
-    parser.add_argument("--small", type=float, default=0.3, help="weight of the fields' mean square, relative to their limits")
-    parser.add_argument("--cells-only", action="store_true", help="leave the weights of the fields of edges as they are")
+    parser.add_argument("--small", type=float, default=0.3, help="weight of the fields' mean square, relative to their limit")
     parser.add_argument("--shares", type=float, nargs=2, default=(0.3, 0.3), help="of samples and of drawings, among samples, drawings and procedural scenes; each of the first two makes three pictures")
     parser.add_argument("--pool", type=int, default=1500, help="examples in memory")
     parser.add_argument("--fresh", type=float, default=1.2, help="new examples for each step")

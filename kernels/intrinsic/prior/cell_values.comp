@@ -26,7 +26,6 @@ layout(push_constant) uniform Push {
 } push;
 #include "edge_net.glsl"
 #include "net.glsl"
-#include "network/fields.glsl"
 
 const float kCellArea = 16.0;
 
@@ -36,7 +35,7 @@ vec3 learned(ivec2 cell) {
   ivec2 first = shift >= 0 ? cell >> shift : cell << -shift, end = min(first + count, push.network_size);
   vec4 sum = vec4(0.0);
   for (int y = first.y; y < end.y; ++y)
-    for (int x = first.x; x < end.x; ++x) sum += FETCH(fields, FIELDS_STRIDE * (y * push.network_size.x + x) + FIELDS_CELL);
+    for (int x = first.x; x < end.x; ++x) sum += FETCH(fields, y * push.network_size.x + x);
   ivec2 pixels = end - first;
   return sum.xyz / float(pixels.x * pixels.y);
 }

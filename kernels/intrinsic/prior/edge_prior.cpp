@@ -21,13 +21,7 @@ EdgePrior::EdgePrior(const std::shared_ptr<gpu::Device>& device, Extent extent)
 
 EdgePrior::Learned::Learned(const std::shared_ptr<gpu::Device>& device, Extent extent,
                             const PriorModelPtr& model)
-    : network(device, extent, model), values(device, {.learned = true}, 1, 4) {
-  using Shader = shaders::intrinsic_prior_edges;
-  const uint32_t kind =
-      network.picture().level >= 2 ? Shader::LEARNED_BLOCKS : Shader::LEARNED_PIXELS;
-  for (const bool down : {false, true})
-    edges[down ? 1 : 0] = {device, {.down = down, .learned = kind}, 4, 4};
-}
+    : network(device, extent, model), values(device, {.learned = true}, 1, 4) {}
 
 void EdgePrior::prepare(const PriorModelPtr& network) {
   if (!network)
@@ -48,8 +42,7 @@ void EdgePrior::record_frame(gpu::Commands& commands, const Guide& guide, const 
 void EdgePrior::record_edges(gpu::Commands& commands, const Guide& guide, const Target& target,
                              const Params& params, const TileList* listed) const {
   const Extent extent = guide.extent();
-  const PriorPicture* picture = learned_ ? &learned_->network.picture() : nullptr;
-  for (const Edges& edges : learned_ ? learned_->edges : edges_)
+  for (const Edges& edges : edges_)
     edges.dispatch(
         commands, listed,
         {.level0 = guide.level0(),
@@ -57,14 +50,11 @@ void EdgePrior::record_edges(gpu::Commands& commands, const Guide& guide, const 
          .cells = guide.cells(),
          .statistics = guide.statistics(),
          .tuning = biases_,
-         .fields = learned_ ? learned_->network.fields() : biases_,
          .system = target.system,
          .flux = target.flux},
         {.size = extent,
          .reflectance_weight = params.reflectance_weight,
-         .shading_weight = params.shading_weight,
-         .network_width = picture ? static_cast<int32_t>(picture->extent.width) : 0,
-         .network_level = picture ? static_cast<int32_t>(picture->level) : 0},
+         .shading_weight = params.shading_weight},
         line_of(static_cast<uint64_t>(pack4_count(extent.width)) * ((extent.height + 3) / 4)));
   if (target.depth)
     target.depth->record_edges(commands, guide, target.system, target.flux, listed,

@@ -18,9 +18,9 @@ namespace inverse {
 
 /// Weights every edge by how much of its step is reflectance or shading, and sets the value prior
 /// of every cell (energy.glsl: a, b, v, V, g), by two small fitted functions of local cues
-/// (docs/reference/methods/intrinsicdecomp.md, 2), and a network that adds to them. Can reuse the
-/// edges of unchanged tiles. The solver only reads the three buffers of Target: another prior can
-/// replace this one.
+/// (docs/reference/methods/intrinsicdecomp.md, 2), and a network that adds to that of cells. Can
+/// reuse the edges of unchanged tiles. The solver only reads the three buffers of Target: another
+/// prior can replace this one.
 class EdgePrior {
  public:
   struct Params {
@@ -90,11 +90,10 @@ class EdgePrior {
  private:
   using Edges = TileProgram<shaders::intrinsic_prior_edges>;
   using Values = TileProgram<shaders::intrinsic_prior_cell_values>;
-  /// What takes the place of `edges_` and `values_` with a network.
+  /// What takes the place of `values_` with a network.
   struct Learned {
     Learned(const std::shared_ptr<gpu::Device>& device, Extent extent, const PriorModelPtr& model);
     PriorNetwork network;
-    Edges edges[2];
     Values values;
   };
   /// What comes before edges and values. If no tile is `listed`, what the network said stays.

@@ -12,31 +12,23 @@
 // pixel and a step for the edges before and after. Only the two adjacent edges are unrolled, so that the function is compiled
 // twice and not sixteen times.
 layout(constant_id = 1) const bool kDown = false;
-// Whether a network adds to the fitted functions (network/fields.glsl): not; one of its pixels is a block or larger; or smaller.
-layout(constant_id = 2) const uint kLearned = 0u;
-#define LEARNED_BLOCKS 1
-#define LEARNED_PIXELS 2
 PLANE_IN(0, level0);
 PLANE_IN(1, level1);
 PLANE_IN(2, cells);
 PLANE_IN(3, statistics);
 PLANE_IN(4, tuning);
-PLANE_IN(5, fields);
-PLANE_OUT(6, system);  // of stride 3
-PLANE_OUT(7, flux);
-#define TILE_CONSTANT 3
-#define TILE_BINDING 8
+PLANE_OUT(5, system);  // of stride 3
+PLANE_OUT(6, flux);
+#define TILE_CONSTANT 2
+#define TILE_BINDING 7
 #include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   ivec2 size;
   float reflectance_weight;
   float shading_weight;
-  int network_width;  // of the network's picture
-  int network_level;
 } push;
 #include "edge_net.glsl"
 #include "net.glsl"
-#include "network/fields.glsl"
 
 // How much more the largest channel steps than the mean does.
 float value_step(vec4 step) { return 5.0 * clamp(abs(step.x + step.w) - abs(step.x), -0.4, 0.4); }
@@ -47,18 +39,6 @@ ivec2 last = push.size - 1;
 vec4 pixel(ivec2 at) {
   at = clamp(at, ivec2(0), last);
   return FETCH(level0, at.y * push.size.x + at.x);
-}
-
-// What the network adds to ln a and ln b at a pixel: a constant, and factors on cue() of the steps of m and of chroma.
-struct Learned {
-  vec2 add, by_m, by_c;
-};
-Learned learned_at(ivec2 at) {
-  ivec2 place = min(at, last) >> push.network_level;
-  int first = FIELDS_STRIDE * (place.y * push.network_width + place.x);
-  vec4 edges = FETCH(fields, first + FIELDS_EDGES), cues = FETCH(fields, first + FIELDS_CUES);
-  const float kScale = 0.462098120, kCenter = 2.0;  // of the cues that these are coefficients of
-  return Learned((kDown ? edges.zw : edges.xy) + kCenter * (cues.xy + cues.zw), kScale * cues.xy, kScale * cues.zw);
 }
 
 void main() {
@@ -84,8 +64,6 @@ void main() {
     EDGE_BIASES(last_far);
     edge_stage0(f, last_far);
   }
-  Learned learned;
-  if (kLearned == LEARNED_BLOCKS) learned = learned_at(block);
   vec4 weights[4], fluxes[4];  // rows; those to the right are written as soon as two are complete
   for (int run = 0; run < 2; ++run) {  // two rows or columns side by side
     ivec2 start = block + 2 * run * d.yx;
@@ -127,8 +105,6 @@ void main() {
         f[13] = cue(before_c[side] + after_c);
         f[14] = clamp(0.5 * (min(p[side].x, q[side].x) + 4.0), -1.0, 2.0);
         vec2 result = edge_net(f, sums);
-        if (kLearned == LEARNED_PIXELS) learned = learned_at(at);
-        if (kLearned != 0u) result += learned.add + f[0] * learned.by_m + f[1] * learned.by_c;
         float on = all(lessThanEqual(at + d, last)) ? 1.0 : 0.0;
         float a = on * push.reflectance_weight * weight(result.x), b = on * push.shading_weight * weight(result.y);
         new_weights[side] = a + b;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A network that adds to the fitted prior, against tests/reference/intrinsic/prior_network.*: what
-// it sees, what its output says, edges and cells, and the whole decomposition.
+// it sees, what its output says, cells, and the whole decomposition.
 #include "kernels/intrinsic/prior/network/prior_network.hpp"
 
 #include "intrinsic_fixture.hpp"
@@ -29,10 +29,9 @@ Pixels spoilt(Extent extent, unsigned seed) {
 }
 
 std::vector<reference::PriorFields> fields_of(const Pixels& device_fields) {
-  constexpr size_t kStride = 4 * size_t{shaders::intrinsic_prior_network_output::FIELDS_STRIDE};
-  std::vector<reference::PriorFields> fields(device_fields.size() / kStride);
+  std::vector<reference::PriorFields> fields(device_fields.size() / 4);
   for (size_t i = 0; i < fields.size(); ++i)
-    for (size_t q = 0; q < kFields; ++q) fields[i][q] = double{device_fields[kStride * i + q]};
+    for (size_t q = 0; q < kFields; ++q) fields[i][q] = double{device_fields[4 * i + q]};
   return fields;
 }
 
@@ -134,8 +133,7 @@ TEST_F(PriorNetworkTest, FieldsAgreeWithReference) {
           image.at(c, y, x) = double{v};
           pixels[4 * (1 + (size_t{c / 4} * half.height + y) * half.width + x) + c % 4] = v;
         }
-    const auto fields =
-        buffer(extent.pixels() * shaders::intrinsic_prior_network_output::FIELDS_STRIDE);
+    const auto fields = buffer(extent.pixels());
     run([&](gpu::Commands& commands) {
       commands.dispatch(output, {.prior = upload(pixels), .fields = fields},
                         {.size = extent, .half_padded = half}, line_of(half_of(extent).pixels()));
@@ -171,8 +169,7 @@ TEST_F(PriorNetworkTest, FieldsOfReflectanceAgreeWithReference) {
           image.at(c, y, x) = double{v};
           reflectance[4 * (1 + size_t{y} * padded.width + x) + c] = v;
         }
-    const auto fields =
-        buffer(picture.extent.pixels() * shaders::intrinsic_prior_network_output::FIELDS_STRIDE);
+    const auto fields = buffer(picture.extent.pixels());
     run([&](gpu::Commands& commands) {
       commands.dispatch(program,
                         {.level0 = made.guide->level0(),
@@ -392,21 +389,21 @@ TEST_F(PriorNetworkTest, RefusesOtherNetworks) {
     b.output(b.convolution(b.input(in), out, 3, stride));
     return b.graph();
   };
-  EXPECT_NO_THROW(PriorModel("a.net", convolved(6, 44, 2)));
+  EXPECT_NO_THROW(PriorModel("a.net", convolved(6, 12, 2)));
   EXPECT_NO_THROW(PriorModel("a.net", convolved(3, 3, 1)));
-  refused(convolved(4, 44, 2), "4 channels in place of 6 of the guide or 3 of an image");
-  refused(convolved(3, 44, 2), "in place of 3 x 16");
-  refused(convolved(6, 11, 2), "in place of 44 x 8");
-  refused(convolved(6, 44, 1), "in place of 44 x 8");
+  refused(convolved(4, 12, 2), "4 channels in place of 6 of the guide or 3 of an image");
+  refused(convolved(3, 12, 2), "in place of 3 x 16");
+  refused(convolved(6, 11, 2), "in place of 12 x 8");
+  refused(convolved(6, 12, 1), "in place of 12 x 8");
   NetworkBuilder deep(1);  // down to a 32th, and a sum with the half that is an odd one at times
   uint32_t value = deep.input(6);
   const uint32_t half = value = deep.convolution(value, 4, 3, 2);
   for (int k = 0; k < 4; ++k) value = deep.convolution(value, 4, 3, 2);
   for (int k = 0; k < 4; ++k) value = deep.simple(network::Op::upsample, value);
-  deep.output(deep.convolution(deep.concat(value, half), 44, 1));
+  deep.output(deep.convolution(deep.concat(value, half), 12, 1));
   refused(deep.graph(), "a.net");
   NetworkBuilder two(1);
-  value = two.convolution(two.input(6), 44, 3, 2);
+  value = two.convolution(two.input(6), 12, 3, 2);
   two.output(value);
   two.output(value);
   refused(two.graph(), "one input and one output");

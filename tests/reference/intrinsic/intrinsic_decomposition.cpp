@@ -192,11 +192,6 @@ EdgePrior edge_prior(const Guide& guide, const IntrinsicParams& params,
         if (down ? y + 1 >= l.height : x + 1 >= l.width) continue;
         edge_features(guide, x, y, down, ef.data());
         evaluate(kEdgeNet, ef.data(), out.data());
-        if (network) {
-          const PriorFields& field = network->at_pixel(x, y);
-          for (std::size_t k : {0, 1})
-            out[k] += field[(down ? 2 : 0) + k] + field[4 + k] * ef[0] + field[6 + k] * ef[1];
-        }
         (down ? p.a_down : p.a_right)[l.index(x, y)] =
             params.reflectance_weight * weight_of(out[0]);
         (down ? p.b_down : p.b_right)[l.index(x, y)] = params.shading_weight * weight_of(out[1]);
@@ -211,7 +206,7 @@ EdgePrior edge_prior(const Guide& guide, const IntrinsicParams& params,
       evaluate(kCellNet, cf.data(), out.data());
       if (network) {
         const PriorFields field = network->at_cell(x, y);
-        for (std::size_t k = 0; k < 3; ++k) out[k] += field[8 + k];
+        for (std::size_t k = 0; k < 3; ++k) out[k] += field[k];
       }
       p.v[i] = kCellArea * params.value_weight * weight_of(out[0]);
       p.V[i] = cells.m[i] + cells.u[i] + out[1];

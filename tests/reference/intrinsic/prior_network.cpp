@@ -15,9 +15,9 @@ uint32_t padded(int side) {
   return static_cast<uint32_t>((side + kPriorStep - 1) / kPriorStep * kPriorStep);
 }
 
-double saturated(double v, double limit) {
+double saturated(double v) {
   if (std::isnan(v)) return 0;
-  return std::isinf(v) ? std::copysign(limit, v) : v / (1 + std::abs(v) / limit);
+  return std::isinf(v) ? std::copysign(kPriorLimit, v) : v / (1 + std::abs(v) / kPriorLimit);
 }
 
 /// The guide at the picture's resolution.
@@ -85,8 +85,7 @@ std::vector<PriorFields> prior_fields(const Image& output, const PriorPicture& p
     for (uint32_t x = 0; x < uint32_t(picture.width); ++x) {
       PriorFields& at = fields.emplace_back();
       for (uint32_t q = 0; q < kPriorFields; ++q)
-        at[q] =
-            saturated(output.at(4 * q + 2 * (y & 1U) + (x & 1U), y / 2, x / 2), kPriorLimits[q]);
+        at[q] = saturated(output.at(4 * q + 2 * (y & 1U) + (x & 1U), y / 2, x / 2));
     }
   return fields;
 }
@@ -102,36 +101,14 @@ std::vector<PriorFields> reflectance_fields(const Image& reflectance, const Guid
     }
     return sum;
   };
-  struct Step {
-    double paint = 0, light = 0;
-    double size() const { return paint + light; }
-  };
-  const auto step = [&](int x0, int y0, int x1, int y1) {
-    const double paint = paint_at(x1, y1) - paint_at(x0, y0);
-    if (std::isnan(paint)) return Step{};
-    return Step{std::abs(paint),
-                std::abs(seen.m[seen.index(x1, y1)] - seen.m[seen.index(x0, y0)] - paint)};
-  };
-  // 1 for paint, -1 for light: of the larger one of the steps to both neighbors.
-  const auto along = [&](int x, int y, int dx, int dy) {
-    const int x0 = std::max(x - dx, 0), y0 = std::max(y - dy, 0),
-              x1 = std::min(x + dx, picture.width - 1), y1 = std::min(y + dy, picture.height - 1);
-    const Step before = step(x0, y0, x, y), after = step(x, y, x1, y1),
-               larger = before.size() > after.size() ? before : after;
-    return (larger.paint - larger.light) / (larger.size() + kPaintEven);
-  };
   std::vector<PriorFields> fields;
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) {
       PriorFields& at = fields.emplace_back();
       const double paint = paint_at(x, y);
       if (std::isnan(paint)) continue;
-      const double right = kPaintEdge * along(x, y, 1, 0), down = kPaintEdge * along(x, y, 0, 1),
-                   target = -paint - seen.u[seen.index(x, y)];
-      at = {-right, right, -down, down};
-      at[8] = kPaintTrust;
-      at[9] = std::clamp(target, -kPaintReach, kPaintReach);
-      at[10] = -kPaintTrust;
+      const double target = -paint - seen.u[seen.index(x, y)];
+      at = {kPaintTrust, std::clamp(target, -kPaintReach, kPaintReach), -kPaintTrust};
     }
   return fields;
 }

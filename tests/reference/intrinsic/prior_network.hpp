@@ -13,14 +13,12 @@ namespace inverse::reference {
 
 inline constexpr int kMaxPriorSide = 256;  ///< Of the network's picture.
 inline constexpr int kPriorStep = 16;      ///< Its input is padded to multiples of this.
-inline constexpr int kPriorFields = 11;    ///< The output has four channels for each.
+inline constexpr int kPriorFields = 3;     ///< The output has four channels for each.
 inline constexpr double kPriorInput = 8;   ///< Largest size of an input.
 
-/// ln a and ln b of the right edge, and of the lower one; ln a and ln b by edge cue 0, and by cue
-/// 1; ln v, V, ln g of a cell.
+/// ln v, V, ln g.
 using PriorFields = std::array<double, kPriorFields>;
-/// What the fields saturate to.
-inline constexpr PriorFields kPriorLimits = {5, 5, 5, 5, 2, 2, 2, 2, 5, 5, 5};
+inline constexpr double kPriorLimit = 5;  ///< What the fields saturate to.
 
 /// The network's picture of a frame.
 struct PriorPicture {
@@ -41,14 +39,11 @@ std::vector<PriorFields> prior_fields(const Image& output, const PriorPicture& p
 /// sRGB in [0, 1].
 Image image_input(const Guide& guide, const PriorPicture& picture);
 
-inline constexpr double kPaintEdge = 2;     ///< Change of ln a and ln b at an edge of paint.
-inline constexpr double kPaintTrust = 1.5;  ///< Change of ln v and ln g.
-inline constexpr double kPaintEven = 0.05;  ///< Steps of ln R and ln S that say little.
-inline constexpr double kPaintReach = 6;    ///< Of V.
+inline constexpr double kPaintTrust = 1.5;                            ///< Change of ln v and ln g.
+inline constexpr double kPaintReach = 6;                              ///< Of V.
 inline constexpr double kDarkestPaint = 1e-3, kBrightestPaint = 1e3;  ///< R is clamped to these.
 
-/// The fields from its output, linear reflectance. A pixel with a NaN has fields of 0, and no step
-/// to its neighbors.
+/// The fields from its output, linear reflectance. A pixel with a NaN has fields of 0.
 std::vector<PriorFields> reflectance_fields(const Image& reflectance, const Guide& guide,
                                             const PriorPicture& picture);
 
@@ -59,10 +54,6 @@ class PriorNetwork {
   PriorNetwork(const Guide& guide, const network::Graph& graph);
   PriorNetwork(PriorPicture picture, std::vector<PriorFields> fields)
       : picture_(picture), fields_(std::move(fields)) {}
-  /// Of the edges of the frame's pixel (x, y).
-  const PriorFields& at_pixel(int x, int y) const {
-    return at(x >> picture_.level, y >> picture_.level);
-  }
   /// Of a cell of guide level kCellLevel: of the pixel that holds it, or the mean of those in it.
   PriorFields at_cell(int x, int y) const;
 

@@ -15,29 +15,25 @@ layout(push_constant) uniform Push {
   ivec2 half_padded;
 } push;
 
-const float kLimit = 5.0, kCueLimit = 2.0;  // of the fields, after saturation
+const float kLimit = 5.0;  // of the fields, after saturation
 const float kHuge = 1e30;
 
-// x / (1 + |x| / limit). NaN counts as 0.
-vec4 saturated(vec4 x, vec4 limit) {
+// x / (1 + |x| / kLimit). NaN counts as 0.
+vec4 saturated(vec4 x) {
   bvec4 wrong = greaterThan(floatBitsToInt(x) & ivec4(0x7fffffff), ivec4(0x7f800000));
   x = clamp(mix(x, vec4(0.0), wrong), -kHuge, kHuge);
-  return x / (1.0 + abs(x) / limit);
+  return x / (1.0 + abs(x) / kLimit);
 }
 
 void main() {
   ivec2 position = ivec2(grid_position(uint(push.size.x + 1) / 2u));
   if (2 * position.y >= push.size.y) return;
   int area = push.half_padded.x * push.half_padded.y, from = 1 + position.y * push.half_padded.x + position.x;
-  vec4 field[12];  // at the four pixels
+  vec4 field[FIELDS];  // at the four pixels
   [[unroll]] for (int q = 0; q < FIELDS; ++q) field[q] = FETCH(prior, from + q * area);
-  field[FIELDS] = vec4(0.0);
   [[unroll]] for (int k = 0; k < 4; ++k) {
     ivec2 at = 2 * position + ivec2(k & 1, k >> 1);
     if (any(greaterThanEqual(at, push.size))) continue;
-    uint to = uint(FIELDS_STRIDE * (at.y * push.size.x + at.x));
-    STORE(fields, to + FIELDS_EDGES, saturated(vec4(field[0][k], field[1][k], field[2][k], field[3][k]), vec4(kLimit)));
-    STORE(fields, to + FIELDS_CUES, saturated(vec4(field[4][k], field[5][k], field[6][k], field[7][k]), vec4(kCueLimit)));
-    STORE(fields, to + FIELDS_CELL, saturated(vec4(field[8][k], field[9][k], field[10][k], field[11][k]), vec4(kLimit)));
+    STORE(fields, at.y * push.size.x + at.x, saturated(vec4(field[0][k], field[1][k], field[2][k], 0.0)));
   }
 }

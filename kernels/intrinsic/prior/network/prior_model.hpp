@@ -12,7 +12,7 @@ namespace inverse {
 /// channels of its input it is one of two kinds: of six channels of the guide it makes 44 of half
 /// the size, changes of the prior; of an image of three channels, reflectance of the same size.
 struct PriorModel {
-  static constexpr uint32_t kInputs = 6, kOutputs = 44, kColors = 3;
+  static constexpr uint32_t kInputs = 6, kOutputs = 12, kColors = 3;
   /// Width and height of the input are multiples of this.
   static constexpr uint32_t kStep = 16;
   /// Of the picture that the input shows.

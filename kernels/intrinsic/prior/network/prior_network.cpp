@@ -34,9 +34,7 @@ PriorNetwork::PriorNetwork(const std::shared_ptr<gpu::Device>& device, Extent fr
       model_(std::move(model)),
       network_(network_of(device, *model_, picture_)),
       input_(device, {.image = model_->gives_reflectance()}),
-      fields_(gpu::Buffer::create(
-          device, gpu::Element::vec4,
-          picture_.extent.pixels() * shaders::intrinsic_prior_network_output::FIELDS_STRIDE)) {
+      fields_(gpu::Buffer::create(device, gpu::Element::vec4, picture_.extent.pixels())) {
   if (model_->gives_reflectance())
     reflectance_.emplace(device);
   else

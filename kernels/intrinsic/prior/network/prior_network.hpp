@@ -39,7 +39,7 @@ class PriorNetwork {
   uint32_t age() const { return rate_.age(); }
   /// The next frame has nothing to do with the last one.
   void reset() { rate_.reset(); }
-  /// Three vec4 a pixel of the picture (fields.glsl).
+  /// One vec4 a pixel of the picture (fields.glsl).
   const gpu::BufferPtr& fields() const { return fields_; }
   const network::Network& network() const { return network_; }
 
