@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "host_network.hpp"
 
+#ifdef INVERSE_GOMP
+#include <omp.h>
+#endif
+
 #include <dnnl.hpp>
 #include <unordered_map>
 #include <utility>
@@ -279,6 +283,9 @@ struct HostNetwork::Impl {
     for (size_t i = 0; i < outputs.size(); ++i) outputs[i].set_data_handle(to[i] + kPadding);
     for (const Step& step : steps) step.primitive.execute(stream, step.arguments);
     stream.wait();
+#ifdef INVERSE_GOMP
+    omp_pause_resource_all(omp_pause_soft);  // its threads would wait for work on processors that the next kernels need
+#endif
   }
 };
 
