@@ -14,7 +14,7 @@ GSTREAMERS = ("no element", "could not")
 
 def printed():
     """Every string of the sources, with those that the compiler joins joined."""
-    text = "\n".join(path.read_text() for folder in ("gst", "kernels", "stage", "common") for kind in ("cpp", "hpp")
+    text = "\n".join(path.read_text() for folder in ("gst", "kernels", "common") for kind in ("cpp", "hpp")
                      for path in sorted((ROOT / folder).rglob(f"*.{kind}")))
     return re.sub(r'"\s*\n\s*"', "", text).replace('\\"', '"')
 

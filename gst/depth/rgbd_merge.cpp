@@ -7,7 +7,7 @@
 
 #include "gst/base/log/errors.hpp"
 #include "gst/base/log/log.hpp"
-#include "gst/rgbd/meta/depth_meta.hpp"
+#include "gst/depth/meta/depth_meta.hpp"
 
 namespace inverse {
 namespace {

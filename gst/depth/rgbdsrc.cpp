@@ -12,7 +12,7 @@
 #include "common/background.hpp"
 #include "gst/base/element_class.hpp"
 #include "gst/base/log/errors.hpp"
-#include "gst/rgbd/meta/depth_meta.hpp"
+#include "gst/depth/meta/depth_meta.hpp"
 #include "recording.hpp"
 
 namespace inverse {

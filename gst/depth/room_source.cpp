@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "gst/base/report.hpp"
-#include "gst/rgbd/meta/depth_meta.hpp"
+#include "gst/depth/meta/depth_meta.hpp"
 
 namespace inverse {
 namespace {

@@ -10,7 +10,7 @@
 #include "gst/base/frames/frame_io.hpp"
 #include "gst/base/property_table.hpp"
 #include "gst/base/vulkan/device_context.hpp"
-#include "kernels/virtual_room/virtual_room.hpp"
+#include "kernels/depth/virtual_room/virtual_room.hpp"
 
 namespace inverse {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "scene_work.hpp"
+#include "gst/decompose/scene_work.hpp"
 
 #include <algorithm>
 #include <array>
@@ -17,11 +17,11 @@
 #include <utility>
 #include <vector>
 
-#include "decomposer.hpp"
+#include "gst/decompose/decomposer.hpp"
+#include "gst/decompose/strokes/stroke_editor.hpp"
+#include "gst/decompose/strokes/stroke_text.hpp"
 #include "gst/inverse/inverse_depth_meta.h"
-#include "kernels/volume/memory/scene_memory.hpp"
-#include "strokes/stroke_editor.hpp"
-#include "strokes/stroke_text.hpp"
+#include "kernels/depth/memory/scene_memory.hpp"
 
 namespace inverse {
 namespace {

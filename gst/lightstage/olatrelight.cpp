@@ -17,12 +17,12 @@
 #include "gst/base/models.hpp"
 #include "gst/exr/environment_file.hpp"
 #include "gst/inverse/inverse_light_stage_meta.h"
-#include "gst/stage/sync/shared/upstream.hpp"
+#include "gst/lightstage/sync/shared/upstream.hpp"
 #include "kernels/image/view/mosaic.hpp"
-#include "kernels/relight/relighting.hpp"
+#include "kernels/lightstage/gray_gradients.hpp"
+#include "kernels/lightstage/program/light_program.hpp"
+#include "kernels/lightstage/relighting.hpp"
 #include "side_by_side.hpp"
-#include "stage/gray_gradients.hpp"
-#include "stage/program/light_program.hpp"
 
 namespace inverse {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "gst/base/filter.hpp"
 #include "gst/base/meta/layers_meta.hpp"
-#include "gst/stage/meta/light_stage_meta.hpp"
+#include "gst/lightstage/meta/light_stage_meta.hpp"
 
 namespace inverse {
 extern const ElementInfo kOlatRelight;

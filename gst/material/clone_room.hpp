@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "gst/base/filter.hpp"
-#include "kernels/raster/room_insertion.hpp"
+#include "kernels/material/raster/room_insertion.hpp"
 
 namespace inverse {
 

@@ -20,7 +20,7 @@
 #include "gst/inverse/inverse_material_meta.h"
 #include "gst/material/mesh/mesh_process.hpp"
 #include "kernels/environment/lit_sphere.hpp"
-#include "kernels/raster/insertion.hpp"
+#include "kernels/material/raster/insertion.hpp"
 
 namespace inverse {
 namespace {

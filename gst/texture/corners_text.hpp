@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "kernels/edit/texture/quad.hpp"
+#include "kernels/texture/quad.hpp"
 
 namespace inverse {
 

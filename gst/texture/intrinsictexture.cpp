@@ -13,8 +13,8 @@
 #include "gst/base/filter.hpp"
 #include "gst/base/pictures/file_loader.hpp"
 #include "gst/base/pictures/picture_file.hpp"
-#include "kernels/edit/texture/plane_luminance.hpp"
-#include "kernels/edit/texture/texture_edit.hpp"
+#include "kernels/texture/plane_luminance.hpp"
+#include "kernels/texture/texture_edit.hpp"
 #include "picture_source.hpp"
 #include "plane_tracker.hpp"
 

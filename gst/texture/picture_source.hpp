@@ -7,8 +7,8 @@
 #include "gst/base/frames/frame_io.hpp"
 #include "gst/base/pads/side_pads.hpp"
 #include "gst/base/pictures/picture_file.hpp"
-#include "kernels/edit/texture/texture_pyramid.hpp"
 #include "kernels/gpu/frame_ring.hpp"
+#include "kernels/texture/texture_pyramid.hpp"
 #include "texture_pad.hpp"
 
 namespace inverse {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "kernels/edit/texture/quad.hpp"
+#include "kernels/texture/quad.hpp"
 
 namespace inverse {
 

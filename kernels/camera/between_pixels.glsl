@@ -2,7 +2,7 @@
 // What a pixel of the frame has of a plane of each `step`-th pixel of the view, rgb and depth (0: unknown): the mean, by their distance,
 // of those of the four pixels around it that are of the same surface as the nearest one. 0 where nothing is known. Needs SEEN(index),
 // which reads the plane.
-#include "volume/jump.glsl"
+#include "camera/jump.glsl"
 
 vec3 between_pixels(uvec2 at, uvec2 frame, uvec2 view, uint step) {
   uvec2 grid = (view + step - 1u) / step;

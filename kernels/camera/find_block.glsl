@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // find_block(): the place of a block in the pool, or kNoBlock. Needs WORD_IN `table` and push.table_mask.
-#include "blocks.glsl"
+#include "camera/blocks.glsl"
 
 uint find_block(ivec3 block) {
   if (!has_key(block)) return kNoBlock;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Whether a frame sees what is known of its scene (KnownReflectance), or something in front of it or behind it.
-#include "volume/noise.glsl"
+#include "camera/noise.glsl"
 
 const float kMargin = 0.02;  // meters that the depth of the same surface may differ by, ...
 const float kSteps = 4.0;    // ... and standard deviations of the sensor

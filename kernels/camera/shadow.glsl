@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // lit_share(): how much of a lamp is seen from a place, by a march through the volume. Needs what distance.glsl needs, and
 // push.voxel and push.truncation.
-#include "distance.glsl"
+#include "camera/distance.glsl"
 
 const uint kMaxShadowSteps = 512u;
 const float kMinHalfWidth = 1.0;  // voxels: half of the width over which the edge of a shadow falls, at least

@@ -2,8 +2,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "blocks.glsl"
-#include "camera.glsl"
+#include "camera/blocks.glsl"
+#include "camera/camera.glsl"
 #include "state.glsl"
 
 // Makes the blocks within the truncation of what a depth camera sees. One pixel in push.step² an invocation.

@@ -2,8 +2,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "camera.glsl"
-#include "voxel.glsl"
+#include "camera/camera.glsl"
+#include "camera/voxel.glsl"
 
 // Where the ray of every second pixel comes near the surface: from there, march.comp follows the rays around it. One ray an invocation.
 WORD_IN(0, table);
@@ -20,7 +20,7 @@ layout(push_constant) uniform Push {
   float voxel;
   float truncation;
 } push;
-#include "find_block.glsl"
+#include "camera/find_block.glsl"
 #include "ray.glsl"
 
 const float kNear = 0.5;  // truncations

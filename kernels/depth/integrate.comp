@@ -2,9 +2,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "blocks.glsl"
-#include "camera.glsl"
-#include "voxel.glsl"
+#include "camera/blocks.glsl"
+#include "camera/camera.glsl"
+#include "camera/voxel.glsl"
 
 // Adds a frame to the listed blocks: distance to the surface along its normal (a weighted mean; Curless and Levoy 1996), and ln
 // reflectance near it (an exponential mean, weighted by confidence). A workgroup of 64 a block, a column of 8 voxels an invocation.

@@ -2,8 +2,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "blocks.glsl"
-#include "camera.glsl"
+#include "camera/blocks.glsl"
+#include "camera/camera.glsl"
 #include "state.glsl"
 
 // Lists the blocks that a camera may see, in any order. One block of the pool an invocation.

@@ -2,8 +2,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "camera.glsl"
-#include "voxel.glsl"
+#include "camera/camera.glsl"
+#include "camera/voxel.glsl"
 
 // What a camera sees of the volume: the first place along each ray where the distance turns from positive to negative. One pixel an
 // invocation.
@@ -24,8 +24,8 @@ layout(push_constant) uniform Push {
   float voxel;
   float truncation;
 } push;
-#include "find_block.glsl"
-#include "distance.glsl"
+#include "camera/find_block.glsl"
+#include "camera/distance.glsl"
 #include "ray.glsl"
 
 const int kRefinements = 2;

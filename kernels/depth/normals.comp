@@ -2,8 +2,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "camera.glsl"
-#include "jump.glsl"
+#include "camera/camera.glsl"
+#include "camera/jump.glsl"
 
 // Normals of a depth image, from differences between neighbors on both sides, or on one where the other is off the surface. One pixel
 // an invocation.

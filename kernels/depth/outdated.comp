@@ -2,7 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "camera.glsl"
+#include "camera/camera.glsl"
 
 // Whether a view is to be rendered anew, and if so its pose: that of the camera. One invocation.
 PLANE_IN(0, pose);

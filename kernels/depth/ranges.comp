@@ -2,8 +2,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "blocks.glsl"
-#include "camera.glsl"
+#include "camera/blocks.glsl"
+#include "camera/camera.glsl"
 #include "state.glsl"
 
 // The range of depths in which each tile of 8 × 8 pixels sees blocks of the list. One block of the list an invocation.

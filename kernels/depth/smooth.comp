@@ -2,7 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "noise.glsl"
+#include "camera/noise.glsl"
 
 // Smooths a depth image within surfaces by a bilateral filter of 5 × 5 pixels (Tomasi and Manduchi 1998), as its noise is. One pixel
 // an invocation.

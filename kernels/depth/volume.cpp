@@ -12,7 +12,7 @@
 namespace inverse {
 namespace {
 
-using shaders::volume_allocate;
+using shaders::depth_allocate;
 
 constexpr uint32_t kNoBlock = VolumeData::kNoBlock;
 constexpr uint32_t kColumns = 64;       // of a block, an invocation each
@@ -58,13 +58,13 @@ Volume::Volume(const std::shared_ptr<gpu::Device>& device, const Params& params)
       list_(gpu::Buffer::create(device, gpu::Element::word, params.blocks)),
       colored_(gpu::Buffer::create(device, gpu::Element::word, params.blocks)),
       voxels_(gpu::Buffer::create(device, gpu::Element::word,
-                                  uint64_t{params.blocks} * volume_allocate::kBlockVoxels)),
+                                  uint64_t{params.blocks} * depth_allocate::kBlockVoxels)),
       colors_(gpu::Buffer::create(device, gpu::Element::word,
-                                  uint64_t{params.blocks} * 2 * volume_allocate::kBlockVoxels)) {
-  std::vector<uint32_t> places(params.blocks), start(volume_allocate::kStateWords);
+                                  uint64_t{params.blocks} * 2 * depth_allocate::kBlockVoxels)) {
+  std::vector<uint32_t> places(params.blocks), start(depth_allocate::kStateWords);
   std::iota(places.rbegin(), places.rend(), 0U);
   start[1] = start[2] = 1;
-  start[volume_allocate::kFree] = params.blocks;
+  start[depth_allocate::kFree] = params.blocks;
   free_ = gpu::make_table(device, gpu::Element::word, places);
   start_ = gpu::make_table(device, gpu::Element::word, start);
   state_ = gpu::Buffer::create(device, gpu::Element::word, start.size());
@@ -97,7 +97,7 @@ VolumeData Volume::data() const {
   };
   VolumeData data{params_.voxel, params_.truncation, read(keys_, params_.blocks), {}, {}};
   // Places are taken in order; some may have been given back.
-  constexpr uint64_t kVoxels = volume_allocate::kBlockVoxels;
+  constexpr uint64_t kVoxels = depth_allocate::kBlockVoxels;
   while (!data.keys.empty() && data.keys.back() == kNoBlock) data.keys.pop_back();
   const uint64_t places = data.keys.size();
   data.voxels = read(voxels_, places * kVoxels);
@@ -127,18 +127,18 @@ void Volume::restore(const VolumeData& data) {
                                       " blocks, and there is memory for " +
                                       std::to_string(params_.blocks));
   std::vector<uint32_t> table(2ULL * entries_, kNoBlock), colored(blocks),
-      state(volume_allocate::kStateWords);
+      state(depth_allocate::kStateWords);
   for (uint32_t block = 0; block < blocks; ++block) {
     uint32_t entry = hash_of(data.keys[block]) & table_mask();
     while (table[2ULL * entry] != kNoBlock) entry = (entry + 1) & table_mask();
     table[2ULL * entry] = data.keys[block];
     table[2ULL * entry + 1] = block;
-    const uint32_t* sure = &data.colors[(2ULL * block + 1) * volume_allocate::kBlockVoxels];
+    const uint32_t* sure = &data.colors[(2ULL * block + 1) * depth_allocate::kBlockVoxels];
     colored[block] = static_cast<uint32_t>(std::count_if(
-        sure, sure + volume_allocate::kBlockVoxels, [](uint32_t word) { return word >> 16 > 0; }));
+        sure, sure + depth_allocate::kBlockVoxels, [](uint32_t word) { return word >> 16 > 0; }));
   }
   state[1] = state[2] = 1;
-  state[volume_allocate::kFree] = params_.blocks - static_cast<uint32_t>(blocks);
+  state[depth_allocate::kFree] = params_.blocks - static_cast<uint32_t>(blocks);
   gpu::Commands commands(device_);
   commands.begin();
   record_clear(commands);
@@ -174,8 +174,8 @@ void Volume::record_integrate(gpu::Commands& commands, const Frame& frame,
   changed();
   const float truncation = params_.truncation * params_.voxel;
   // The counts of this frame; they stand beside each other.
-  constexpr uint64_t kFrom = volume_allocate::kRefused * sizeof(uint32_t),
-                     kTo = (volume_allocate::kMade + 1) * sizeof(uint32_t);
+  constexpr uint64_t kFrom = depth_allocate::kRefused * sizeof(uint32_t),
+                     kTo = (depth_allocate::kMade + 1) * sizeof(uint32_t);
   commands.copy(start_, state_, kTo - kFrom, kFrom, kFrom);
   if (added.geometry) {
     const Extent across{(frame.extent.width + kAllocateStep - 1) / kAllocateStep,

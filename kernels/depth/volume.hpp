@@ -4,17 +4,17 @@
 #include <memory>
 
 #include "kernels/camera/camera.hpp"
+#include "kernels/depth/volume_data.hpp"
+#include "kernels/depth_allocate.spv.hpp"
+#include "kernels/depth_approach.spv.hpp"
+#include "kernels/depth_integrate.spv.hpp"
+#include "kernels/depth_list.spv.hpp"
+#include "kernels/depth_march.spv.hpp"
+#include "kernels/depth_normals.spv.hpp"
+#include "kernels/depth_outdated.spv.hpp"
+#include "kernels/depth_ranges.spv.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
-#include "kernels/volume/volume_data.hpp"
-#include "kernels/volume_allocate.spv.hpp"
-#include "kernels/volume_approach.spv.hpp"
-#include "kernels/volume_integrate.spv.hpp"
-#include "kernels/volume_list.spv.hpp"
-#include "kernels/volume_march.spv.hpp"
-#include "kernels/volume_normals.spv.hpp"
-#include "kernels/volume_outdated.spv.hpp"
-#include "kernels/volume_ranges.spv.hpp"
 
 namespace inverse {
 
@@ -110,14 +110,14 @@ class Volume {
   Params params_;
   uint32_t entries_;
   uint64_t version_ = 1;  // what it has changes with it
-  gpu::Program<shaders::volume_allocate> allocate_;
-  gpu::Program<shaders::volume_list> list_blocks_;
-  gpu::Program<shaders::volume_integrate> integrate_;
-  gpu::Program<shaders::volume_ranges> ranges_;
-  gpu::Program<shaders::volume_approach> approach_;
-  gpu::Program<shaders::volume_march> march_;
-  gpu::Program<shaders::volume_normals> normals_;
-  gpu::Program<shaders::volume_outdated> outdated_;
+  gpu::Program<shaders::depth_allocate> allocate_;
+  gpu::Program<shaders::depth_list> list_blocks_;
+  gpu::Program<shaders::depth_integrate> integrate_;
+  gpu::Program<shaders::depth_ranges> ranges_;
+  gpu::Program<shaders::depth_approach> approach_;
+  gpu::Program<shaders::depth_march> march_;
+  gpu::Program<shaders::depth_normals> normals_;
+  gpu::Program<shaders::depth_outdated> outdated_;
   gpu::BufferPtr table_, keys_, fresh_, free_, state_, start_, list_, colored_, voxels_, colors_;
 };
 

@@ -8,9 +8,9 @@
 #include <tuple>
 #include <utility>
 
-#include "environment.hpp"
 #include "instance.hpp"
 #include "kernel.hpp"
+#include "variables.hpp"
 
 namespace inverse::gpu {
 namespace {

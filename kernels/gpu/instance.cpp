@@ -9,7 +9,7 @@
 #include <mutex>
 
 #include "common/error.hpp"
-#include "environment.hpp"
+#include "variables.hpp"
 
 namespace inverse::gpu {
 namespace {

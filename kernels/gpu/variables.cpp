@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "environment.hpp"
+#include "variables.hpp"
 
 #include <charconv>
 #include <cstdlib>

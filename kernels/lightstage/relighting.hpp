@@ -4,10 +4,10 @@
 #include <memory>
 #include <optional>
 
-#include "kernels/relight/lights/light_reduction.hpp"
-#include "kernels/relight/lights/measured_light.hpp"
-#include "kernels/relight/lobe/cosine_lobe.hpp"
-#include "kernels/relight/network/relight_network.hpp"
+#include "kernels/lightstage/lights/light_reduction.hpp"
+#include "kernels/lightstage/lights/measured_light.hpp"
+#include "kernels/lightstage/lobe/cosine_lobe.hpp"
+#include "kernels/lightstage/network/relight_network.hpp"
 
 namespace inverse {
 

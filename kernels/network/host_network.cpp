@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/error.hpp"
-#include "kernels/gpu/environment.hpp"
+#include "kernels/gpu/variables.hpp"
 
 namespace inverse::network {
 namespace {
@@ -284,7 +284,8 @@ struct HostNetwork::Impl {
     for (const Step& step : steps) step.primitive.execute(stream, step.arguments);
     stream.wait();
 #ifdef INVERSE_GOMP
-    omp_pause_resource_all(omp_pause_soft);  // its threads would wait for work on processors that the next kernels need
+    omp_pause_resource_all(omp_pause_soft);  // its threads would wait for work on processors that
+                                             // the next kernels need
 #endif
   }
 };

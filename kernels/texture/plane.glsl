@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Shared by the kernels of a plane: homographies, and values between pixels.
-#include "../edit.glsl"
+#include "edit/edit.glsl"
 
 // The point of the homography with these rows; its third coordinate before division is `depth`.
 vec2 mapped(vec4 rows[3], vec2 point, out float depth) {

@@ -2,9 +2,9 @@
 #pragma once
 #include <span>
 
-#include "kernels/edit_texture_luminance.spv.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
+#include "kernels/texture_luminance.spv.hpp"
 
 namespace inverse {
 
@@ -27,7 +27,7 @@ class PlaneLuminance {
   Extent frame_;
   uint32_t factor_;
   Extent size_;
-  gpu::Program<shaders::edit_texture_luminance> reduce_;
+  gpu::Program<shaders::texture_luminance> reduce_;
   gpu::BufferPtr values_;
 };
 

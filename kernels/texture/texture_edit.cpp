@@ -9,7 +9,7 @@
 namespace inverse {
 namespace {
 
-using Draw = shaders::edit_texture_draw;
+using Draw = shaders::texture_draw;
 constexpr float kHardestEdge = 1e-6f;
 
 /// `value` within [low, high]; `low` for NaN.

@@ -2,13 +2,13 @@
 #pragma once
 #include <array>
 
-#include "kernels/edit_texture_compare.spv.hpp"
-#include "kernels/edit_texture_draw.spv.hpp"
-#include "kernels/edit_texture_hide.spv.hpp"
-#include "kernels/edit_texture_learn.spv.hpp"
-#include "kernels/edit_texture_soften.spv.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/layers.hpp"
+#include "kernels/texture_compare.spv.hpp"
+#include "kernels/texture_draw.spv.hpp"
+#include "kernels/texture_hide.spv.hpp"
+#include "kernels/texture_learn.spv.hpp"
+#include "kernels/texture_soften.spv.hpp"
 #include "quad.hpp"
 #include "texture_pyramid.hpp"
 
@@ -60,12 +60,12 @@ class TextureEdit {
 
   std::shared_ptr<gpu::Device> device_;
   PlanePool planes_;
-  gpu::Program<shaders::edit_texture_compare> compare_;
-  gpu::Program<shaders::edit_texture_hide> hide_;
-  gpu::Program<shaders::edit_texture_learn> learn_;
-  gpu::Program<shaders::edit_texture_soften> soften_;
-  std::array<gpu::Program<shaders::edit_texture_draw>, 4> draw_;  // by MATTE + 2 HIDDEN
-  Extent cells_;                                                  // 0 × 0: nothing is learned
+  gpu::Program<shaders::texture_compare> compare_;
+  gpu::Program<shaders::texture_hide> hide_;
+  gpu::Program<shaders::texture_learn> learn_;
+  gpu::Program<shaders::texture_soften> soften_;
+  std::array<gpu::Program<shaders::texture_draw>, 4> draw_;  // by MATTE + 2 HIDDEN
+  Extent cells_;                                             // 0 × 0: nothing is learned
   gpu::BufferPtr learned_, observed_, excess_, hidden_, softened_;
 };
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include "kernels/edit_texture_level.spv.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
+#include "kernels/texture_level.spv.hpp"
 
 namespace inverse {
 
@@ -21,7 +21,7 @@ class TexturePyramid {
 
  private:
   Extent extent_;
-  gpu::Program<shaders::edit_texture_level> base_, level_;
+  gpu::Program<shaders::texture_level> base_, level_;
   uint32_t levels_ = 1;
   gpu::BufferPtr buffer_;
 };

@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-#include "kernels/edit/texture/quad.hpp"
+#include "kernels/texture/quad.hpp"
 
 namespace inverse::testing {
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/elements/material/lime_fixture.hpp"
 #include "tests/has_element.hpp"
+#include "tests/material/elements/lime_fixture.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "tests/elements/element_test.hpp"
 #include "tests/has_element.hpp"
-#include "tests/kernels/material/lime_models.hpp"
+#include "tests/material/kernels/lime_models.hpp"
 #include "tests/pipeline.hpp"
 #include "vulkan_listener.hpp"
 

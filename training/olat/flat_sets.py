@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Held-out subjects of make_corpus.py as flat dumps that the benchmarks of relighting read: flat_sets.py [--out out/olat].
 
-Writes OUT/sets/NAME.f32 of every subject of OUT/corpus/test (tests/bench/stage/olat_set.hpp: pictures under both gradients, the
+Writes OUT/sets/NAME.f32 of every subject of OUT/corpus/test (tests/lightstage/bench/olat_set.hpp: pictures under both gradients, the
 mask three times, the lights; in the scale in which gradients are sums over lights).
 """
 import argparse

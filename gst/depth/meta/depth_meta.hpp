@@ -2,8 +2,8 @@
 #pragma once
 #include <gst/gst.h>
 
+#include "gst/depth/calibration.hpp"
 #include "gst/inverse/inverse_depth_meta.h"
-#include "gst/rgbd/calibration.hpp"
 
 namespace inverse {
 

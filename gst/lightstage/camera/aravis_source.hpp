@@ -8,8 +8,8 @@
 #include <string>
 
 #include "aravis_stream.hpp"
-#include "stage/triggers/camera_clock.hpp"
-#include "stage/triggers/frame_ids.hpp"
+#include "kernels/lightstage/triggers/camera_clock.hpp"
+#include "kernels/lightstage/triggers/frame_ids.hpp"
 
 namespace inverse {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "common/error.hpp"
-#include "stage/program/light_list.hpp"
+#include "kernels/lightstage/program/light_list.hpp"
 
 namespace inverse {
 namespace {

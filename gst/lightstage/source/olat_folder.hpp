@@ -8,7 +8,7 @@
 
 #include "gst/exr/exr_picture.hpp"
 #include "kernels/image/plane.hpp"
-#include "stage/program/light_program.hpp"
+#include "kernels/lightstage/program/light_program.hpp"
 
 namespace inverse {
 

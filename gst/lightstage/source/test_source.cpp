@@ -9,8 +9,8 @@
 
 #include "gst/base/pads/caps.hpp"
 #include "gst/base/report.hpp"
-#include "gst/stage/meta/light_stage_meta.hpp"
-#include "kernels/virtual_stage/virtual_head.hpp"
+#include "gst/lightstage/meta/light_stage_meta.hpp"
+#include "kernels/lightstage/virtual_stage/virtual_head.hpp"
 
 namespace inverse {
 namespace {

@@ -9,11 +9,11 @@
 
 #include "gst/base/frames/frame_io.hpp"
 #include "gst/base/vulkan/device_context.hpp"
-#include "kernels/virtual_stage/camera_schedule.hpp"
-#include "kernels/virtual_stage/olat_stack.hpp"
-#include "kernels/virtual_stage/virtual_camera.hpp"
+#include "kernels/lightstage/controllers/sacn_receiver.hpp"
+#include "kernels/lightstage/virtual_stage/camera_schedule.hpp"
+#include "kernels/lightstage/virtual_stage/olat_stack.hpp"
+#include "kernels/lightstage/virtual_stage/virtual_camera.hpp"
 #include "olat_folder.hpp"
-#include "stage/controllers/sacn_receiver.hpp"
 #include "test_source_params.hpp"
 
 namespace inverse {

@@ -9,9 +9,9 @@
 #include <optional>
 #include <string>
 
-#include "gst/stage/sync/assemble/frame_assembler.hpp"
-#include "gst/stage/sync/assemble/raw_frame.hpp"
-#include "stage/labels/frame_labeler.hpp"
+#include "gst/lightstage/sync/assemble/frame_assembler.hpp"
+#include "gst/lightstage/sync/assemble/raw_frame.hpp"
+#include "kernels/lightstage/labels/frame_labeler.hpp"
 
 namespace inverse {
 

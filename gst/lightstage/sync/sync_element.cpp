@@ -5,9 +5,9 @@
 
 #include "gst/base/log/errors.hpp"
 #include "gst/base/log/log.hpp"
-#include "gst/stage/sync/assemble/olat_assembler.hpp"
-#include "gst/stage/sync/assemble/pair_assembler.hpp"
-#include "gst/stage/sync/shared/upstream.hpp"
+#include "gst/lightstage/sync/assemble/olat_assembler.hpp"
+#include "gst/lightstage/sync/assemble/pair_assembler.hpp"
+#include "gst/lightstage/sync/shared/upstream.hpp"
 
 namespace inverse {
 namespace {

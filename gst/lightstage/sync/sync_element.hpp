@@ -10,9 +10,9 @@
 
 #include "gst/base/log/log.hpp"
 #include "gst/base/vulkan/device_context.hpp"
-#include "gst/stage/sync/lights/light_clock.hpp"
-#include "gst/stage/sync/lights/stage_trigger.hpp"
-#include "stage/triggers/frame_sets.hpp"
+#include "gst/lightstage/sync/lights/light_clock.hpp"
+#include "gst/lightstage/sync/lights/stage_trigger.hpp"
+#include "kernels/lightstage/triggers/frame_sets.hpp"
 #include "sync_camera.hpp"
 
 namespace inverse {

@@ -5,7 +5,7 @@
 #include "gst/base/log/errors.hpp"
 #include "gst/base/pads/caps.hpp"
 #include "gst/base/report.hpp"
-#include "gst/stage/sync/assemble/olat_assembler.hpp"
+#include "gst/lightstage/sync/assemble/olat_assembler.hpp"
 #include "sync_element.hpp"
 
 namespace inverse {

@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "kernels/raster/mesh.hpp"
+#include "kernels/material/raster/mesh.hpp"
 
 namespace inverse {
 

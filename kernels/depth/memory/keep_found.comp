@@ -2,7 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "volume/tracking/tracking.glsl"
+#include "depth/tracking/tracking.glsl"
 
 // The depth of a frame whose pose is known; else nothing, so that nothing is added in a wrong place. One pixel an invocation.
 SCALAR_IN(0, depth);

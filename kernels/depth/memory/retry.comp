@@ -2,7 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "volume/tracking/tracking.glsl"
+#include "depth/tracking/tracking.glsl"
 
 // The pose to look for a lost camera from: the candidate, unless the last frame was found after all, which the host does not know yet.
 // One invocation.

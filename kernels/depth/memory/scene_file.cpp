@@ -16,7 +16,7 @@
 #include "common/checksum.hpp"
 #include "common/open_file.hpp"
 #include "common/replace_file.hpp"
-#include "kernels/volume/mesh.hpp"
+#include "kernels/depth/mesh.hpp"
 
 namespace inverse {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "kernels/volume/volume_data.hpp"
+#include "kernels/depth/volume_data.hpp"
 #include "keyframes.hpp"
 
 namespace inverse {

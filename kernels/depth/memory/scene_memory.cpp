@@ -10,15 +10,15 @@
 namespace inverse {
 namespace {
 
-using shaders::volume_list;
-using shaders::volume_memory_keep_found;
-using shaders::volume_tracking_move;
+using shaders::depth_list;
+using shaders::depth_memory_keep_found;
+using shaders::depth_tracking_move;
 
-constexpr uint64_t kFoundBytes = volume_memory_keep_found::kFoundStride * 4 * sizeof(float);
-constexpr uint64_t kStateBytes = volume_list::kStateWords * sizeof(uint32_t);
+constexpr uint64_t kFoundBytes = depth_memory_keep_found::kFoundStride * 4 * sizeof(float);
+constexpr uint64_t kStateBytes = depth_list::kStateWords * sizeof(uint32_t);
 constexpr uint64_t kPoseBytes = 8 * sizeof(float);
-constexpr uint32_t kCells = shaders::volume_memory_thumbnail::kThumbnailWidth *
-                            shaders::volume_memory_thumbnail::kThumbnailHeight;
+constexpr uint32_t kCells = shaders::depth_memory_thumbnail::kThumbnailWidth *
+                            shaders::depth_memory_thumbnail::kThumbnailHeight;
 constexpr uint64_t kThumbnailBytes = kCells * 4 * sizeof(float);
 constexpr uint64_t kLeftBytes = sizeof(uint32_t), kOutdatedBytes = sizeof(uint32_t);
 // Of what is read back: what tracking found, the volume's state, the pose, the thumbnail, how many
@@ -63,11 +63,11 @@ SceneMemory::SceneMemory(const std::shared_ptr<gpu::Device>& device, Extent dept
       thumbnail_(device),
       see_(device),
       surfaces_(device, extent_),
-      poses_(device, {shaders::volume_memory_see::kPoseRows, 1}),
+      poses_(device, {shaders::depth_memory_see::kPoseRows, 1}),
       depth_(gpu::Buffer::create(device, gpu::Element::scalar, extent_.pixels())),
       kept_depth_(gpu::Buffer::create(device, gpu::Element::scalar, extent_.pixels())),
       certain_(gpu::Buffer::create(device, gpu::Element::vec4,
-                                   volume_memory_keep_found::kFoundStride, gpu::Memory::upload)),
+                                   depth_memory_keep_found::kFoundStride, gpu::Memory::upload)),
       thumbnail_plane_(gpu::Buffer::create(device, gpu::Element::vec4, kCells)),
       device_(device),
       keyframes_(params.keyframes),
@@ -141,11 +141,11 @@ std::optional<Pose> SceneMemory::learn(uint64_t number) {
   if (numbers[0] > 0) {
     tries_ = 0;
     const Pose pose = pose_in(frames_[number].found);
-    const float matched = numbers[4 * volume_tracking_move::kFit + 1];
+    const float matched = numbers[4 * depth_tracking_move::kFit + 1];
     if (!stands(pose, matched)) still_ = {pose, matched, 0};
     keyframes_.add(picture, pose);
     const auto* state = frames_[number].found->map_as<uint32_t>() + kStateAt / sizeof(uint32_t);
-    last_known_ = {pose, state[volume_list::kFree]};
+    last_known_ = {pose, state[depth_list::kFree]};
     return {};
   }
   // Each candidate as long as it takes to hear that it was right.
@@ -386,18 +386,18 @@ std::optional<SceneMemory::Findings> SceneMemory::findings(uint64_t number) cons
   if (frame.number != number) return {};
   const auto* numbers = frame.found->map_as<float>();
   const auto* state = frame.found->map_as<uint32_t>() + kStateAt / sizeof(uint32_t);
-  const float* fit = numbers + size_t{4} * volume_tracking_move::kFit;
+  const float* fit = numbers + size_t{4} * depth_tracking_move::kFit;
   std::optional<float> front;
   if (frame.touches) front = TouchFinder::front(numbers + kTouchAt / sizeof(float));
   return Findings{.found = numbers[0] > 0,
                   .frames_lost = static_cast<uint32_t>(numbers[1]),
                   .rms = fit[0],
                   .matched = fit[1],
-                  .blocks = volume_.params().blocks - state[volume_list::kFree],
-                  .blocks_visible = state[volume_list::kListed],
+                  .blocks = volume_.params().blocks - state[depth_list::kFree],
+                  .blocks_visible = state[depth_list::kListed],
                   .blocks_host = frame.blocks_host,
-                  .blocks_refused = state[volume_list::kRefused],
-                  .blocks_outside = state[volume_list::kOutside],
+                  .blocks_refused = state[depth_list::kRefused],
+                  .blocks_outside = state[depth_list::kOutside],
                   .keyframes = static_cast<uint32_t>(keyframes_.size()),
                   .view_kept = frame.found->map_as<uint32_t>()[kOutdatedAt / sizeof(uint32_t)] == 0,
                   .added = frame.added,

@@ -8,20 +8,20 @@
 #include "kernels/camera/known_reflectance.hpp"
 #include "kernels/camera/place_stroke.hpp"
 #include "kernels/camera/seen_scene.hpp"
+#include "kernels/depth/streaming/host_blocks.hpp"
+#include "kernels/depth/strokes/scene_strokes.hpp"
+#include "kernels/depth/touch/touch_finder.hpp"
+#include "kernels/depth/tracking/tracker.hpp"
+#include "kernels/depth/volume.hpp"
+#include "kernels/depth_memory_keep_found.spv.hpp"
+#include "kernels/depth_memory_read_depth.spv.hpp"
+#include "kernels/depth_memory_resize.spv.hpp"
+#include "kernels/depth_memory_retry.spv.hpp"
+#include "kernels/depth_memory_see.spv.hpp"
+#include "kernels/depth_memory_thumbnail.spv.hpp"
 #include "kernels/gpu/frame_ring.hpp"
 #include "kernels/image/plane.hpp"
 #include "kernels/image/strokes/seen_strokes.hpp"
-#include "kernels/volume/streaming/host_blocks.hpp"
-#include "kernels/volume/strokes/scene_strokes.hpp"
-#include "kernels/volume/touch/touch_finder.hpp"
-#include "kernels/volume/tracking/tracker.hpp"
-#include "kernels/volume/volume.hpp"
-#include "kernels/volume_memory_keep_found.spv.hpp"
-#include "kernels/volume_memory_read_depth.spv.hpp"
-#include "kernels/volume_memory_resize.spv.hpp"
-#include "kernels/volume_memory_retry.spv.hpp"
-#include "kernels/volume_memory_see.spv.hpp"
-#include "kernels/volume_memory_thumbnail.spv.hpp"
 #include "keyframes.hpp"
 #include "scene_file.hpp"
 
@@ -146,12 +146,12 @@ class SceneMemory {
   Volume volume_;
   Tracker tracker_;
   Volume::View view_;
-  gpu::Program<shaders::volume_memory_read_depth> read_depth_;
-  gpu::Program<shaders::volume_memory_keep_found> keep_found_;
-  gpu::Program<shaders::volume_memory_resize> resize_;
-  gpu::Program<shaders::volume_memory_retry> retry_;
-  gpu::Program<shaders::volume_memory_thumbnail> thumbnail_;
-  gpu::Program<shaders::volume_memory_see> see_;
+  gpu::Program<shaders::depth_memory_read_depth> read_depth_;
+  gpu::Program<shaders::depth_memory_keep_found> keep_found_;
+  gpu::Program<shaders::depth_memory_resize> resize_;
+  gpu::Program<shaders::depth_memory_retry> retry_;
+  gpu::Program<shaders::depth_memory_thumbnail> thumbnail_;
+  gpu::Program<shaders::depth_memory_see> see_;
   PlanePool surfaces_, poses_;
   gpu::BufferPtr depth_, kept_depth_, stroke_ids_, resized_, certain_, thumbnail_plane_;
   gpu::BufferPtr lit_;  // layers of the frame before; null: there was none

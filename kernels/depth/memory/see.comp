@@ -2,8 +2,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "volume/same_surface.glsl"
-#include "volume/tracking/tracking.glsl"
+#include "camera/same_surface.glsl"
+#include "depth/tracking/tracking.glsl"
 
 // What a frame sees, for who works on its layers: the view of the scene, and what the depth image has where nothing is remembered or
 // something else is in front of it. One pixel an invocation.

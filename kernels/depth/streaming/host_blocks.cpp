@@ -9,7 +9,7 @@
 namespace inverse {
 namespace {
 
-using Shader = shaders::volume_streaming_leave;
+using Shader = shaders::depth_streaming_leave;
 
 constexpr uint32_t kGroup = 64;
 constexpr uint64_t kWord = sizeof(uint32_t);

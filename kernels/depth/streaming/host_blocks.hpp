@@ -5,12 +5,12 @@
 #include <unordered_map>
 #include <vector>
 
+#include "kernels/depth/volume.hpp"
+#include "kernels/depth_streaming_insert.spv.hpp"
+#include "kernels/depth_streaming_leave.spv.hpp"
+#include "kernels/depth_streaming_move_in.spv.hpp"
+#include "kernels/depth_streaming_move_out.spv.hpp"
 #include "kernels/gpu/frame_ring.hpp"
-#include "kernels/volume/volume.hpp"
-#include "kernels/volume_streaming_insert.spv.hpp"
-#include "kernels/volume_streaming_leave.spv.hpp"
-#include "kernels/volume_streaming_move_in.spv.hpp"
-#include "kernels/volume_streaming_move_out.spv.hpp"
 
 namespace inverse {
 
@@ -21,7 +21,7 @@ namespace inverse {
 /// docs/reference/methods/volume.md. Not thread-safe.
 class HostBlocks {
  public:
-  static constexpr uint32_t kMoves = shaders::volume_streaming_leave::kMoves;
+  static constexpr uint32_t kMoves = shaders::depth_streaming_leave::kMoves;
   static constexpr size_t kMaxPools = 8;
 
   explicit HostBlocks(const std::shared_ptr<gpu::Device>& device) : device_(device) {}
@@ -73,10 +73,10 @@ class HostBlocks {
   std::unordered_map<uint32_t, Block> blocks_;
   struct Kernels {
     explicit Kernels(const std::shared_ptr<gpu::Device>& device);
-    gpu::Program<shaders::volume_streaming_leave> count, pick;
-    gpu::Program<shaders::volume_streaming_move_out> move_out;
-    gpu::Program<shaders::volume_streaming_insert> insert;
-    gpu::Program<shaders::volume_streaming_move_in> move_in;
+    gpu::Program<shaders::depth_streaming_leave> count, pick;
+    gpu::Program<shaders::depth_streaming_move_out> move_out;
+    gpu::Program<shaders::depth_streaming_insert> insert;
+    gpu::Program<shaders::depth_streaming_move_in> move_in;
   };
   std::unique_ptr<Kernels> kernels_;  // made when the first block is to leave
   gpu::BufferPtr none_leaving_, leaving_, moved_, taken_;

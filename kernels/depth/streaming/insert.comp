@@ -2,7 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "volume/blocks.glsl"
+#include "camera/blocks.glsl"
 
 // Fills an empty hash table with the blocks of the pool. One block of the pool an invocation.
 WORD_IN(0, keys);

@@ -2,8 +2,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "volume/blocks.glsl"
-#include "volume/camera.glsl"
+#include "camera/blocks.glsl"
+#include "camera/camera.glsl"
 #include "moves.glsl"
 
 // Counts the blocks that may leave the pool, as the camera does not see them, by their distance from it; or picks the farthest of them,

@@ -2,9 +2,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "volume/blocks.glsl"
-#include "volume/state.glsl"
-#include "volume/voxel.glsl"
+#include "camera/blocks.glsl"
+#include "depth/state.glsl"
+#include "camera/voxel.glsl"
 #include "moves.glsl"
 
 // Takes blocks into the pool; where a block has been made anew since it left, the means of both become one. A workgroup of 64 a block.

@@ -2,8 +2,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "volume/blocks.glsl"
-#include "volume/state.glsl"
+#include "camera/blocks.glsl"
+#include "depth/state.glsl"
 #include "moves.glsl"
 
 // Copies blocks that leave, and gives their places back. Their entries of the hash table stay: insert.comp makes it anew. A workgroup of

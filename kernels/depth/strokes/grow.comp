@@ -2,7 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "volume/voxel.glsl"
+#include "camera/voxel.glsl"
 #include "image/strokes/strokes.glsl"
 #include "brush.glsl"
 
@@ -21,7 +21,7 @@ layout(push_constant) uniform Push {
   uint table_mask;
   uint pass;
 } push;
-#include "volume/find_block.glsl"
+#include "camera/find_block.glsl"
 #include "front.glsl"
 
 const float kFillFactor = 1.5;

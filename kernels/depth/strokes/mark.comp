@@ -2,8 +2,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "volume/blocks.glsl"
-#include "volume/voxel.glsl"
+#include "camera/blocks.glsl"
+#include "camera/voxel.glsl"
 #include "brush.glsl"
 
 // Marks the voxels under strokes, and takes the marks of strokes that are gone away. What fills begins at new marks, and at all of

@@ -11,7 +11,7 @@
 namespace inverse {
 namespace {
 
-using Shader = shaders::volume_strokes_grow;
+using Shader = shaders::depth_strokes_grow;
 static_assert(Shader::STATE_BLOCKS == Shader::STATE_STRIDE * (Shader::FILL_PASSES + 1));
 static_assert(Shader::FILL_PASSES % 2 == 0, "the last front is the first one of the next frame");
 static_assert(kMaxStrokes <= 64, "mark.comp has a bit for each");

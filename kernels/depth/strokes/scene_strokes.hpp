@@ -6,12 +6,12 @@
 #include <optional>
 #include <span>
 
+#include "kernels/depth/volume.hpp"
+#include "kernels/depth_strokes_close.spv.hpp"
+#include "kernels/depth_strokes_grow.spv.hpp"
+#include "kernels/depth_strokes_mark.spv.hpp"
+#include "kernels/depth_strokes_select.spv.hpp"
 #include "kernels/image/strokes/stroke.hpp"
-#include "kernels/volume/volume.hpp"
-#include "kernels/volume_strokes_close.spv.hpp"
-#include "kernels/volume_strokes_grow.spv.hpp"
-#include "kernels/volume_strokes_mark.spv.hpp"
-#include "kernels/volume_strokes_select.spv.hpp"
 
 namespace inverse {
 
@@ -42,8 +42,8 @@ class SceneStrokes {
   const gpu::BufferPtr& state() const { return state_; }
   static constexpr uint64_t kLeftOffset =
       sizeof(uint32_t) *
-      (shaders::volume_strokes_grow::FILL_PASSES * shaders::volume_strokes_grow::STATE_STRIDE +
-       shaders::volume_strokes_grow::STATE_FRONT);
+      (shaders::depth_strokes_grow::FILL_PASSES * shaders::depth_strokes_grow::STATE_STRIDE +
+       shaders::depth_strokes_grow::STATE_FRONT);
   /// That this word of a completed frame was `left`.
   void heard(uint32_t left);
 
@@ -51,10 +51,10 @@ class SceneStrokes {
   void write_tables(gpu::Commands& commands);
   void record_marks(gpu::Commands& commands, const Volume& volume);
 
-  gpu::Program<shaders::volume_strokes_select> select_;
-  gpu::Program<shaders::volume_strokes_mark> mark_;
-  gpu::Program<shaders::volume_strokes_grow> grow_;
-  gpu::Program<shaders::volume_strokes_close> close_;
+  gpu::Program<shaders::depth_strokes_select> select_;
+  gpu::Program<shaders::depth_strokes_mark> mark_;
+  gpu::Program<shaders::depth_strokes_grow> grow_;
+  gpu::Program<shaders::depth_strokes_close> close_;
   // Twice as many as strokes: a new one must not have the id of one whose marks are still there.
   static constexpr size_t kIds = 2 * kMaxStrokes;
   std::array<std::optional<Stroke>, kIds> strokes_;  // by id - 1

@@ -23,7 +23,7 @@ layout(push_constant) uniform Push {
   float voxel;
   uint all;  // those with marks
 } push;
-#include "volume/find_block.glsl"
+#include "camera/find_block.glsl"
 
 void main() {
   uint block = line_index();

@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "gpu/workgroup_sum.glsl"
-#include "volume/camera.glsl"
+#include "camera/camera.glsl"
 #include "touch.glsl"
 
 // The touch of a frame: the sums of the 3 x 3 tiles that have most weight, the first ones of equals. An arm comes from outside of the

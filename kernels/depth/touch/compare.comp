@@ -2,8 +2,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "volume/same_surface.glsl"
-#include "volume/tracking/tracking.glsl"
+#include "camera/same_surface.glsl"
+#include "depth/tracking/tracking.glsl"
 #include "touch.glsl"
 
 // Where a frame shows something in front of the scene (thesis, 4.5.1): its depth is less than all that the view has within one pixel, as

@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "gpu/workgroup_sum.glsl"
-#include "volume/camera.glsl"
+#include "camera/camera.glsl"
 #include "touch.glsl"
 
 // Where skin in front of the scene is near it: sums over a tile of the nearest places of the scene, weighted by (1 - d / kNear)². A

@@ -8,10 +8,10 @@
 namespace inverse {
 namespace {
 
-using shaders::volume_touch_choose;
-using shaders::volume_touch_points;
+using shaders::depth_touch_choose;
+using shaders::depth_touch_points;
 
-constexpr uint32_t kTile = volume_touch_points::TOUCH_TILE;
+constexpr uint32_t kTile = depth_touch_points::TOUCH_TILE;
 constexpr uint32_t kPasses = 8;  // of growth, two pixels each; even: the last one writes kinds_[0]
 static_assert(kPasses % 2 == 0);
 constexpr float kMinArea = 1e-5F;  // m²: skin that is near by chance is less
@@ -27,9 +27,9 @@ TouchFinder::TouchFinder(const std::shared_ptr<gpu::Device>& device, Extent exte
       background_(device),
       any_(gpu::Buffer::create(device, gpu::Element::word, 1)),
       sums_(gpu::Buffer::create(device, gpu::Element::vec4,
-                                tiles().pixels() * volume_touch_points::TOUCH_STRIDE)),
-      touch_(gpu::Buffer::create(device, gpu::Element::vec4, volume_touch_choose::TOUCH_RESULT)),
-      arm_(gpu::Buffer::create(device, gpu::Element::word, volume_touch_choose::TOUCH_ARM_WORDS)) {
+                                tiles().pixels() * depth_touch_points::TOUCH_STRIDE)),
+      touch_(gpu::Buffer::create(device, gpu::Element::vec4, depth_touch_choose::TOUCH_RESULT)),
+      arm_(gpu::Buffer::create(device, gpu::Element::word, depth_touch_choose::TOUCH_ARM_WORDS)) {
   for (gpu::BufferPtr& kinds : kinds_)
     kinds = gpu::Buffer::create(device, gpu::Element::word, extent.pixels());
 }

@@ -5,12 +5,12 @@
 #include <optional>
 
 #include "kernels/camera/touch.hpp"
-#include "kernels/volume/volume.hpp"
-#include "kernels/volume_touch_background.spv.hpp"
-#include "kernels/volume_touch_choose.spv.hpp"
-#include "kernels/volume_touch_compare.spv.hpp"
-#include "kernels/volume_touch_grow.spv.hpp"
-#include "kernels/volume_touch_points.spv.hpp"
+#include "kernels/depth/volume.hpp"
+#include "kernels/depth_touch_background.spv.hpp"
+#include "kernels/depth_touch_choose.spv.hpp"
+#include "kernels/depth_touch_compare.spv.hpp"
+#include "kernels/depth_touch_grow.spv.hpp"
+#include "kernels/depth_touch_points.spv.hpp"
 
 namespace inverse {
 
@@ -37,7 +37,7 @@ class TouchFinder {
   /// What was found, kResultBytes.
   const gpu::BufferPtr& result() const { return touch_; }
   static constexpr uint64_t kResultBytes =
-      uint64_t{4 * sizeof(float)} * shaders::volume_touch_choose::TOUCH_RESULT;
+      uint64_t{4 * sizeof(float)} * shaders::depth_touch_choose::TOUCH_RESULT;
   /// Reads it; empty: nothing is touched.
   static std::optional<Touch> read(const float* result);
   /// Of the pixels with a depth, the share that is in front.
@@ -50,11 +50,11 @@ class TouchFinder {
   Extent tiles() const;
 
   Extent extent_;
-  gpu::Program<shaders::volume_touch_compare> compare_;
-  gpu::Program<shaders::volume_touch_grow> grow_;
-  gpu::Program<shaders::volume_touch_points> points_;
-  gpu::Program<shaders::volume_touch_choose> choose_;
-  gpu::Program<shaders::volume_touch_background> background_;
+  gpu::Program<shaders::depth_touch_compare> compare_;
+  gpu::Program<shaders::depth_touch_grow> grow_;
+  gpu::Program<shaders::depth_touch_points> points_;
+  gpu::Program<shaders::depth_touch_choose> choose_;
+  gpu::Program<shaders::depth_touch_background> background_;
   std::array<gpu::BufferPtr, 2> kinds_;
   gpu::BufferPtr any_, sums_, touch_, arm_;
 };

@@ -3,8 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "gpu/workgroup_sum.glsl"
-#include "volume/camera.glsl"
-#include "volume/jump.glsl"
+#include "camera/camera.glsl"
+#include "camera/jump.glsl"
 
 // How alike a frame and a view look where their surfaces match: the correlation of steps of ln brightness over kStep pixels, in which
 // light hardly counts. One workgroup.

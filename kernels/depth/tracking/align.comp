@@ -3,9 +3,9 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "gpu/workgroup_sum.glsl"
-#include "volume/camera.glsl"
-#include "volume/jump.glsl"
-#include "volume/noise.glsl"
+#include "camera/camera.glsl"
+#include "camera/jump.glsl"
+#include "camera/noise.glsl"
 #include "align.glsl"
 
 // Normal equations of the camera's motion that brings what it sees onto a view of the volume: projective association (Rusinkiewicz and

@@ -2,7 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "volume/jump.glsl"
+#include "camera/jump.glsl"
 
 // Halves a depth image, to the mean of those of four pixels that are near the nearest one, and ln brightness. One coarse pixel an
 // invocation.

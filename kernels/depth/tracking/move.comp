@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "gpu/workgroup_sum.glsl"
-#include "volume/camera.glsl"
+#include "camera/camera.glsl"
 #include "align.glsl"
 #include "tracking.glsl"
 

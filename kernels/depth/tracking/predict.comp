@@ -2,7 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "volume/camera.glsl"
+#include "camera/camera.glsl"
 #include "tracking.glsl"
 
 // Moves the pose on by the motion between the last two frames, if both were found. One invocation.

@@ -9,11 +9,11 @@
 namespace inverse {
 namespace {
 
-using shaders::volume_tracking_align;
-using shaders::volume_tracking_move;
+using shaders::depth_tracking_align;
+using shaders::depth_tracking_move;
 
 uint32_t items_of(Extent extent) {
-  constexpr uint32_t kRows = volume_tracking_align::kRows;
+  constexpr uint32_t kRows = depth_tracking_align::kRows;
   return extent.width * ((extent.height + kRows - 1) / kRows);
 }
 
@@ -33,7 +33,7 @@ Tracker::Tracker(const std::shared_ptr<gpu::Device>& device, Extent extent)
       pose_(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
       start_(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
       before_(gpu::Buffer::create(device, gpu::Element::vec4, 2)),
-      found_(gpu::Buffer::create(device, gpu::Element::vec4, volume_tracking_move::kFoundStride)),
+      found_(gpu::Buffer::create(device, gpu::Element::vec4, depth_tracking_move::kFoundStride)),
       agreement_(gpu::Buffer::create(device, gpu::Element::vec4, 1)),
       lost_(gpu::Buffer::create(device, gpu::Element::word, 1)) {
   for (Levels* levels : {&frame_, &target_}) {
@@ -48,7 +48,7 @@ Tracker::Tracker(const std::shared_ptr<gpu::Device>& device, Extent extent)
   }
   const gpu::Items groups = align_.kernel()->groups(items_of(extent));
   sums_ = gpu::Buffer::create(device, gpu::Element::vec4,
-                              uint64_t{groups.x} * groups.y * volume_tracking_align::kSums);
+                              uint64_t{groups.x} * groups.y * depth_tracking_align::kSums);
 }
 
 void Tracker::record_normals(gpu::Commands& commands, const Level& level) const {

@@ -3,15 +3,15 @@
 #include <array>
 #include <memory>
 
-#include "kernels/volume/volume.hpp"
-#include "kernels/volume_smooth.spv.hpp"
-#include "kernels/volume_tracking_agree.spv.hpp"
-#include "kernels/volume_tracking_align.spv.hpp"
-#include "kernels/volume_tracking_appearance.spv.hpp"
-#include "kernels/volume_tracking_brightness.spv.hpp"
-#include "kernels/volume_tracking_halve.spv.hpp"
-#include "kernels/volume_tracking_move.spv.hpp"
-#include "kernels/volume_tracking_predict.spv.hpp"
+#include "kernels/depth/volume.hpp"
+#include "kernels/depth_smooth.spv.hpp"
+#include "kernels/depth_tracking_agree.spv.hpp"
+#include "kernels/depth_tracking_align.spv.hpp"
+#include "kernels/depth_tracking_appearance.spv.hpp"
+#include "kernels/depth_tracking_brightness.spv.hpp"
+#include "kernels/depth_tracking_halve.spv.hpp"
+#include "kernels/depth_tracking_move.spv.hpp"
+#include "kernels/depth_tracking_predict.spv.hpp"
 
 namespace inverse {
 
@@ -79,15 +79,15 @@ class Tracker {
     gpu::BufferPtr depth, surface, brightness;
   };
 
-  gpu::Program<shaders::volume_smooth> smooth_;
-  gpu::Program<shaders::volume_tracking_halve> halve_;
-  gpu::Program<shaders::volume_normals> normals_;
-  gpu::Program<shaders::volume_tracking_brightness> brightness_;
-  gpu::Program<shaders::volume_tracking_appearance> appearance_;
-  gpu::Program<shaders::volume_tracking_align> align_, align_geometry_;
-  gpu::Program<shaders::volume_tracking_move> move_;
-  gpu::Program<shaders::volume_tracking_agree> agree_;
-  gpu::Program<shaders::volume_tracking_predict> predict_;
+  gpu::Program<shaders::depth_smooth> smooth_;
+  gpu::Program<shaders::depth_tracking_halve> halve_;
+  gpu::Program<shaders::depth_normals> normals_;
+  gpu::Program<shaders::depth_tracking_brightness> brightness_;
+  gpu::Program<shaders::depth_tracking_appearance> appearance_;
+  gpu::Program<shaders::depth_tracking_align> align_, align_geometry_;
+  gpu::Program<shaders::depth_tracking_move> move_;
+  gpu::Program<shaders::depth_tracking_agree> agree_;
+  gpu::Program<shaders::depth_tracking_predict> predict_;
   using Levels = std::array<Level, 3>;
   void record_normals(gpu::Commands& commands, const Level& level) const;
   void record_coarser(gpu::Commands& commands, const Levels& levels) const;

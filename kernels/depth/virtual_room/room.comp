@@ -2,7 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "volume/camera.glsl"
+#include "camera/camera.glsl"
 
 // What a camera sees in the room, and of a hand in it: reflectance and irradiance / pi of matte surfaces in white light, and depth. Colors
 // are means of push.side² rays a pixel, depth is that of the pixel's center. The hand casts shadows of lamps, but takes no light from all

@@ -4,8 +4,8 @@
 #include "gpu/common.glsl"
 #include "image/normal_pair.glsl"
 #include "image/random.glsl"
-#include "volume/jump.glsl"
-#include "volume/noise.glsl"
+#include "camera/jump.glsl"
+#include "camera/noise.glsl"
 
 // Model of a structured-light depth sensor: noise that grows with depth (Nguyen et al. 2012), steps of disparity, and no depth at
 // edges and on dark surfaces. One pixel an invocation.

@@ -8,13 +8,13 @@
 namespace inverse {
 namespace {
 
-using shaders::virtual_room_open;
-using shaders::virtual_room_room;
+using shaders::depth_virtual_room_open;
+using shaders::depth_virtual_room_room;
 using Vec3 = std::array<float, 3>;
 
 /// Solids and lamps as room.glsl reads them.
 std::vector<float> table_of(const RoomScene& scene) {
-  constexpr size_t kStride = 4 * virtual_room_room::kSolidStride;
+  constexpr size_t kStride = 4 * depth_virtual_room_room::kSolidStride;
   std::vector<float> table(kStride * std::max(scene.solids.size(), scene.lamps.size()));
   const auto put = [&](size_t solid, uint32_t slot, const Vec3& xyz, float w) {
     float* to = &table[kStride * solid + 4 * slot];
@@ -23,19 +23,19 @@ std::vector<float> table_of(const RoomScene& scene) {
   };
   for (size_t i = 0; i < scene.solids.size(); ++i) {
     const Solid& s = scene.solids[i];
-    constexpr float kKinds[] = {virtual_room_room::kBox, virtual_room_room::kBall,
-                                virtual_room_room::kInside};
-    constexpr float kPaints[] = {virtual_room_room::kPlain, virtual_room_room::kChecker,
-                                 virtual_room_room::kStripes, virtual_room_room::kRings,
-                                 virtual_room_room::kLetters};
-    put(i, virtual_room_room::kCenter, s.center, kKinds[static_cast<size_t>(s.kind)]);
-    put(i, virtual_room_room::kExtent, s.half_size, kPaints[static_cast<size_t>(s.paint)]);
-    put(i, virtual_room_room::kTurn, {std::cos(s.turn), std::sin(s.turn), 0}, s.side);
-    put(i, virtual_room_room::kPaint, s.color, 0);
-    put(i, virtual_room_room::kOther, s.other, 0);
+    constexpr float kKinds[] = {depth_virtual_room_room::kBox, depth_virtual_room_room::kBall,
+                                depth_virtual_room_room::kInside};
+    constexpr float kPaints[] = {depth_virtual_room_room::kPlain, depth_virtual_room_room::kChecker,
+                                 depth_virtual_room_room::kStripes, depth_virtual_room_room::kRings,
+                                 depth_virtual_room_room::kLetters};
+    put(i, depth_virtual_room_room::kCenter, s.center, kKinds[static_cast<size_t>(s.kind)]);
+    put(i, depth_virtual_room_room::kExtent, s.half_size, kPaints[static_cast<size_t>(s.paint)]);
+    put(i, depth_virtual_room_room::kTurn, {std::cos(s.turn), std::sin(s.turn), 0}, s.side);
+    put(i, depth_virtual_room_room::kPaint, s.color, 0);
+    put(i, depth_virtual_room_room::kOther, s.other, 0);
   }
   for (size_t i = 0; i < scene.lamps.size(); ++i)
-    put(i, virtual_room_room::kLamp, scene.lamps[i].place, scene.lamps[i].power);
+    put(i, depth_virtual_room_room::kLamp, scene.lamps[i].place, scene.lamps[i].power);
   return table;
 }
 
@@ -235,8 +235,9 @@ VirtualRoom::VirtualRoom(const std::shared_ptr<gpu::Device>& device, const RoomS
       solids_(static_cast<uint32_t>(scene.solids.size())),
       lamps_(static_cast<uint32_t>(scene.lamps.size())),
       ambient_(scene.ambient) {
-  const gpu::Program<shaders::virtual_room_open> open(device);
-  const uint32_t places = solids_ * 6 * virtual_room_open::kOpenSide * virtual_room_open::kOpenSide;
+  const gpu::Program<shaders::depth_virtual_room_open> open(device);
+  const uint32_t places =
+      solids_ * 6 * depth_virtual_room_open::kOpenSide * depth_virtual_room_open::kOpenSide;
   openness_ = gpu::Buffer::create(device, gpu::Element::scalar, places);
   gpu::Commands commands(device);
   commands.begin();

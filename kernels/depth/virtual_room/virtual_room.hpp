@@ -7,11 +7,11 @@
 
 #include "hand.hpp"
 #include "kernels/camera/camera.hpp"
+#include "kernels/depth_virtual_room_open.spv.hpp"
+#include "kernels/depth_virtual_room_room.spv.hpp"
+#include "kernels/depth_virtual_room_sensor.spv.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
-#include "kernels/virtual_room_open.spv.hpp"
-#include "kernels/virtual_room_room.spv.hpp"
-#include "kernels/virtual_room_sensor.spv.hpp"
 
 namespace inverse {
 
@@ -80,8 +80,8 @@ class VirtualRoom {
                      const gpu::BufferPtr& depth) const;
 
  private:
-  gpu::Program<shaders::virtual_room_room> room_;
-  gpu::Program<shaders::virtual_room_sensor> sensor_;
+  gpu::Program<shaders::depth_virtual_room_room> room_;
+  gpu::Program<shaders::depth_virtual_room_sensor> sensor_;
   gpu::BufferPtr scene_, openness_, hand_;
   uint32_t solids_, lamps_;
   float ambient_;

@@ -47,7 +47,7 @@ layout(push_constant) uniform Push {
 
 #include "lamp_light.glsl"
 #define SEEN(index) FETCH(scene_light, index)
-#include "volume/between_pixels.glsl"
+#include "camera/between_pixels.glsl"
 
 vec2 slope_at(uvec2 at) {
   vec2 place = clamp((vec2(at) + 0.5) * push.cells - 0.5, vec2(0.0), vec2(push.grid - 1u));

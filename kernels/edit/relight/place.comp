@@ -2,7 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "volume/camera.glsl"
+#include "camera/camera.glsl"
 #include "relight.glsl"
 
 // Puts lamps into the scene that a frame sees: places and directions become those of the world, marks pixels of the frame. One lamp an

@@ -3,9 +3,9 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "edit/edit.glsl"
-#include "volume/camera.glsl"
-#include "volume/known_surface.glsl"
-#include "volume/jump.glsl"
+#include "camera/camera.glsl"
+#include "camera/known_surface.glsl"
+#include "camera/jump.glsl"
 #include "relight.glsl"
 
 // Light of lamps in a remembered scene on what a frame sees of it. One pixel of the view an invocation.

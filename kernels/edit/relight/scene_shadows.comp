@@ -3,10 +3,10 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "edit/edit.glsl"
-#include "volume/camera.glsl"
-#include "volume/known_surface.glsl"
-#include "volume/noise.glsl"
-#include "volume/voxel.glsl"
+#include "camera/camera.glsl"
+#include "camera/known_surface.glsl"
+#include "camera/noise.glsl"
+#include "camera/voxel.glsl"
 #include "relight.glsl"
 
 // How much of each lamp in a remembered scene arrives at every second pixel of what a frame sees of it, and the normals there. Edges
@@ -27,8 +27,8 @@ layout(push_constant) uniform Push {
   float truncation;
   uint shadows;  // 0: all arrives
 } push;
-#include "volume/find_block.glsl"
-#include "volume/shadow.glsl"
+#include "camera/find_block.glsl"
+#include "camera/shadow.glsl"
 #include "lamp_light.glsl"
 
 const float kLift = 1.5;      // voxels from the surface to where rays start, at least

@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "image/pack4.glsl"
 #include "strokes.glsl"
-#include "volume/same_surface.glsl"
+#include "camera/same_surface.glsl"
 
 // Adds strokes of a remembered scene to the mask, where no other is drawn. One pack of pixels an invocation.
 WORD_IN(0, ids);

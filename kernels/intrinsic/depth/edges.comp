@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "intrinsic/energy/energy.glsl"
-#include "volume/same_surface.glsl"
+#include "camera/same_surface.glsl"
 
 // Changes the weight b of even shading at edges by the factors of surfaces.comp; not where something is in front of these surfaces. To be
 // run once on edges as the prior has written them. One pack of pixels an invocation.

@@ -3,8 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "gpu/common.glsl"
-#include "volume/jump.glsl"
-#include "volume/noise.glsl"
+#include "camera/jump.glsl"
+#include "camera/noise.glsl"
 
 // ln of the factor on the weight b of even shading at edges between the pixels of a view of the remembered scene: more where both sides
 // are one flat surface, less where its normal turns, 0 across a step of depth or where a surface is not known

@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "intrinsic/energy/energy.glsl"
 #include "intrinsic/guide/guide.glsl"
-#include "volume/same_surface.glsl"
+#include "camera/same_surface.glsl"
 
 // Adds to the cells of the prior that their reflectance is known (Eq. 4.8 on cells): with the weight t, V = m' - r' + ln c, r' the
 // mean ln reflectance of the points that are known in the cell. t is less where few are, where they are uncertain, and where the

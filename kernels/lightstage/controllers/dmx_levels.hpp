@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "stage/program/light_program.hpp"
+#include "kernels/lightstage/program/light_program.hpp"
 
 namespace inverse {
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "stage/program/light_program.hpp"
+#include "kernels/lightstage/program/light_program.hpp"
 
 namespace inverse {
 

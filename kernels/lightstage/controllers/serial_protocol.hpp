@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "stage/program/light_program.hpp"
+#include "kernels/lightstage/program/light_program.hpp"
 
 namespace inverse::serial {
 

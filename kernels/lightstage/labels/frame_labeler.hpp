@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "kernels/lightstage/program/light_program.hpp"
 #include "light_evidence.hpp"
-#include "stage/program/light_program.hpp"
 #include "trigger_counter.hpp"
 
 namespace inverse {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "stage/program/light_program.hpp"
+#include "kernels/lightstage/program/light_program.hpp"
 
 namespace inverse {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "kernels/environment/environment.hpp"
-#include "stage/program/light_program.hpp"
+#include "kernels/lightstage/program/light_program.hpp"
 
 namespace inverse {
 

@@ -6,8 +6,8 @@
 namespace inverse {
 namespace {
 
-constexpr uint32_t kSide = shaders::relight_lobe_lobes::kSide,
-                   kLevels = shaders::relight_lobe_lobes::kLevels;
+constexpr uint32_t kSide = shaders::lightstage_lobe_lobes::kSide,
+                   kLevels = shaders::lightstage_lobe_lobes::kLevels;
 constexpr uint64_t kEntries = uint64_t{kSide} * kSide * kLevels;
 
 std::vector<float> rows_of(std::span<const WeightedLight> lights) {

@@ -6,13 +6,13 @@
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
-#include "kernels/relight/lights/light_cells.hpp"
-#include "kernels/relight_lobe_directions.spv.hpp"
-#include "kernels/relight_lobe_light_table.spv.hpp"
-#include "kernels/relight_lobe_lobes.spv.hpp"
-#include "kernels/relight_lobe_relight.spv.hpp"
-#include "kernels/relight_lobe_relight_sum.spv.hpp"
-#include "kernels/relight_lobe_respond.spv.hpp"
+#include "kernels/lightstage/lights/light_cells.hpp"
+#include "kernels/lightstage_lobe_directions.spv.hpp"
+#include "kernels/lightstage_lobe_light_table.spv.hpp"
+#include "kernels/lightstage_lobe_lobes.spv.hpp"
+#include "kernels/lightstage_lobe_relight.spv.hpp"
+#include "kernels/lightstage_lobe_relight_sum.spv.hpp"
+#include "kernels/lightstage_lobe_respond.spv.hpp"
 #include "lobe_moments.hpp"
 
 namespace inverse {
@@ -69,12 +69,12 @@ class CosineLobe {
   Extent extent_;
   std::shared_ptr<const LobeMoments> moments_;
   uint32_t stage_lights_;
-  gpu::Program<shaders::relight_lobe_lobes> find_;
-  gpu::Program<shaders::relight_lobe_light_table> table_kernel_;
-  gpu::Program<shaders::relight_lobe_relight> relight_;
-  gpu::Program<shaders::relight_lobe_relight_sum> sum_;
-  gpu::Program<shaders::relight_lobe_respond> respond_;
-  gpu::Program<shaders::relight_lobe_directions> directions_;
+  gpu::Program<shaders::lightstage_lobe_lobes> find_;
+  gpu::Program<shaders::lightstage_lobe_light_table> table_kernel_;
+  gpu::Program<shaders::lightstage_lobe_relight> relight_;
+  gpu::Program<shaders::lightstage_lobe_relight_sum> sum_;
+  gpu::Program<shaders::lightstage_lobe_respond> respond_;
+  gpu::Program<shaders::lightstage_lobe_directions> directions_;
   gpu::BufferPtr grid_, stage_, gains_, table_, lights_;
   bool has_gains_ = false;
   Rgb even_{};

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/relight/lights/light_cells.hpp"
+#include "kernels/lightstage/lights/light_cells.hpp"
 
 namespace inverse {
 namespace {

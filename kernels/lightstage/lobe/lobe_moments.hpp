@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "kernels/relight_lobe_lobes.spv.hpp"
-#include "stage/program/light_program.hpp"
+#include "kernels/lightstage/program/light_program.hpp"
+#include "kernels/lightstage_lobe_lobes.spv.hpp"
 
 namespace inverse {
 
@@ -20,7 +20,7 @@ namespace inverse {
 class LobeMoments {
  public:
   static constexpr uint32_t kGrid = 21;  ///< points of the table along each axis, M from −1 to 1
-  static constexpr double kLargestExponent = shaders::relight_lobe_lobes::kLargestExponent;
+  static constexpr double kLargestExponent = shaders::lightstage_lobe_lobes::kLargestExponent;
 
   explicit LobeMoments(std::span<const Direction> lights);
 

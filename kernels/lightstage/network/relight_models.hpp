@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "kernels/lightstage/program/light_program.hpp"
 #include "kernels/network/graph.hpp"
-#include "stage/program/light_program.hpp"
 
 namespace inverse {
 

@@ -7,7 +7,7 @@ namespace inverse {
 namespace {
 
 using Models = RelightModels;
-using Head = shaders::relight_network_head_sum;
+using Head = shaders::lightstage_network_head_sum;
 constexpr uint32_t kLightSize = Head::kLightSize, kAtOnce = Head::kAtOnce,
                    kHiddenBlocks = Head::kHiddenBlocks;
 static_assert(Models::kPlanes == Head::kBlocks && Models::kHidden == 4 * Head::kHiddenBlocks);

@@ -3,12 +3,12 @@
 #include <memory>
 #include <span>
 
+#include "kernels/lightstage/lights/measured_light.hpp"
+#include "kernels/lightstage/lobe/cosine_lobe.hpp"
+#include "kernels/lightstage_network_encode.spv.hpp"
+#include "kernels/lightstage_network_head_respond.spv.hpp"
+#include "kernels/lightstage_network_head_sum.spv.hpp"
 #include "kernels/network/network.hpp"
-#include "kernels/relight/lights/measured_light.hpp"
-#include "kernels/relight/lobe/cosine_lobe.hpp"
-#include "kernels/relight_network_encode.spv.hpp"
-#include "kernels/relight_network_head_respond.spv.hpp"
-#include "kernels/relight_network_head_sum.spv.hpp"
 #include "relight_models.hpp"
 
 namespace inverse {
@@ -51,9 +51,9 @@ class RelightNetwork {
   Extent extent_, padded_;
   RelightModels head_;  // its layers for the lights
   network::Network network_;
-  gpu::Program<shaders::relight_network_encode> encode_;
-  gpu::Program<shaders::relight_network_head_sum> sum_;
-  gpu::Program<shaders::relight_network_head_respond> respond_;
+  gpu::Program<shaders::lightstage_network_encode> encode_;
+  gpu::Program<shaders::lightstage_network_head_sum> sum_;
+  gpu::Program<shaders::lightstage_network_head_respond> respond_;
   gpu::BufferPtr weights_, difference_, lights_;
 };
 

@@ -9,7 +9,7 @@
 
 #include "common/error.hpp"
 #include "common/replace_file.hpp"
-#include "stage/program/light_program.hpp"
+#include "kernels/lightstage/program/light_program.hpp"
 
 namespace {
 

@@ -13,8 +13,8 @@
 
 #include "common/error.hpp"
 #include "frame_ids.hpp"
-#include "stage/controllers/light_driver.hpp"
-#include "stage/program/light_program.hpp"
+#include "kernels/lightstage/controllers/light_driver.hpp"
+#include "kernels/lightstage/program/light_program.hpp"
 
 namespace inverse {
 

@@ -7,8 +7,8 @@
 namespace inverse {
 namespace {
 
-constexpr float kSolid = shaders::virtual_stage_surface::kSolid,
-                kCarving = shaders::virtual_stage_surface::kCarving;
+constexpr float kSolid = shaders::lightstage_virtual_stage_surface::kSolid,
+                kCarving = shaders::lightstage_virtual_stage_surface::kCarving;
 
 struct Ellipsoid {
   std::array<float, 3> center, radii;

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernels/virtual_stage_surface.spv.hpp"
+#include "kernels/lightstage_virtual_stage_surface.spv.hpp"
 
 namespace inverse {
 
@@ -13,7 +13,8 @@ namespace inverse {
 struct HeadScene {
   using Vec4 = std::array<float, 4>;
   enum Material : uint8_t { skin, lips, hair, eye, cloth };
-  static constexpr uint32_t kPrimitiveVec4s = shaders::virtual_stage_surface::kPrimitiveVec4s;
+  static constexpr uint32_t kPrimitiveVec4s =
+      shaders::lightstage_virtual_stage_surface::kPrimitiveVec4s;
 
   /// In the layout of head.glsl: kPrimitiveVec4s per primitive.
   std::vector<Vec4> primitives;

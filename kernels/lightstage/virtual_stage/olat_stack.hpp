@@ -6,8 +6,8 @@
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
-#include "kernels/virtual_stage_weigh.spv.hpp"
-#include "stage/program/light_program.hpp"
+#include "kernels/lightstage/program/light_program.hpp"
+#include "kernels/lightstage_virtual_stage_weigh.spv.hpp"
 
 namespace inverse {
 
@@ -52,7 +52,7 @@ class OlatStack {
   Extent extent_;
   uint32_t lights_;
   std::vector<Chunk> chunks_;
-  gpu::Program<shaders::virtual_stage_weigh> weigh_;
+  gpu::Program<shaders::lightstage_virtual_stage_weigh> weigh_;
   PlanePool planes_;
   gpu::BufferPtr table_;  // colors of the lights that are on
   std::list<Sum> sums_;   // the latest used first

@@ -2,7 +2,7 @@
 #pragma once
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
-#include "kernels/virtual_stage_camera.spv.hpp"
+#include "kernels/lightstage_virtual_stage_camera.spv.hpp"
 
 namespace inverse {
 
@@ -26,7 +26,7 @@ class VirtualCamera {
               const Plane& picture) const;
 
  private:
-  gpu::Program<shaders::virtual_stage_camera> kernel_;
+  gpu::Program<shaders::lightstage_virtual_stage_camera> kernel_;
 };
 
 }  // namespace inverse

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include "kernels/virtual_stage_shade.spv.hpp"
-#include "kernels/virtual_stage_surface.spv.hpp"
+#include "kernels/lightstage_virtual_stage_shade.spv.hpp"
+#include "kernels/lightstage_virtual_stage_surface.spv.hpp"
 
 namespace inverse {
 namespace {
@@ -33,7 +33,7 @@ void record_head_surface(gpu::Commands& commands, const HeadSurface& surface, co
   const auto& device = commands.device();
   const HeadScene& head = virtual_head();
   const Extent extent = surface.position.extent;
-  commands.dispatch(gpu::Program<shaders::virtual_stage_surface>(device),
+  commands.dispatch(gpu::Program<shaders::lightstage_virtual_stage_surface>(device),
                     {.scene = uploaded(device, head.primitives),
                      .materials = uploaded(device, head.materials),
                      .position = surface.position.buffer,
@@ -72,7 +72,7 @@ bool render_head(OlatStack& stack, std::span<const Direction> lights, const Head
     directions.push_back(
         {static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2]), 0});
   const auto scene = uploaded(device, head.primitives), table = uploaded(device, directions);
-  const gpu::Program<shaders::virtual_stage_shade> shade(device);
+  const gpu::Program<shaders::lightstage_virtual_stage_shade> shade(device);
   const auto pixels = static_cast<uint32_t>(extent.pixels());
   const auto eye = view.eye();
   const auto at_once = static_cast<uint32_t>(

@@ -3,9 +3,9 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "image/finite.glsl"
-#include "volume/camera.glsl"
-#include "volume/known_surface.glsl"
-#include "volume/voxel.glsl"
+#include "camera/camera.glsl"
+#include "camera/known_surface.glsl"
+#include "camera/voxel.glsl"
 
 // The share of all light that an object hides from what a frame sees of its scene, at every kCastStep-th pixel of the view: one an
 // invocation.
@@ -28,8 +28,8 @@ layout(push_constant) uniform Push {
   float strength;
   float softness;  // added to the distance of rays from the axis of their beam, radii of the object
 } push;
-#include "volume/find_block.glsl"
-#include "volume/shadow.glsl"
+#include "camera/find_block.glsl"
+#include "camera/shadow.glsl"
 #include "room.glsl"
 
 const uint kCastStep = 2u;        // pixels of the view; edges of shadows are about as wide, unless they are far

@@ -3,8 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "visible.glsl"
-#include "volume/camera.glsl"
-#include "volume/noise.glsl"
+#include "camera/camera.glsl"
+#include "camera/noise.glsl"
 
 // As draw.comp, in a remembered scene: samples behind its surfaces do not count, and light is shaded by what stands in its way there.
 PLANE_IN(3, placed);

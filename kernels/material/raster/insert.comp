@@ -33,7 +33,7 @@ layout(push_constant) uniform Push {
 } push;
 
 #define SEEN(index) FETCH(hidden, index)
-#include "volume/between_pixels.glsl"
+#include "camera/between_pixels.glsl"
 
 const float kMinLight = 1e-9;
 

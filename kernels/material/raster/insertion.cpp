@@ -14,7 +14,7 @@ namespace {
 using Row = MeshView::Row;
 
 // The grids on the ground: pixels per unit and per side.
-using Ground = shaders::raster_occlude;
+using Ground = shaders::material_raster_occlude;
 constexpr auto kPerUnit = static_cast<uint32_t>(Ground::kPerUnit);
 constexpr uint32_t kHeights = Ground::kHeights, kOcclusion = Ground::kOcclusion;
 constexpr float kReach = Ground::kReach;  // of the shadow, in radii

@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "kernels/environment/lit_sphere.hpp"
-#include "kernels/raster_blend.spv.hpp"
-#include "kernels/raster_occlude.spv.hpp"
+#include "kernels/material_raster_blend.spv.hpp"
+#include "kernels/material_raster_occlude.spv.hpp"
 #include "rasterizer.hpp"
 
 namespace inverse {
@@ -71,8 +71,8 @@ class Insertion {
 
   std::shared_ptr<gpu::Device> device_;
   Extent frame_;
-  gpu::Program<shaders::raster_occlude> occlude_;
-  gpu::Program<shaders::raster_blend> blend_;
+  gpu::Program<shaders::material_raster_occlude> occlude_;
+  gpu::Program<shaders::material_raster_blend> blend_;
   std::vector<Mesh::Vec3> corners_;
   std::unique_ptr<Rasterizer> rasterizer_;
   gpu::BufferPtr picture_;

@@ -2,8 +2,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "volume/camera.glsl"
-#include "volume/voxel.glsl"
+#include "camera/camera.glsl"
+#include "camera/voxel.glsl"
 
 // How much of each lamp reaches places around an object through the scene. One place an invocation. Places that the scene hides from the
 // object's center are none: x is -1.
@@ -16,8 +16,8 @@ layout(push_constant) uniform Push {
   float voxel;
   float truncation;
 } push;
-#include "volume/find_block.glsl"
-#include "volume/shadow.glsl"
+#include "camera/find_block.glsl"
+#include "camera/shadow.glsl"
 #include "room.glsl"
 
 const float kReach = 1.0;  // meters: what is farther away is where the light comes from

@@ -8,7 +8,7 @@
 namespace inverse {
 namespace {
 
-using Visible = shaders::raster_draw;
+using Visible = shaders::material_raster_draw;
 constexpr uint32_t kBlock = Visible::kBlock;
 constexpr uint32_t kMaxGroups = 512;      // beyond this number, groups are larger instead
 constexpr uint64_t kMaxWords = 1U << 21;  // of bits; beyond this number, tiles are larger instead

@@ -5,12 +5,12 @@
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
-#include "kernels/raster_bin.spv.hpp"
-#include "kernels/raster_depth.spv.hpp"
-#include "kernels/raster_draw.spv.hpp"
-#include "kernels/raster_draw_room.spv.hpp"
-#include "kernels/raster_edges.spv.hpp"
-#include "kernels/raster_place.spv.hpp"
+#include "kernels/material_raster_bin.spv.hpp"
+#include "kernels/material_raster_depth.spv.hpp"
+#include "kernels/material_raster_draw.spv.hpp"
+#include "kernels/material_raster_draw_room.spv.hpp"
+#include "kernels/material_raster_edges.spv.hpp"
+#include "kernels/material_raster_place.spv.hpp"
 #include "mesh.hpp"
 
 namespace inverse {
@@ -58,15 +58,15 @@ class Rasterizer {
              Extent part);
 
  private:
-  using Grid = shaders::raster_draw::Push;  // of draw_, draw_room_ and depth_
+  using Grid = shaders::material_raster_draw::Push;  // of draw_, draw_room_ and depth_
   Grid prepare(gpu::Commands& commands, const MeshView& view, Extent extent);
 
-  gpu::Program<shaders::raster_place> place_;
-  gpu::Program<shaders::raster_edges> edges_;
-  gpu::Program<shaders::raster_bin> bin_;
-  gpu::Program<shaders::raster_draw> draw_;
-  gpu::Program<shaders::raster_draw_room> draw_room_;  // made when it is first used
-  gpu::Program<shaders::raster_depth> depth_;
+  gpu::Program<shaders::material_raster_place> place_;
+  gpu::Program<shaders::material_raster_edges> edges_;
+  gpu::Program<shaders::material_raster_bin> bin_;
+  gpu::Program<shaders::material_raster_draw> draw_;
+  gpu::Program<shaders::material_raster_draw_room> draw_room_;  // made when it is first used
+  gpu::Program<shaders::material_raster_depth> depth_;
   uint32_t corner_count_, triangles_, group_, groups_;
   gpu::BufferPtr corners_, indices_, placed_, records_, boxes_, bounds_, bits_;
 };

@@ -15,7 +15,7 @@ namespace {
 
 using Row = std::array<float, 4>;
 using Eigen::Matrix3f, Eigen::Quaternionf, Eigen::Vector3f;
-using Room = shaders::raster_cast;
+using Room = shaders::material_raster_cast;
 
 constexpr float kNearest = 0.02F;  // meters, as in place.comp
 constexpr float kMinAlbedo = 0.02F;
@@ -287,7 +287,7 @@ void RoomInsertion::record(gpu::Commands& commands, Layers& layers, const Pose& 
        .has_light = colored ? 1U : 0U,
        .has_slope = slope ? 1U : 0U,
        .first_row = 0},
-      {frame_.width, frame_.height, shaders::raster_insert::kRows});
+      {frame_.width, frame_.height, shaders::material_raster_insert::kRows});
   // Its pool writes it again once nobody holds it, which is not before this is submitted.
   commands.keep(scene.surface);
   replace(commands, layers, Role::input, frame);

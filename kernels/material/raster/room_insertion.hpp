@@ -8,9 +8,9 @@
 #include "kernels/environment/light_beams.hpp"
 #include "kernels/environment/lit_sphere.hpp"
 #include "kernels/image/layers.hpp"
-#include "kernels/raster_cast.spv.hpp"
-#include "kernels/raster_insert.spv.hpp"
-#include "kernels/raster_probes.spv.hpp"
+#include "kernels/material_raster_cast.spv.hpp"
+#include "kernels/material_raster_insert.spv.hpp"
+#include "kernels/material_raster_probes.spv.hpp"
 #include "rasterizer.hpp"
 
 namespace inverse {
@@ -74,9 +74,9 @@ class RoomInsertion {
   std::shared_ptr<gpu::Device> device_;
   Extent frame_;
   PlanePool planes_;
-  gpu::Program<shaders::raster_probes> probes_;
-  gpu::Program<shaders::raster_cast> cast_;
-  gpu::Program<shaders::raster_insert> insert_;
+  gpu::Program<shaders::material_raster_probes> probes_;
+  gpu::Program<shaders::material_raster_cast> cast_;
+  gpu::Program<shaders::material_raster_insert> insert_;
   std::vector<Mesh::Vec3> corners_;
   std::unique_ptr<Rasterizer> rasterizer_;
   Plane maps_;  // of the object, from the lights

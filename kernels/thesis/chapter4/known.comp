@@ -2,7 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "volume/same_surface.glsl"
+#include "camera/same_surface.glsl"
 
 // What is known of a frame's reflectance on the finest level (known.glsl), in the solver's scale: r_model = ln R − ln c. B is 1 on the
 // background, the known surfaces, and 0 where the frame sees something else by its depth; less where its color differs.

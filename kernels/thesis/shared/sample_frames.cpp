@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "kernels/gpu/environment.hpp"
+#include "kernels/gpu/variables.hpp"
 
 namespace inverse {
 

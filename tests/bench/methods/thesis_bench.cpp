@@ -25,7 +25,7 @@
 #include "tests/bench/support/command_line.hpp"
 #include "tests/bench/support/device_session.hpp"
 #include "tests/bench/support/scene.hpp"
-#include "tests/reference/thesis/thesis_params.hpp"
+#include "tests/thesis/reference/thesis_params.hpp"
 
 namespace inverse::bench {
 namespace {

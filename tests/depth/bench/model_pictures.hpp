@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "kernels/volume/volume.hpp"
+#include "kernels/depth/volume.hpp"
 #include "tests/bench/metrics/image.hpp"
 #include "tests/lab.hpp"
 

@@ -2,7 +2,7 @@
 #include <cstring>
 
 #include "follower.hpp"
-#include "kernels/volume/tracking/tracker.hpp"
+#include "kernels/depth/tracking/tracker.hpp"
 
 namespace inverse::bench {
 namespace {

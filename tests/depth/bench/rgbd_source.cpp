@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "kernels/virtual_room/virtual_room.hpp"
+#include "kernels/depth/virtual_room/virtual_room.hpp"
 #include "tests/bench/metrics/png_file.hpp"
 
 namespace inverse::bench {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "kernels/camera/camera.hpp"
-#include "kernels/virtual_room/hand.hpp"
-#include "kernels/volume/memory/scene_memory.hpp"
+#include "kernels/depth/memory/scene_memory.hpp"
+#include "kernels/depth/virtual_room/hand.hpp"
 #include "tests/bench/support/command_line.hpp"
 #include "tests/lab.hpp"
 
@@ -48,11 +48,11 @@ class RgbdSource {
   virtual RgbdFrame frame(const Lab& lab, int n) = 0;
 };
 
-/// `name`: orbit, wall, table or still, paths in the virtual room (kernels/virtual_room), whose
-/// depth has the noise and holes of a structured-light sensor, times `noise`, or with a seed in one
-/// with other furniture, paint and lamps, to choose parameters by; or a folder as
-/// desk_rgbd in the given data: meta.json, I8/NNN.png, Z/NNN.png and Zkinect/NNN.png, which is its
-/// depth unless `noise` is 0.
+/// `name`: orbit, wall, table or still, paths in the virtual room (kernels/depth/virtual_room),
+/// whose depth has the noise and holes of a structured-light sensor, times `noise`, or with a seed
+/// in one with other furniture, paint and lamps, to choose parameters by; or a folder as desk_rgbd
+/// in the given data: meta.json, I8/NNN.png, Z/NNN.png and Zkinect/NNN.png, which is its depth
+/// unless `noise` is 0.
 std::unique_ptr<RgbdSource> open_rgbd(const Lab& lab, const std::string& name,
                                       const RgbdSettings& settings);
 

@@ -21,9 +21,9 @@
 #include <string>
 #include <vector>
 
-#include "kernels/raster/room_insertion.hpp"
-#include "kernels/virtual_room/virtual_room.hpp"
-#include "kernels/volume/memory/scene_memory.hpp"
+#include "kernels/depth/memory/scene_memory.hpp"
+#include "kernels/depth/virtual_room/virtual_room.hpp"
+#include "kernels/material/raster/room_insertion.hpp"
 #include "rgbd_source.hpp"
 #include "room_truth.hpp"
 #include "tests/bench/metrics/png_file.hpp"

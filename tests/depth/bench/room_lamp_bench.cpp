@@ -26,9 +26,9 @@
 #include <string>
 #include <vector>
 
+#include "kernels/depth/memory/scene_memory.hpp"
+#include "kernels/depth/virtual_room/virtual_room.hpp"
 #include "kernels/edit/relight/relight.hpp"
-#include "kernels/virtual_room/virtual_room.hpp"
-#include "kernels/volume/memory/scene_memory.hpp"
 #include "rgbd_source.hpp"
 #include "tests/bench/metrics/metrics.hpp"
 #include "tests/bench/metrics/png_file.hpp"

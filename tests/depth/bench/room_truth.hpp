@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "kernels/virtual_room/virtual_room.hpp"
+#include "kernels/depth/virtual_room/virtual_room.hpp"
 
 namespace inverse::bench {
 

@@ -26,10 +26,10 @@
 #include <string>
 #include <vector>
 
+#include "kernels/depth/memory/scene_memory.hpp"
 #include "kernels/global/global_levels.hpp"
 #include "kernels/intrinsic/intrinsic_levels.hpp"
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
-#include "kernels/volume/memory/scene_memory.hpp"
 #include "model_pictures.hpp"
 #include "rgbd_source.hpp"
 #include "tests/bench/metrics/metrics.hpp"

@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
+#include "kernels/depth/memory/scene_memory.hpp"
+#include "kernels/depth/virtual_room/virtual_room.hpp"
 #include "kernels/intrinsic/intrinsic_levels.hpp"
-#include "kernels/virtual_room/virtual_room.hpp"
-#include "kernels/volume/memory/scene_memory.hpp"
 #include "rgbd_source.hpp"
 #include "room_truth.hpp"
 #include "tests/bench/metrics/metrics.hpp"

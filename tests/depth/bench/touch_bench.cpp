@@ -20,8 +20,8 @@
 #include <string>
 #include <vector>
 
+#include "kernels/depth/memory/scene_memory.hpp"
 #include "kernels/intrinsic/intrinsic_levels.hpp"
-#include "kernels/volume/memory/scene_memory.hpp"
 #include "rgbd_source.hpp"
 #include "room_truth.hpp"
 #include "tests/bench/metrics/png_file.hpp"
@@ -149,7 +149,7 @@ Result play(const Lab& lab, const Settings& settings, const std::string& name) {
         const bool hand = frame.true_depth[i] < frame.bare_depth[i] - 1e-4F;
         covered += hand;
         if (!(measured[i] > 0)) continue;
-        const bool front = (kinds[i] & shaders::volume_touch_compare::TOUCH_FRONT) != 0;
+        const bool front = (kinds[i] & shaders::depth_touch_compare::TOUCH_FRONT) != 0;
         result.front.add(front, hand);
         result.others += !hand;
         result.taken += front && !hand;

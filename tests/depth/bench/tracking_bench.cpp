@@ -5,9 +5,9 @@
 //   [--photometric M]
 //                  orbit|wall|FOLDER…
 //
-// orbit and wall are paths in the virtual room (kernels/virtual_room), whose depth has the noise
-// and holes of a structured-light sensor, times N. A FOLDER is a recording as desk_rgbd in the
-// given data: meta.json, I8/NNN.png and Zkinect/NNN.png; with --noise 0 Z/NNN.png. Prints a
+// orbit and wall are paths in the virtual room (kernels/depth/virtual_room), whose depth has the
+// noise and holes of a structured-light sensor, times N. A FOLDER is a recording as desk_rgbd in
+// the given data: meta.json, I8/NNN.png and Zkinect/NNN.png; with --noise 0 Z/NNN.png. Prints a
 // table: root of the mean square distance to the true place (the first pose is given), the largest
 // one, that of the last frame, frames in which the camera was lost, and medians of device time.
 #include <algorithm>
@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-#include "kernels/volume/tracking/tracker.hpp"
+#include "kernels/depth/tracking/tracker.hpp"
 #include "rgbd_source.hpp"
 #include "tests/bench/support/timing.hpp"
 #include "tests/lab.hpp"
@@ -75,7 +75,7 @@ void follow(const Lab& lab, const std::string& name, RgbdSource& source, const S
   }
   const Pixels state = lab.download(volume.state());
   uint32_t left = 0;
-  memcpy(&left, &state[shaders::volume_list::kFree], sizeof left);
+  memcpy(&left, &state[shaders::depth_list::kFree], sizeof left);
   printf("| %s | %d | %.1f | %.1f | %.1f | %d | %.1f | %.1f | %.1f | %u |\n", name.c_str(),
          source.frames(), 1000 * std::sqrt(squares / source.frames()), 1000 * most, 1000 * last,
          lost, median(times["tracking"]), median(times["fusion"]), median(times["rendering"]),

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "gst/rgbd/calibration.hpp"
+#include "gst/depth/calibration.hpp"
 #include "recorded.hpp"
 #include "tests/has_element.hpp"
 #include "tests/pipeline.hpp"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "gst/rgbd/meta/depth_meta.hpp"
+#include "gst/depth/meta/depth_meta.hpp"
 #include "tests/elements/element_test.hpp"
 #include "tests/pipeline.hpp"
 

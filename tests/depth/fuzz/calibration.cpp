@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Calibrations of cameras with depth: an Error, or two lenses by which a depth image can be drawn.
-#include "gst/rgbd/calibration.hpp"
+#include "gst/depth/calibration.hpp"
 
 #include <sys/mman.h>
 #include <unistd.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The lists of a recording: the input is divided at zeros into rgb.txt, depth.txt, groundtruth.txt
 // and meta.json. An Error, or a recording that can be asked for what it has.
-#include "gst/rgbd/recording.hpp"
+#include "gst/depth/recording.hpp"
 
 #include <cmath>
 #include <cstddef>

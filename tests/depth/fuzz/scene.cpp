@@ -12,7 +12,7 @@
 
 #include "common/checksum.hpp"
 #include "common/error.hpp"
-#include "kernels/volume/memory/scene_file.hpp"
+#include "kernels/depth/memory/scene_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace inverse;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Untrusted files of poses: an Error, or poses at all times near those of the file.
-#include "gst/rgbd/trajectory.hpp"
+#include "gst/depth/trajectory.hpp"
 
 #include <sys/mman.h>
 #include <unistd.h>

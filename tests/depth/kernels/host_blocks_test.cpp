@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Blocks of a volume that leave the device and come back.
-#include "kernels/volume/streaming/host_blocks.hpp"
+#include "kernels/depth/streaming/host_blocks.hpp"
 
 #include <map>
 
-#include "tests/kernels/volume/volume_fixture.hpp"
+#include "tests/depth/kernels/volume_fixture.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -2,7 +2,7 @@
 // A scene that some frames were added to, for what works on layers with one.
 #pragma once
 #include "kernels/camera/seen_scene.hpp"
-#include "tests/kernels/volume/volume_fixture.hpp"
+#include "tests/depth/kernels/volume_fixture.hpp"
 
 namespace inverse::testing {
 

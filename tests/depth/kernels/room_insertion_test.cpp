@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // An object in a remembered scene: the kernels against their specification, and what must hold of
 // the whole.
-#include "kernels/raster/room_insertion.hpp"
+#include "kernels/material/raster/room_insertion.hpp"
 
 #include <set>
 
-#include "kernels/raster_draw_room.spv.hpp"
-#include "tests/kernels/volume/remembered_room.hpp"
+#include "kernels/material_raster_draw_room.spv.hpp"
+#include "tests/depth/kernels/remembered_room.hpp"
+#include "tests/material/reference/room.hpp"
 #include "tests/reference/environment/lit_sphere.hpp"
-#include "tests/reference/raster/room.hpp"
 
 namespace inverse::testing {
 namespace {
 
-using Room = shaders::raster_cast;
+using Room = shaders::material_raster_cast;
 constexpr Extent kFrame{128, 96};
 
 double dot3(const Vec3& a, const Vec3& b) { return reference::dot(a, b); }
@@ -76,7 +76,7 @@ class RoomInsertionTest : public RememberedRoom {
     return table;
   }
   Pixels probes_of(const Lit& lit, const Volume& volume) {
-    const gpu::Program<shaders::raster_probes> program(device);
+    const gpu::Program<shaders::material_raster_probes> program(device);
     const auto room = upload(table_of(lit)), reached = buffer(2 * kProbes);
     run([&](gpu::Commands& commands) {
       commands.dispatch(
@@ -90,7 +90,7 @@ class RoomInsertionTest : public RememberedRoom {
     return download(reached);
   }
   Pixels hidden_by(const Lit& lit, const Pixels& maps, const Pixels& surface, float softness) {
-    const gpu::Program<shaders::raster_cast> program(device);
+    const gpu::Program<shaders::material_raster_cast> program(device);
     const Extent grid = cast_extent();
     const auto hidden = buffer(grid.pixels());
     run([&](gpu::Commands& commands) {
@@ -238,7 +238,7 @@ TEST_F(RoomInsertionTest, SurfacesThatAreNoneHaveNoShadow) {
 
 TEST_F(RoomInsertionTest, LayersAgreeWithSpecification) {
   constexpr Extent kSize{50, 37};
-  const gpu::Program<shaders::raster_insert> program(device);
+  const gpu::Program<shaders::material_raster_insert> program(device);
   std::mt19937 random(5);
   std::uniform_real_distribution<float> value(0, 1);
   for (int n = 0; n < 8; ++n) {
@@ -287,7 +287,7 @@ TEST_F(RoomInsertionTest, LayersAgreeWithSpecification) {
                               .has_light = light ? 1U : 0U,
                               .has_slope = slope ? 1U : 0U,
                               .first_row = 0},
-                             {kSize.width, kSize.height, shaders::raster_insert::kRows});
+                             {kSize.width, kSize.height, shaders::material_raster_insert::kRows});
     });
     const Pixels got_frame = download(out_frame), got_model = download(out_model),
                  got = download(out);
@@ -338,7 +338,7 @@ TEST_F(RoomInsertionTest, LayersAgreeWithSpecification) {
 // Shadows at each second pixel are shown in between by distance, on one surface.
 TEST_F(RoomInsertionTest, ShadowsAreInterpolated) {
   constexpr Extent kSize{50, 37}, kGrid{25, 19};
-  const gpu::Program<shaders::raster_insert> program(device);
+  const gpu::Program<shaders::material_raster_insert> program(device);
   const Pixels ones(4 * kSize.pixels(), 1);
   Pixels hidden(4 * kGrid.pixels());
   const auto share = [](double x, double y) { return .2 + .01 * x + .005 * y; };
@@ -372,7 +372,7 @@ TEST_F(RoomInsertionTest, ShadowsAreInterpolated) {
                             .has_light = 0,
                             .has_slope = 0,
                             .first_row = 0},
-                           {kSize.width, kSize.height, shaders::raster_insert::kRows});
+                           {kSize.width, kSize.height, shaders::material_raster_insert::kRows});
   });
   const Pixels got = download(out);
   for (size_t i = 0; i < kSize.pixels(); ++i) {

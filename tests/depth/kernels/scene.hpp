@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "tests/reference/volume/volume.hpp"
+#include "tests/reference/camera/volume.hpp"
 
 namespace inverse::testing {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Scenes that are written, read and shown as a mesh.
-#include "kernels/volume/memory/scene_file.hpp"
+#include "kernels/depth/memory/scene_file.hpp"
 
 #include <cstdint>
 #include <fstream>
 #include <iterator>
 
-#include "kernels/volume/memory/scene_memory.hpp"
-#include "kernels/volume/mesh.hpp"
-#include "tests/kernels/volume/volume_fixture.hpp"
+#include "kernels/depth/memory/scene_memory.hpp"
+#include "kernels/depth/mesh.hpp"
+#include "tests/depth/kernels/volume_fixture.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {

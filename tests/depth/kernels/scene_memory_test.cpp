@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What is remembered of a scene along known paths.
-#include "kernels/volume/memory/scene_memory.hpp"
+#include "kernels/depth/memory/scene_memory.hpp"
 
 #include <cmath>
 #include <random>
 
-#include "tests/kernels/volume/volume_fixture.hpp"
-#include "tests/reference/volume/memory.hpp"
+#include "tests/depth/kernels/volume_fixture.hpp"
+#include "tests/depth/reference/memory.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -370,10 +370,10 @@ TEST_F(SceneMemoryTest, WhatIsFrozenOrInFrontIsNotAdded) {
 }
 
 TEST_F(SceneMemoryTest, KernelsAgreeWithReference) {
-  gpu::Program<shaders::volume_memory_read_depth> read(device);
-  gpu::Program<shaders::volume_memory_resize> resize(device);
-  gpu::Program<shaders::volume_memory_thumbnail> thumbnail(device);
-  gpu::Program<shaders::volume_memory_keep_found> keep(device);
+  gpu::Program<shaders::depth_memory_read_depth> read(device);
+  gpu::Program<shaders::depth_memory_resize> resize(device);
+  gpu::Program<shaders::depth_memory_thumbnail> thumbnail(device);
+  gpu::Program<shaders::depth_memory_keep_found> keep(device);
   std::mt19937 random(5);
   std::uniform_real_distribution<float> unit(0, 1);
   for (const Extent extent : {Extent{1, 1}, Extent{5, 3}, Extent{80, 60}, Extent{131, 67}}) {
@@ -426,7 +426,7 @@ TEST_F(SceneMemoryTest, KernelsAgreeWithReference) {
 }
 
 TEST_F(SceneMemoryTest, WhatAFrameSeesAgreesWithReference) {
-  gpu::Program<shaders::volume_memory_see> see(device);
+  gpu::Program<shaders::depth_memory_see> see(device);
   std::mt19937 random(7);
   std::uniform_real_distribution<float> unit(0, 1);
   const float extremes[] = {0, -1, 1e-30F, 1e30F, kInf, kNan, 100};

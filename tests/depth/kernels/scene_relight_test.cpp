@@ -2,7 +2,7 @@
 // Lamps in a remembered scene: the kernels against their specification, and what no scene may
 // break.
 #include "kernels/edit/relight/relight.hpp"
-#include "tests/kernels/volume/remembered_room.hpp"
+#include "tests/depth/kernels/remembered_room.hpp"
 #include "tests/reference/edit/scene_light.hpp"
 
 namespace inverse::testing {

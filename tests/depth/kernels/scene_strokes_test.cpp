@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Strokes in the voxels of a scene and as frames see them, against their specification.
-#include "kernels/volume/strokes/scene_strokes.hpp"
+#include "kernels/depth/strokes/scene_strokes.hpp"
 
 #include <map>
 #include <random>
 
 #include "kernels/camera/place_stroke.hpp"
 #include "kernels/image/strokes/stroke_mask.hpp"
-#include "tests/kernels/volume/volume_fixture.hpp"
-#include "tests/reference/volume/strokes.hpp"
+#include "tests/depth/kernels/volume_fixture.hpp"
+#include "tests/depth/reference/strokes.hpp"
 
 namespace inverse::testing {
 namespace {
 
 using Kind = Stroke::Kind;
-using Shader = shaders::volume_strokes_grow;
+using Shader = shaders::depth_strokes_grow;
 
 constexpr Volume::Params kParams{.voxel = 0.02F, .blocks = 8192};
 

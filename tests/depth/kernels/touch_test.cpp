@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What is in front of a scene, and what of it touches that, against their specification.
-#include "tests/reference/volume/touch.hpp"
+#include "tests/depth/reference/touch.hpp"
 
 #include <cmath>
 #include <limits>
 #include <random>
 
-#include "kernels/volume/touch/touch_finder.hpp"
-#include "tests/kernels/volume/volume_fixture.hpp"
+#include "kernels/depth/touch/touch_finder.hpp"
+#include "tests/depth/kernels/volume_fixture.hpp"
 
 namespace inverse::testing {
 namespace {
 
 using reference::TouchKind;
-using Shader = shaders::volume_touch_compare;
+using Shader = shaders::depth_touch_compare;
 
 constexpr std::array<float, 4> kSkin{0.4F, 0.2F, 0.12F, 1}, kCloth{0.1F, 0.1F, 0.3F, 1};
 

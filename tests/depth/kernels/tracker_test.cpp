@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Tracking along known paths.
-#include "kernels/volume/tracking/tracker.hpp"
+#include "kernels/depth/tracking/tracker.hpp"
 
 #include <random>
 
-#include "tests/kernels/volume/volume_fixture.hpp"
-#include "tests/reference/volume/tracking.hpp"
+#include "tests/depth/kernels/volume_fixture.hpp"
+#include "tests/depth/reference/tracking.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -224,7 +224,7 @@ TEST_F(TrackerTest, ALostCameraMustSeeWhatTheViewShows) {
     const reference::Agreement expected = reference::agreement(
         half_of(half_of(of_frame)).sight(frame_camera),
         half_of(half_of(of_view)).sight(view_camera), double{params.max_distance[2]});
-    const float* alike = &found[4 * size_t{shaders::volume_tracking_move::kAlike}];
+    const float* alike = &found[4 * size_t{shaders::depth_tracking_move::kAlike}];
     if (shown != Shown::plain) {
       EXPECT_NEAR(double{alike[0]}, expected.correlation, 5e-3) << int(shown);
     }

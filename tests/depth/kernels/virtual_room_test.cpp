@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The room against its specification.
-#include "kernels/virtual_room/virtual_room.hpp"
+#include "kernels/depth/virtual_room/virtual_room.hpp"
 
-#include "tests/kernels/volume/volume_fixture.hpp"
-#include "tests/reference/virtual_room/virtual_room.hpp"
+#include "tests/depth/kernels/volume_fixture.hpp"
+#include "tests/depth/reference/virtual_room.hpp"
 
 namespace inverse::testing {
 namespace {

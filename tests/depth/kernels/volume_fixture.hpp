@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include "kernels/volume/volume.hpp"
+#include "kernels/depth/volume.hpp"
+#include "tests/depth/kernels/scene.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
-#include "tests/kernels/volume/scene.hpp"
 
 namespace inverse::testing {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The volume against its specification, and against the scene that it was made from.
-#include "kernels/volume/volume.hpp"
+#include "kernels/depth/volume.hpp"
 
 #include <Eigen/Geometry>
 #include <random>
 
-#include "tests/kernels/volume/volume_fixture.hpp"
+#include "tests/depth/kernels/volume_fixture.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -242,27 +242,27 @@ TEST_F(VolumeTest, CountsWhatHasNoRoom) {
   const reference::Plane surface = reference::normals(camera, seen.depth);
   Volume small(device, {.voxel = 0.02F, .blocks = 100});
   const auto state_of = [&](const Volume& volume) { return words(volume.state()); };
-  using shaders::volume_allocate;
+  using shaders::depth_allocate;
   integrate(small, camera, surface, seen.layers);
   auto state = state_of(small);
-  EXPECT_EQ(state[volume_allocate::kFree], 0U);
-  EXPECT_EQ(state[volume_allocate::kMade], 100U);
-  EXPECT_GT(state[volume_allocate::kRefused], 100U);
-  EXPECT_EQ(state[volume_allocate::kListed], 100U);
+  EXPECT_EQ(state[depth_allocate::kFree], 0U);
+  EXPECT_EQ(state[depth_allocate::kMade], 100U);
+  EXPECT_GT(state[depth_allocate::kRefused], 100U);
+  EXPECT_EQ(state[depth_allocate::kListed], 100U);
   run([&](gpu::Commands& commands) { small.record_clear(commands); });
-  EXPECT_EQ(state_of(small)[volume_allocate::kFree], 100U);
+  EXPECT_EQ(state_of(small)[depth_allocate::kFree], 100U);
   // 164 m from the origin the keys of blocks of 16 cm end.
   Camera far = camera;
   far.place[0] += 200;
   Volume volume(device, kParams);
   integrate(volume, far, surface, seen.layers);
   state = state_of(volume);
-  EXPECT_GT(state[volume_allocate::kOutside], 1000U);
-  EXPECT_EQ(state[volume_allocate::kMade], 0U);
+  EXPECT_GT(state[depth_allocate::kOutside], 1000U);
+  EXPECT_EQ(state[depth_allocate::kMade], 0U);
   integrate(volume, camera, surface, seen.layers);
   state = state_of(volume);
-  EXPECT_EQ(state[volume_allocate::kOutside], 0U);
-  EXPECT_GT(state[volume_allocate::kMade], 300U);
+  EXPECT_EQ(state[depth_allocate::kOutside], 0U);
+  EXPECT_GT(state[depth_allocate::kMade], 300U);
 }
 
 TEST_F(VolumeTest, IgnoresDepthThatIsNone) {
@@ -280,8 +280,8 @@ TEST_F(VolumeTest, IgnoresDepthThatIsNone) {
     Volume volume(device, kParams);
     integrate(volume, camera, surface, seen.layers);
     const auto state = words(volume.state());
-    EXPECT_EQ(state[shaders::volume_allocate::kFree], kParams.blocks) << bad;
-    EXPECT_EQ(state[shaders::volume_allocate::kOutside], 0U) << bad;
+    EXPECT_EQ(state[shaders::depth_allocate::kFree], kParams.blocks) << bad;
+    EXPECT_EQ(state[shaders::depth_allocate::kOutside], 0U) << bad;
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Specification of kernels/volume/memory but for what it calls.
+// Specification of kernels/depth/memory but for what it calls.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tests/reference/volume/strokes.hpp"
+#include "tests/depth/reference/strokes.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Specification of kernels/volume/strokes (thesis, 4.5) and of image/strokes/project.comp.
+// Specification of kernels/depth/strokes (thesis, 4.5) and of image/strokes/project.comp.
 #pragma once
 #include <cstdint>
 #include <map>
 #include <vector>
 
-#include "tests/reference/volume/volume.hpp"
+#include "tests/reference/camera/volume.hpp"
 
 namespace inverse::reference {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Specification of kernels/volume/touch: what of a frame is in front of a scene, and where it
+// Specification of kernels/depth/touch: what of a frame is in front of a scene, and where it
 // touches that.
 #pragma once
 #include <cstdint>
 #include <vector>
 
-#include "volume.hpp"
+#include "tests/reference/camera/volume.hpp"
 
 namespace inverse::reference {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Specification of kernels/volume/tracking: one step of an alignment, in double precision.
+// Specification of kernels/depth/tracking: one step of an alignment, in double precision.
 #pragma once
 #include <vector>
 
-#include "volume.hpp"
+#include "tests/reference/camera/volume.hpp"
 
 namespace inverse::reference {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Specification of kernels/virtual_room: painted solids, lamps, and light from all around.
+// Specification of kernels/depth/virtual_room: painted solids, lamps, and light from all around.
 #pragma once
 #include <vector>
 
-#include "tests/reference/volume/volume.hpp"
+#include "tests/reference/camera/volume.hpp"
 
 namespace inverse::reference {
 

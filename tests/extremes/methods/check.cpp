@@ -9,8 +9,8 @@
 #include "tests/differences.hpp"
 #include "tests/reference/global/global_intrinsic.hpp"
 #include "tests/reference/intrinsic/intrinsic_decomposition.hpp"
-#include "tests/reference/thesis/intrinsic_thesis.hpp"
-#include "tests/reference/thesis/thesis_params.hpp"
+#include "tests/thesis/reference/intrinsic_thesis.hpp"
+#include "tests/thesis/reference/thesis_params.hpp"
 
 namespace inverse::extremes {
 namespace {

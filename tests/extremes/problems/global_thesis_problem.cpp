@@ -13,7 +13,7 @@
 #include "kernels/thesis_chapter5_solve_reweight.spv.hpp"
 #include "kernels/thesis_chapter5_solve_update.spv.hpp"
 #include "kernels/thesis_shared_scalars.spv.hpp"
-#include "tests/reference/thesis/global_thesis_energy.hpp"
+#include "tests/thesis/reference/global_thesis_energy.hpp"
 #include "thesis_problem.hpp"
 
 namespace inverse::extremes {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Systems of a Gauss–Newton step of globalintrinsicthesis
-// (tests/reference/thesis/global_thesis_energy.hpp), put to the kernels as they are.
+// (tests/thesis/reference/global_thesis_energy.hpp), put to the kernels as they are.
 #pragma once
 #include <vector>
 

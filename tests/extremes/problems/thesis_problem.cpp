@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "kernels/gpu/reduce.hpp"
-#include "tests/reference/thesis/intrinsic_thesis.hpp"
+#include "tests/thesis/reference/intrinsic_thesis.hpp"
 
 namespace inverse::extremes {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Systems of an IRLS step of intrinsicdecompthesis
-// (tests/reference/thesis/intrinsic_thesis_energy.hpp), put to the kernels as they are.
+// (tests/thesis/reference/intrinsic_thesis_energy.hpp), put to the kernels as they are.
 #pragma once
 #include <array>
 #include <bit>
@@ -13,7 +13,7 @@
 #include "kernels/thesis_chapter3_update.spv.hpp"
 #include "kernels/thesis_shared_scalars.spv.hpp"
 #include "tests/extremes/support/problem.hpp"
-#include "tests/reference/thesis/intrinsic_thesis_energy.hpp"
+#include "tests/thesis/reference/intrinsic_thesis_energy.hpp"
 
 namespace inverse::extremes {
 

@@ -7,7 +7,7 @@
 #include <exception>
 
 #include "tests/bench/support/command_line.hpp"
-#include "tests/stage/labeling_simulation.hpp"
+#include "tests/lightstage/host/labeling_simulation.hpp"
 
 namespace {
 

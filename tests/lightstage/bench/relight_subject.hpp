@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "kernels/relight/relighting.hpp"
+#include "kernels/lightstage/relighting.hpp"
 #include "olat_set.hpp"
 #include "tests/bench/support/timing.hpp"
 #include "tests/lab.hpp"

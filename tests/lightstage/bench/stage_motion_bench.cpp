@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "gst/inverse/inverse_light_stage_meta.h"
-#include "stage/program/light_program.hpp"
+#include "kernels/lightstage/program/light_program.hpp"
 #include "tests/bench/support/command_line.hpp"
 #include "tests/temporary_folder.hpp"
 

@@ -7,8 +7,8 @@
 
 #include "aravis_fixture.hpp"
 #include "gst/inverse/inverse_light_stage_meta.h"
-#include "stage/controllers/dmx_levels.hpp"
-#include "stage/controllers/sacn_receiver.hpp"
+#include "kernels/lightstage/controllers/dmx_levels.hpp"
+#include "kernels/lightstage/controllers/sacn_receiver.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // lightstagearavissrc with Aravis' camera in software.
 #include "aravis_fixture.hpp"
-#include "stage/triggers/frame_ids.hpp"
+#include "kernels/lightstage/triggers/frame_ids.hpp"
 #include "tests/pipeline.hpp"
 
 namespace inverse::testing {

@@ -8,8 +8,8 @@
 
 #include "aravis_fixture.hpp"
 #include "common/error.hpp"
-#include "gst/stage/sync/lights/camera_trigger.hpp"
-#include "stage/triggers/triggered_capture.hpp"
+#include "gst/lightstage/sync/lights/camera_trigger.hpp"
+#include "kernels/lightstage/triggers/triggered_capture.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // From a camera's clock to the pipeline's, without a camera.
-#include "stage/triggers/camera_clock.hpp"
+#include "kernels/lightstage/triggers/camera_clock.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,10 +9,10 @@
 #include <cmath>
 
 #include "kernels/environment/environment.hpp"
-#include "stage/program/light_program.hpp"
+#include "kernels/lightstage/program/light_program.hpp"
 #include "tests/elements/element_test.hpp"
 #include "tests/elements/lamp.hpp"
-#include "tests/kernels/relight/relight_models.hpp"
+#include "tests/lightstage/kernels/relight_models.hpp"
 #include "tests/srgb.hpp"
 #include "tests/temporary_folder.hpp"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "gst/inverse/inverse_light_stage_meta.h"
-#include "stage/program/light_program.hpp"
+#include "kernels/lightstage/program/light_program.hpp"
 #include "tests/elements/element_test.hpp"
 #include "tests/srgb.hpp"
 #include "tests/temporary_folder.hpp"

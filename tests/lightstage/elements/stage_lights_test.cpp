@@ -2,11 +2,11 @@
 // lightstagesync as the one that drives the lights.
 #include <set>
 
-#include "stage/controllers/dmx_levels.hpp"
-#include "stage/controllers/sacn_receiver.hpp"
+#include "kernels/lightstage/controllers/dmx_levels.hpp"
+#include "kernels/lightstage/controllers/sacn_receiver.hpp"
 #include "stage_fixture.hpp"
+#include "tests/lightstage/host/serial_controller.hpp"
 #include "tests/pipeline.hpp"
-#include "tests/stage/serial_controller.hpp"
 #include "tests/update_max.hpp"
 
 namespace inverse::testing {

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "stage/program/light_program.hpp"
+#include "kernels/lightstage/program/light_program.hpp"
 #include "test_source_shots.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/temporary_folder.hpp"

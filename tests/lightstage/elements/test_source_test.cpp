@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "kernels/virtual_stage/camera_schedule.hpp"
-#include "stage/controllers/light_driver.hpp"
-#include "stage/program/light_program.hpp"
+#include "kernels/lightstage/controllers/light_driver.hpp"
+#include "kernels/lightstage/program/light_program.hpp"
+#include "kernels/lightstage/virtual_stage/camera_schedule.hpp"
 #include "test_source_shots.hpp"
 #include "tests/pipeline.hpp"
 #include "tests/temporary_folder.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Untrusted lights.json of OLAT folders: an Error, or as many unit vectors as files.
-#include "stage/program/light_list.hpp"
+#include "kernels/lightstage/program/light_list.hpp"
 
 #include <cmath>
 #include <cstddef>

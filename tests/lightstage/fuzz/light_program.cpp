@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Untrusted light programs: an Error, or a program that can be written and read again, and is of
 // bounded length for a serial controller.
-#include "stage/program/light_program.hpp"
+#include "kernels/lightstage/program/light_program.hpp"
 
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 
 #include "common/error.hpp"
-#include "stage/controllers/serial_protocol.hpp"
+#include "kernels/lightstage/controllers/serial_protocol.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace inverse;

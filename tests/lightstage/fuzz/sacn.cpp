@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "stage/controllers/sacn_receiver.hpp"
+#include "kernels/lightstage/controllers/sacn_receiver.hpp"
 
 namespace {
 

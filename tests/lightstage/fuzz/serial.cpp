@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "stage/controllers/serial_protocol.hpp"
+#include "kernels/lightstage/controllers/serial_protocol.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace inverse::serial;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "stage/controllers/dmx_levels.hpp"
+#include "kernels/lightstage/controllers/dmx_levels.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Labels of a light stage's frames: none is wrong, and every loss is counted.
-#include "stage/labels/frame_labeler.hpp"
+#include "kernels/lightstage/labels/frame_labeler.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Frames of the same trigger from several cameras: which are output, when, and in which order.
-#include "stage/triggers/frame_sets.hpp"
+#include "kernels/lightstage/triggers/frame_sets.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "stage/labels/frame_labeler.hpp"
+#include "kernels/lightstage/labels/frame_labeler.hpp"
 
 namespace inverse::testing {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Light programs: their state at each trigger, and errors of invalid files.
-#include "stage/program/light_program.hpp"
+#include "kernels/lightstage/program/light_program.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -12,7 +12,7 @@
 #include <string>
 
 #include "common/error.hpp"
-#include "stage/program/light_list.hpp"
+#include "kernels/lightstage/program/light_list.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/temporary_folder.hpp"
 

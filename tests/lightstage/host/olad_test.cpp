@@ -18,11 +18,11 @@
 #include <thread>
 
 #include "common/error.hpp"
-#include "stage/controllers/descriptor.hpp"
-#include "stage/controllers/dmx_levels.hpp"
-#include "stage/controllers/light_driver.hpp"
-#include "stage/controllers/sacn_receiver.hpp"
-#include "stage/controllers/udp.hpp"
+#include "kernels/lightstage/controllers/descriptor.hpp"
+#include "kernels/lightstage/controllers/dmx_levels.hpp"
+#include "kernels/lightstage/controllers/light_driver.hpp"
+#include "kernels/lightstage/controllers/sacn_receiver.hpp"
+#include "kernels/lightstage/controllers/udp.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/temporary_folder.hpp"
 

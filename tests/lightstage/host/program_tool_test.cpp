@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "stage/program/light_program.hpp"
+#include "kernels/lightstage/program/light_program.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/temporary_folder.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Packets against the field tables of ANSI E1.31-2018, field by field: octets, and what they hold.
-#include "stage/controllers/sacn_packet.hpp"
+#include "kernels/lightstage/controllers/sacn_packet.hpp"
 
 #include <gtest/gtest.h>
 

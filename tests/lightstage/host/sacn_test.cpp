@@ -7,9 +7,9 @@
 #include <thread>
 
 #include "common/error.hpp"
-#include "stage/controllers/light_driver.hpp"
-#include "stage/controllers/sacn_receiver.hpp"
-#include "stage/controllers/udp.hpp"
+#include "kernels/lightstage/controllers/light_driver.hpp"
+#include "kernels/lightstage/controllers/sacn_receiver.hpp"
+#include "kernels/lightstage/controllers/udp.hpp"
 #include "two_lights.hpp"
 
 namespace inverse::testing {

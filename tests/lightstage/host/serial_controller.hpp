@@ -20,7 +20,7 @@
 #include <thread>
 #include <vector>
 
-#include "stage/controllers/descriptor.hpp"
+#include "kernels/lightstage/controllers/descriptor.hpp"
 
 namespace inverse::testing {
 

@@ -9,9 +9,9 @@
 #include <thread>
 
 #include "common/error.hpp"
+#include "kernels/lightstage/controllers/light_driver.hpp"
+#include "kernels/lightstage/controllers/serial_protocol.hpp"
 #include "serial_controller.hpp"
-#include "stage/controllers/light_driver.hpp"
-#include "stage/controllers/serial_protocol.hpp"
 #include "two_lights.hpp"
 
 namespace inverse::testing {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Cameras triggered in step with the lights, simulated by threads that lose, delay and invent
 // frames. In all cases, a labeled frame was exposed in that light.
-#include "stage/triggers/triggered_capture.hpp"
+#include "kernels/lightstage/triggers/triggered_capture.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include "stage/program/light_program.hpp"
+#include "kernels/lightstage/program/light_program.hpp"
 #include "tests/expect_error.hpp"
 
 namespace inverse::testing {

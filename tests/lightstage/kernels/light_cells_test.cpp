@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // An environment's light shared out among the lights of a stage.
-#include "kernels/relight/lights/light_cells.hpp"
+#include "kernels/lightstage/lights/light_cells.hpp"
 
 #include <gtest/gtest.h>
 

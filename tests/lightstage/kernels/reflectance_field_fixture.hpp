@@ -4,9 +4,9 @@
 #include <limits>
 #include <numbers>
 
-#include "kernels/relight/lobe/cosine_lobe.hpp"
+#include "kernels/lightstage/lobe/cosine_lobe.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
-#include "tests/reference/relight/reflectance_field.hpp"
+#include "tests/lightstage/reference/reflectance_field.hpp"
 
 namespace inverse::testing {
 

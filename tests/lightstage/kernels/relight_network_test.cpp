@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The network that relights against its equations, its files, and few lights in place of many.
-#include "kernels/relight/network/relight_network.hpp"
+#include "kernels/lightstage/network/relight_network.hpp"
 
 #include <algorithm>
 
 #include "common/error.hpp"
-#include "kernels/relight/lights/light_reduction.hpp"
-#include "kernels/relight/lights/measured_light.hpp"
-#include "kernels/relight/relighting.hpp"
+#include "kernels/lightstage/lights/light_reduction.hpp"
+#include "kernels/lightstage/lights/measured_light.hpp"
+#include "kernels/lightstage/relighting.hpp"
 #include "reflectance_field_fixture.hpp"
 #include "relight_models.hpp"
 #include "tests/expect_error.hpp"

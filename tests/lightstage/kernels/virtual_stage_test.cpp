@@ -5,14 +5,14 @@
 #include <numeric>
 
 #include "common/error.hpp"
-#include "kernels/virtual_stage/camera_schedule.hpp"
-#include "kernels/virtual_stage/half.hpp"
-#include "kernels/virtual_stage/virtual_camera.hpp"
-#include "kernels/virtual_stage/virtual_head.hpp"
+#include "kernels/lightstage/virtual_stage/camera_schedule.hpp"
+#include "kernels/lightstage/virtual_stage/half.hpp"
+#include "kernels/lightstage/virtual_stage/virtual_camera.hpp"
+#include "kernels/lightstage/virtual_stage/virtual_head.hpp"
 #include "tests/differences.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
-#include "tests/reference/virtual_stage/virtual_head.hpp"
+#include "tests/lightstage/reference/virtual_head.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "kernels/relight/network/relight_models.hpp"
+#include "kernels/lightstage/network/relight_models.hpp"
 #include "tests/reference/network/network.hpp"
 #include "tests/reference/plane.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The virtual head and its camera (kernels/virtual_stage), in double precision.
+// The virtual head and its camera (kernels/lightstage/virtual_stage), in double precision.
 #pragma once
 
 #include <cstdint>

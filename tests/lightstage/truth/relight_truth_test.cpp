@@ -4,8 +4,8 @@
 // under single ones.
 #include <filesystem>
 
-#include "kernels/relight/relighting.hpp"
-#include "kernels/virtual_stage/virtual_head.hpp"
+#include "kernels/lightstage/relighting.hpp"
+#include "kernels/lightstage/virtual_stage/virtual_head.hpp"
 #include "tests/has_networks.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "tests/elements/element_test.hpp"
-#include "tests/kernels/material/lime_models.hpp"
+#include "tests/material/kernels/lime_models.hpp"
 
 namespace inverse::testing {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // An object and its shadow in a frame.
-#include "kernels/raster/insertion.hpp"
+#include "kernels/material/raster/insertion.hpp"
 
 #include <numbers>
 
-#include "kernels/raster_blend.spv.hpp"
-#include "kernels/raster_occlude.spv.hpp"
+#include "kernels/material_raster_blend.spv.hpp"
+#include "kernels/material_raster_occlude.spv.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
-#include "tests/reference/raster/raster.hpp"
+#include "tests/material/reference/raster.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -183,7 +183,7 @@ TEST_F(InsertionTest, HiddenLightAgreesWithReference) {
         }
         const gpu::BufferPtr occlusion = plane({reference::kGround, reference::kGround}).buffer;
         run([&](gpu::Commands& commands) {
-          commands.dispatch(gpu::Program<shaders::raster_occlude>(device),
+          commands.dispatch(gpu::Program<shaders::material_raster_occlude>(device),
                             {.heights = plane(kHeights, heights).buffer, .occlusion = occlusion},
                             {.ground = ground, .soft = soft}, {kPoints});
         });
@@ -219,21 +219,22 @@ TEST_F(InsertionTest, ObjectsOverShadowsAgreeWithReference) {
     Pixels before = random_pixels(kFrame, ++seed, 0, 2);
     for (size_t i = 3; i < before.size(); i += 4) before[i] = std::min(before[i], 1.0F);
     const Plane frame = plane(kFrame, before);
-    const shaders::raster_blend::Push push{.origin = {0, 0},
-                                           .size = kFrame,
-                                           .window = {kLeft, kTop},
-                                           .window_size = kWindow,
-                                           .stride = kFrame.width,
-                                           .center_x = static_cast<float>(view.x),
-                                           .center_y = static_cast<float>(view.y),
-                                           .radius = static_cast<float>(view.radius),
-                                           .ground = static_cast<float>(view.ground),
-                                           .sine = static_cast<float>(view.sine),
-                                           .turn_x = static_cast<float>(std::cos(view.yaw)),
-                                           .turn_y = static_cast<float>(std::sin(view.yaw)),
-                                           .strength = static_cast<float>(view.strength)};
+    const shaders::material_raster_blend::Push push{
+        .origin = {0, 0},
+        .size = kFrame,
+        .window = {kLeft, kTop},
+        .window_size = kWindow,
+        .stride = kFrame.width,
+        .center_x = static_cast<float>(view.x),
+        .center_y = static_cast<float>(view.y),
+        .radius = static_cast<float>(view.radius),
+        .ground = static_cast<float>(view.ground),
+        .sine = static_cast<float>(view.sine),
+        .turn_x = static_cast<float>(std::cos(view.yaw)),
+        .turn_y = static_cast<float>(std::sin(view.yaw)),
+        .strength = static_cast<float>(view.strength)};
     run([&](gpu::Commands& commands) {
-      commands.dispatch(gpu::Program<shaders::raster_blend>(device),
+      commands.dispatch(gpu::Program<shaders::material_raster_blend>(device),
                         {.picture = plane(kWindow, object).buffer,
                          .occlusion = plane(kGrid, stored).buffer,
                          .frame = frame.buffer},

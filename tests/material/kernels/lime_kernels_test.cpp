@@ -17,7 +17,7 @@
 #include "kernels/material_networks_to_specular.spv.hpp"
 #include "kernels/material_preview_preview.spv.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
-#include "tests/reference/material/lime.hpp"
+#include "tests/material/reference/lime.hpp"
 #include "tests/srgb.hpp"
 
 namespace inverse::testing {

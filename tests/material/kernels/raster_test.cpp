@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Meshes drawn by compute, against brute force and against areas that are known.
-#include "tests/reference/raster/raster.hpp"
+#include "tests/material/reference/raster.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -8,10 +8,10 @@
 
 #include "common/error.hpp"
 #include "kernels/environment/lit_sphere.hpp"
-#include "kernels/raster/rasterizer.hpp"
+#include "kernels/material/raster/rasterizer.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
-#include "tests/reference/raster/room.hpp"
+#include "tests/material/reference/room.hpp"
 #include "tests/update_max.hpp"
 
 namespace inverse::testing {

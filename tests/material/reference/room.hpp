@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// An object in a remembered scene: the specification of the kernels of kernels/raster for
+// An object in a remembered scene: the specification of the kernels of kernels/material/raster for
 // RoomInsertion. World axes: x right, y down, z forward, meters.
 #pragma once
 #include <array>
 #include <optional>
 #include <vector>
 
-#include "tests/reference/raster/raster.hpp"
-#include "tests/reference/volume/volume.hpp"
+#include "tests/material/reference/raster.hpp"
+#include "tests/reference/camera/volume.hpp"
 
 namespace inverse::reference {
 

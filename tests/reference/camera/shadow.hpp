@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Specification of kernels/volume/shadow.glsl.
+// Specification of kernels/camera/shadow.glsl.
 #pragma once
 #include "volume.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Specification of kernels/volume: distances and reflectance of a scene in a sparse grid.
+// Specification of kernels/depth: distances and reflectance of a scene in a sparse grid.
 #pragma once
 #include <array>
 #include <cstdint>

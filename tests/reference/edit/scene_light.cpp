@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/reference/volume/shadow.hpp"
+#include "tests/reference/camera/shadow.hpp"
 
 namespace inverse::reference {
 namespace {

@@ -2,7 +2,7 @@
 // Specification of kernels/edit/relight/scene_shadows.comp and scene_light.comp.
 #pragma once
 #include "relight.hpp"
-#include "tests/reference/volume/volume.hpp"
+#include "tests/reference/camera/volume.hpp"
 
 namespace inverse::reference {
 

@@ -19,8 +19,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "frame_layers.hpp"
-#include "kernels/edit/texture/texture_edit.hpp"
+#include "kernels/texture/texture_edit.hpp"
+#include "tests/bench/methods/frame_layers.hpp"
 #include "tests/bench/metrics/metrics.hpp"
 #include "tests/bench/metrics/png_file.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // How well intrinsictexture follows a plane: a poster on a wall before a camera that is moved by
-// hand, with an arm in front of it for a while, and out of the picture for another (tests/wall);
+// hand, with an arm in front of it for a while, and out of the picture for another (tests/texture);
 // corners against the truth, and what was painted against what should have been.
 //
 // usage: texture-tracking-bench [--poster FILE] [--picture FILE] [--size 640x480] [--element NAME]
@@ -27,7 +27,7 @@
 #include "tests/bench/support/command_line.hpp"
 #include "tests/bench/support/timing.hpp"
 #include "tests/temporary_folder.hpp"
-#include "tests/wall/wall_scene.hpp"
+#include "tests/texture/wall_scene.hpp"
 
 namespace {
 

@@ -12,8 +12,8 @@
 #include "tests/elements/draw.hpp"
 #include "tests/elements/element_test.hpp"
 #include "tests/temporary_folder.hpp"
+#include "tests/texture/wall_scene.hpp"
 #include "tests/update_max.hpp"
-#include "tests/wall/wall_scene.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A picture on a plane against its specification, on ordinary and on hostile layers.
-#include "tests/reference/edit/texture.hpp"
+#include "tests/texture/reference/texture.hpp"
 
-#include "kernels/edit/texture/plane_luminance.hpp"
-#include "kernels/edit/texture/texture_edit.hpp"
+#include "kernels/texture/plane_luminance.hpp"
+#include "kernels/texture/texture_edit.hpp"
 #include "tests/kernels/edit/edit_fixture.hpp"
 #include "tests/update_max.hpp"
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A picture on a plane of the reflectance in double precision: the specification of
-// kernels/edit/texture.
+// kernels/texture.
 #pragma once
 #include <cstddef>
 #include <vector>
 
-#include "edit.hpp"
+#include "tests/reference/edit/edit.hpp"
 
 namespace inverse::reference {
 

@@ -8,7 +8,7 @@
 #include "kernels/thesis/chapter5/global_thesis.hpp"
 #include "tests/differences.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
-#include "tests/reference/thesis/global_thesis_params.hpp"
+#include "tests/thesis/reference/global_thesis_params.hpp"
 
 namespace inverse::testing {
 

@@ -8,8 +8,8 @@
 #include "tests/differences.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
 #include "tests/kernels/known_reflectance.hpp"
-#include "tests/reference/thesis/known_targets.hpp"
-#include "tests/reference/thesis/thesis_params.hpp"
+#include "tests/thesis/reference/known_targets.hpp"
+#include "tests/thesis/reference/thesis_params.hpp"
 
 namespace inverse::testing {
 

@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "gst/stage/sync/shared/stage_labels.hpp"
-#include "gst/stage/sync/shared/sync_params.hpp"
+#include "gst/lightstage/sync/shared/stage_labels.hpp"
+#include "gst/lightstage/sync/shared/sync_params.hpp"
 
 namespace inverse {
 

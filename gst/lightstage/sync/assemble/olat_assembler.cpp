@@ -18,9 +18,9 @@
 #include "frame_picture.hpp"
 #include "gst/base/log/log.hpp"
 #include "gst/exr/exr_stream.hpp"
+#include "kernels/lightstage/program/light_list.hpp"
 #include "motion.hpp"
 #include "olat_motion.hpp"
-#include "stage/program/light_list.hpp"
 
 namespace inverse {
 namespace {

@@ -10,8 +10,8 @@
 #include "gst/base/meta/view_meta.hpp"
 #include "gst/base/pads/caps.hpp"
 #include "gst/base/pads/pads.hpp"
+#include "kernels/lightstage/gray_gradients.hpp"
 #include "motion.hpp"
-#include "stage/gray_gradients.hpp"
 
 namespace inverse {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "stage/labels/light_evidence.hpp"
+#include "kernels/lightstage/labels/light_evidence.hpp"
 
 namespace inverse {
 

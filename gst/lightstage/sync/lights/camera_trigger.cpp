@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "camera_trigger.hpp"
 
-#include "gst/stage/camera/aravis_camera.hpp"
-#include "gst/stage/sync/shared/upstream.hpp"
+#include "gst/lightstage/camera/aravis_camera.hpp"
+#include "gst/lightstage/sync/shared/upstream.hpp"
 
 namespace inverse {
 namespace {

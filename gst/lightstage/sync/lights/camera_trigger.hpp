@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "stage/triggers/triggered_capture.hpp"
+#include "kernels/lightstage/triggers/triggered_capture.hpp"
 
 namespace inverse {
 

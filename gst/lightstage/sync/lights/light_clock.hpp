@@ -8,8 +8,8 @@
 #include <mutex>
 #include <thread>
 
-#include "gst/stage/sync/shared/stage_labels.hpp"
-#include "stage/controllers/light_driver.hpp"
+#include "gst/lightstage/sync/shared/stage_labels.hpp"
+#include "kernels/lightstage/controllers/light_driver.hpp"
 
 namespace inverse {
 

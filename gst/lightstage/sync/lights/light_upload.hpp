@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "stage/controllers/light_driver.hpp"
+#include "kernels/lightstage/controllers/light_driver.hpp"
 
 namespace inverse {
 

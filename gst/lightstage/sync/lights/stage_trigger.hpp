@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "camera_trigger.hpp"
-#include "gst/stage/sync/shared/stage_labels.hpp"
+#include "gst/lightstage/sync/shared/stage_labels.hpp"
 
 namespace inverse {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "gst/stage/meta/light_stage_meta.hpp"
+#include "gst/lightstage/meta/light_stage_meta.hpp"
 
 namespace inverse {
 

@@ -6,7 +6,7 @@
 #include <mutex>
 
 #include "gst/inverse/inverse_light_stage_meta.h"
-#include "stage/program/light_program.hpp"
+#include "kernels/lightstage/program/light_program.hpp"
 
 namespace inverse {
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "gst/base/property_table.hpp"
-#include "stage/controllers/light_driver.hpp"
+#include "kernels/lightstage/controllers/light_driver.hpp"
 
 namespace inverse {
 
