@@ -34,6 +34,8 @@ void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,
   gst_structure_set(stats, "prior", G_TYPE_STRING,
                     solve.network ? solve.network->name.c_str() : PriorModels::kFitted, "prior-age",
                     G_TYPE_UINT, solve.network_age, nullptr);
+  if (solve.network_runs > 0)
+    gst_structure_set(stats, "prior-runs", G_TYPE_UINT, solve.network_runs, nullptr);
   const Tolerances& tolerances = solve.tolerances;
   for (const auto& [name, value] : {std::pair{"half-tolerance", tolerances.half},
                                     {"tile-tolerance", tolerances.tile},

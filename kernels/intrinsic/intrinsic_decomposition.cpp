@@ -360,7 +360,8 @@ void IntrinsicDecomposition::record_report(gpu::Commands& commands, const Params
                   prior_.tiles(),
                   params.tolerances,
                   params.prior.network,
-                  prior_.network_age()};
+                  prior_.network_age(),
+                  prior_.network_runs()};
   if (!report.found)
     report.found = gpu::Buffer::create(device_, gpu::Element::word,
                                        sizeof(Numbers) / sizeof(uint32_t), gpu::Memory::readback);

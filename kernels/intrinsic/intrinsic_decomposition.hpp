@@ -65,8 +65,9 @@ class IntrinsicDecomposition {
     uint32_t levels = 0;  ///< of the multigrid
     uint32_t tiles = 0;   ///< of 16 x 16 pixels, of a frame
     Tolerances tolerances;
-    PriorModelPtr network;     ///< of the prior; null: the fitted one alone
-    uint32_t network_age = 0;  ///< frames since it ran; 0: it ran for this one
+    PriorModelPtr network;      ///< of the prior; null: the fitted one alone
+    uint32_t network_age = 0;   ///< frames since it ran; 0: it ran for this one, or nothing changed
+    uint32_t network_runs = 0;  ///< on the host; 0 elsewhere
   };
 
   /// Throws Error(limit) if frames of this size do not fit the device.

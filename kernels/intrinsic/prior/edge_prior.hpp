@@ -80,6 +80,7 @@ class EdgePrior {
   }
   /// How many frames before the last one recorded the network ran; 0 without one.
   uint32_t network_age() const { return learned_ ? learned_->network.age() : 0; }
+  uint32_t network_runs() const { return learned_ ? learned_->network.runs() : 0; }
   /// How many tiles a frame has.
   uint32_t tiles() const { return changes_.tiles(); }
   /// Words; the first is how many tiles the last `record_changes` evaluated.

@@ -46,6 +46,7 @@ TEST_F(NetworkRateTest, SleepsWhileThePictureIsTheSame) {
   EXPECT_TRUE(due(0.5F));
   for (int k = 0; k < 100; ++k) EXPECT_FALSE(due(0.5F));
   EXPECT_EQ(rate_.age(), 0U);
+  EXPECT_EQ(rate_.runs(), 1U);
   EXPECT_FALSE(due(0.54F));
   EXPECT_EQ(rate_.age(), 1U);
   EXPECT_FALSE(due(0.5F)) << "back to the picture that it ran for";
@@ -57,6 +58,11 @@ TEST_F(NetworkRateTest, RunsSeldomForNoise) {
   int runs = 0;
   for (int k = 1; k <= 160; ++k) runs += due(1e-5F * float(k)) ? 1 : 0;
   EXPECT_EQ(runs, 160 / int(2 * NetworkRate::kStillFactor));
+}
+
+TEST_F(NetworkRateTest, RunsForNoiseInEachFrameIfTheIntervalIsOne) {
+  for (int k = 0; k < 20; ++k) EXPECT_TRUE(due(1e-5F * float(k), 1));
+  EXPECT_EQ(rate_.runs(), 20U);
 }
 
 TEST_F(NetworkRateTest, TakesNanAndOtherSizesForACut) {

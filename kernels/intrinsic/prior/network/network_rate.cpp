@@ -15,11 +15,12 @@ bool NetworkRate::due(std::span<const float> input, uint32_t interval) {
     float change = 0;
     for (size_t i = 0; i < input.size(); ++i) change += std::abs(input[i] - input_[i]);
     change /= static_cast<float>(input.size());
-    if (change < kCut && ++age_ < (change < kStill ? kStillFactor * interval : interval))
-      return false;
+    const bool still = change < kStill && interval > 1;
+    if (change < kCut && ++age_ < (still ? kStillFactor * interval : interval)) return false;
   }
   input_.assign(input.begin(), input.end());
   age_ = 0;
+  ++runs_;
   return true;
 }
 

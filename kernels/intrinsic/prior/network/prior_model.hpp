@@ -9,7 +9,7 @@
 namespace inverse {
 
 /// A network that changes the fitted prior of intrinsicdecomp (docs/reference/networks.md). By the
-/// channels of its input it is one of two kinds: of six channels of the guide it makes 44 of half
+/// channels of its input it is one of two kinds: of six channels of the guide it makes 12 of half
 /// the size, changes of the prior; of an image of three channels, reflectance of the same size.
 struct PriorModel {
   static constexpr uint32_t kInputs = 6, kOutputs = 12, kColors = 3;

@@ -37,6 +37,8 @@ class PriorNetwork {
               const TileList* listed = nullptr);
   /// How many frames before the last one recorded the network ran.
   uint32_t age() const { return rate_.age(); }
+  /// How often it ran on the host; 0 elsewhere.
+  uint32_t runs() const { return rate_.runs(); }
   /// The next frame has nothing to do with the last one.
   void reset() { rate_.reset(); }
   /// One vec4 a pixel of the picture (fields.glsl).
