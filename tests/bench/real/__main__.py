@@ -16,7 +16,7 @@ import measures
 import numpy as np
 from methods import BASELINES, methods
 
-sys.path.append(str(pathlib.Path(__file__).parents[1] / "report"))
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "report"))  # before PyTables, which has a module of that name
 import tables
 
 ELEMENTS = ("intrinsicdecompthesis", "globalintrinsicthesis", "intrinsicdecomp", "globalintrinsic")
