@@ -179,7 +179,7 @@ def main():
     parser.add_argument("--count", type=int, default=4000)
     parser.add_argument("--photographs", type=pathlib.Path, help="folder of photographs; permissively licensed ones, for weights that ship")
     parser.add_argument("--maps", type=pathlib.Path, help="folder of environment maps (.hdr)")
-    parser.add_argument("--depth", type=pathlib.Path, help="folder of NAME.jpg and NAME.png (depth in millimeters); cameras.json beside the folder")
+    parser.add_argument("--depth", type=lambda p: pathlib.Path(p).resolve(), help="folder of NAME.jpg and NAME.png (depth in millimeters); cameras.json beside the folder")
     parser.add_argument("--samples", type=pathlib.Path, help="folder of samples of ../intrinsic")
     parser.add_argument("--assets", type=pathlib.Path, required=True, help="of ../intrinsic/README.md")
     args = parser.parse_args()
