@@ -47,8 +47,7 @@ const PropertyTable<Params>& table() {
   static const PropertyTable<Params> table = [] {
     PropertyTable<Params> all = light_properties();
     all.append(solve_properties<Params>());
-    all.append(stroke_properties<Params>());
-    all.append(scene_properties<Params>());
+    all.append(interaction_properties<Params>());
     return decomposer_properties<Params>({kSolveSets}, all, Makes::global);
   }();
   return table;
@@ -85,8 +84,7 @@ class GlobalMethod final : public SolveMethod<GlobalIntrinsic> {
     const auto found = method_->findings(number);
     const GlobalIntrinsic::Stats& method = method_->stats(number);
     describe_solve(stats, method.solve, found.solve);
-    describe_strokes(stats, number);
-    describe_scene(stats, number);
+    describe_interaction(stats, number);
     gst_structure_set(stats, "amount", G_TYPE_DOUBLE, static_cast<double>(found.amount),
                       "confidence", G_TYPE_DOUBLE, static_cast<double>(found.confidence), "colors",
                       G_TYPE_UINT, found.colors, "tint", G_TYPE_DOUBLE,
@@ -115,7 +113,7 @@ const ElementInfo kGlobalIntrinsic{
     []() -> std::unique_ptr<Filter> {
       return std::make_unique<Decomposer>(std::make_unique<GlobalMethod>());
     },
-    scene_actions(),
+    interaction_actions(),
     true};
 
 }  // namespace inverse

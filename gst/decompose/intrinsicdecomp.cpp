@@ -13,8 +13,7 @@ using Params = SolveParams<ScaledIntrinsic::Params>;
 const PropertyTable<Params>& table() {
   static const PropertyTable<Params> table = [] {
     PropertyTable<Params> all = solve_properties<Params>();
-    all.append(stroke_properties<Params>());
-    all.append(scene_properties<Params>());
+    all.append(interaction_properties<Params>());
     return decomposer_properties<Params>({kSolveSets}, all);
   }();
   return table;
@@ -30,8 +29,7 @@ class IntrinsicMethod final : public SolveMethod<ScaledIntrinsic> {
   }
   void describe(GstStructure* stats, uint64_t number) const override {
     describe_solve(stats, method_->stats(number), method_->findings(number));
-    describe_strokes(stats, number);
-    describe_scene(stats, number);
+    describe_interaction(stats, number);
   }
 };
 
@@ -52,7 +50,7 @@ const ElementInfo kIntrinsicDecomp{
     []() -> std::unique_ptr<Filter> {
       return std::make_unique<Decomposer>(std::make_unique<IntrinsicMethod>());
     },
-    scene_actions(),
+    interaction_actions(),
     true};
 
 }  // namespace inverse

@@ -15,8 +15,7 @@
 
 namespace inverse {
 
-class SceneWork;
-class StrokeEditor;
+class Interaction;
 
 /// The parameters that every decomposer has.
 struct DecomposerParams : ShowParams {
@@ -80,10 +79,8 @@ class DecompositionMethod {
   virtual void describe(GstStructure* stats, uint64_t number) const = 0;
   /// Whether users have asked for something since the last frame that shows in its layers.
   virtual bool requested() const { return false; }
-  /// The strokes that users draw; null if the method takes none.
-  virtual StrokeEditor* strokes() { return nullptr; }
-  /// The memory of the scene; null if the method has none.
-  virtual SceneWork* scene() { return nullptr; }
+  /// Strokes and the remembered scene; null if the method has neither.
+  virtual Interaction* interaction() { return nullptr; }
   /// As in Filter.
   virtual void ended() {}
   virtual void navigate(const Log& /*log*/, const MouseEvent& /*event*/) {}

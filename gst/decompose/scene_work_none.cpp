@@ -2,7 +2,6 @@
 // A build without depth (-Ddepth=disabled).
 #include "gst/inverse/inverse_depth_meta.h"
 #include "scene_work.hpp"
-#include "strokes/stroke_editor.hpp"
 
 namespace inverse {
 namespace {
@@ -42,7 +41,5 @@ class NoScene final : public SceneWork {
 const bool kHasScene = false;
 
 std::unique_ptr<SceneWork> make_scene_work() { return std::make_unique<NoScene>(); }
-
-std::vector<Action> scene_actions() { return stroke_actions(); }
 
 }  // namespace inverse

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include "interaction.hpp"
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
 #include "method.hpp"
 #include "prior_models.hpp"
-#include "scene_work.hpp"
-#include "strokes/stroke_properties.hpp"
 
 namespace inverse {
 
 /// The parameters of an element whose method solves by ScaledIntrinsic: the method's, and these.
 template <typename MethodParams>
-struct SolveParams : MethodParams, DecomposerParams, StrokeParams, SceneParams {
+struct SolveParams : MethodParams, DecomposerParams, InteractionParams {
   float skip_error = Tolerances::kSkipError;  ///< rms log shading
   std::string prior_source = PriorModels::kFitted;
   void take_defaults(const SolveParams& set) {

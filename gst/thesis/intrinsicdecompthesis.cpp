@@ -2,9 +2,7 @@
 // intrinsicdecompthesis: chapters 3 and 4 of the thesis.
 
 #include "gst/decompose/decomposer.hpp"
-#include "gst/decompose/scene_work.hpp"
-#include "gst/decompose/strokes/stroke_properties.hpp"
-#include "gst/decompose/strokes/stroke_work.hpp"
+#include "gst/decompose/interaction.hpp"
 #include "kernels/image/strokes/stroke_mask.hpp"
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
 #include "kernels/thesis/chapter3/thesis_levels.hpp"
@@ -12,7 +10,7 @@
 namespace inverse {
 namespace {
 
-struct Params : ThesisParams, DecomposerParams, StrokeParams, SceneParams {
+struct Params : ThesisParams, DecomposerParams, InteractionParams {
   bool adaptive = true;
   Params() {
     scene_memory = false;
@@ -102,8 +100,7 @@ PropertyTable<Params> own_properties() {
                      "Draw new sample positions for every frame instead of keeping them")),
       tuning(flag<P>("energy", &P::energy, "Evaluate the energy of every frame for stats")),
   };
-  own.append(stroke_properties<P>());
-  own.append(scene_properties<P>());
+  own.append(interaction_properties<P>());
   return own;
 }
 
@@ -124,25 +121,22 @@ class ThesisMethod final : public DecompositionMethod {
   DecomposerSettings& settings() override { return settings_; }
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent,
                  const Log& log) override {
-    log_.emplace(log);
     method_.emplace(device, extent);
     mask_.emplace(device, extent);
-    stroke_work_.configure(device, extent);
-    scene_work_->configure(device);
+    interaction_.configure(device, extent, log);
   }
   void release() override {
     method_.reset();
     mask_.reset();
     before_ = {};
-    stroke_work_.release();
-    scene_work_->release();
+    interaction_.release();
   }
   void reset() override {
     method_->reset();
     method_->set_strokes({});
     mask_->forget();
     before_ = {};
-    stroke_work_.reset();
+    interaction_.reset();
   }
 
   uint64_t decompose(FrameContext& frame) override {
@@ -151,38 +145,29 @@ class ThesisMethod final : public DecompositionMethod {
     if (!set.adaptive) params.residual_tolerance = 0;
     method_->set_params(params);
     const uint64_t number = method_->recorded();
-    stroke_work_.take(frame, number, set, frame.draw && set.show == Show::mosaic);
-    const KnownReflectance* known = scene_work_->recall(frame, number, set, stroke_work_.wanted());
-    if (scene_work_->began()) strokes_.forget_scene();
-    stroke_work_.see(number, scene_work_->seen());
-    take_strokes(frame);
+    const Interaction::Known known =
+        interaction_.before(frame, number, set, frame.draw && set.show == Show::mosaic);
+    take_strokes(frame, known);
     const PlanePtr input = frame.layers[Role::input];
-    method_->record(frame.commands, *input, frame.layers, known);
-    scene_work_->remember(frame);
+    method_->record(frame.commands, *input, frame.layers, known.reflectance);
     if (mask_->unfilled() || (mask_->fills() && mask_->moves()))
       before_ = {input, frame.layers[Role::intrinsic]};
-    stroke_work_.edit(frame);
+    interaction_.after(frame);
     return number;
   }
 
   // It does not start from the frame before: the same picture again would only add another keyframe
   // and another vote of the clusters.
   bool converged(std::optional<uint64_t>) const override { return !mask_->unfilled(); }
-  bool requested() const override {
-    return stroke_work_.requested(settings_.params()) || scene_work_->requested();
-  }
-  StrokeEditor* strokes() override { return &strokes_; }
+  bool requested() const override { return interaction_.requested(settings_.params()); }
+  Interaction* interaction() override { return &interaction_; }
   void navigate(const Log& log, const MouseEvent& event) override {
-    strokes_.mouse(log, event, settings_.properties());
+    interaction_.navigate(log, event, settings_.properties());
   }
-  void flushed() override { strokes_.flush(); }
-  void ended() override { scene_work_->ended(settings_.properties().scene_location); }
-  SceneWork* scene() override { return scene_work_.get(); }
+  void flushed() override { interaction_.flushed(); }
+  void ended() override { interaction_.ended(settings_.properties()); }
   void completed(uint64_t number) override {
-    const auto view = scene_work_->view(number);
-    strokes_.add_loaded(*log_, scene_work_->take_loaded());
-    stroke_work_.completed(*log_, number, method_->stats(number).strokes, view);
-    strokes_.touch(*log_, scene_work_->touch(number), view, settings_.properties());
+    interaction_.completed(number, method_->stats(number).strokes, settings_.properties());
   }
 
   Work work(uint64_t number) const override { return {method_->stats(number).skipped, {}}; }
@@ -196,16 +181,15 @@ class ThesisMethod final : public DecompositionMethod {
         static_cast<double>(method.scale), "clusters", G_TYPE_INT, method.cluster_count, nullptr);
     if (!method.energy.empty())
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
-    stroke_work_.describe(stats, number, method.strokes);
-    scene_work_->describe(stats, number);
+    interaction_.describe(stats, number, method.strokes);
   }
 
  private:
   /// Draws the strokes of `frame` and extends them, by the reflectance of the frame before.
-  void take_strokes(FrameContext& frame) {
-    const StrokesPtr& list = stroke_work_.solved();
-    const StrokeTracker* tracker = list ? stroke_work_.tracker() : nullptr;
-    const SeenStrokes* seen = list ? scene_work_->seen() : nullptr;
+  void take_strokes(FrameContext& frame, const Interaction::Known& known) {
+    const StrokesPtr& list = known.strokes;
+    const StrokeTracker* tracker = list ? known.tracker : nullptr;
+    const SeenStrokes* seen = list ? known.seen : nullptr;
     StrokeMask::Reflectance reflectance;
     if (before_.intrinsic) {
       reflectance.reflectance = before_.intrinsic->buffer;
@@ -235,10 +219,7 @@ class ThesisMethod final : public DecompositionMethod {
 
   MethodSettings<Params, ThesisParams> settings_{table(), thesis_levels()};
   std::optional<ThesisDecomposition> method_;
-  std::optional<Log> log_;
-  StrokeEditor strokes_;
-  StrokeWork stroke_work_{strokes_};
-  std::unique_ptr<SceneWork> scene_work_ = make_scene_work();
+  Interaction interaction_;
   std::optional<StrokeMask> mask_;
   struct {
     PlanePtr input, intrinsic;
@@ -262,7 +243,7 @@ const ElementInfo kIntrinsicDecompThesis{
     []() -> std::unique_ptr<Filter> {
       return std::make_unique<Decomposer>(std::make_unique<ThesisMethod>());
     },
-    scene_actions(),
+    interaction_actions(),
     true};
 
 }  // namespace inverse

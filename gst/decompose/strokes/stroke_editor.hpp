@@ -44,7 +44,7 @@ struct StrokePlace {
 /// being drawn.
 class StrokeEditor : public ListEditor {
  public:
-  StrokeEditor() : ListEditor("stroke") {}
+  StrokeEditor() : ListEditor("stroke", "strokes::list") {}
   /// The mouse over the picture. Ignored before the first frame.
   void mouse(const Log& log, const MouseEvent& event, const StrokeParams& params);
   /// What the action signals do; throw Error(unsupported).
@@ -109,9 +109,5 @@ class StrokeEditor : public ListEditor {
   std::optional<SceneView> view_;    // without depth
   bool lost_ = false;                // some of those, and a warning said so
 };
-
-/// The action signals add-stroke, remove-stroke, clear-strokes and undo-stroke of a decomposer
-/// whose method has DecompositionMethod::strokes.
-std::vector<Action> stroke_actions();
 
 }  // namespace inverse
