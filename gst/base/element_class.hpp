@@ -65,9 +65,8 @@ struct ElementClass {
       else
         g_value_take_boxed(value, body_of(owner).stats());
     };
-    object->set_property = [](GObject* owner, guint id, const GValue* value, GParamSpec* spec) {
-      set_parameter(log_of(GST_ELEMENT(owner)), body_of(owner).parameters(), id - kTable, value,
-                    spec);
+    object->set_property = [](GObject* owner, guint id, const GValue* value, GParamSpec*) {
+      set_parameter(log_of(GST_ELEMENT(owner)), body_of(owner).parameters(), id - kTable, value);
     };
     g_object_class_install_property(
         object, kStats,

@@ -7,8 +7,10 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "child_settings.hpp"
 #include "element_class.hpp"
 #include "filter_element.hpp"
 #include "gst/base/log/errors.hpp"
@@ -23,6 +25,7 @@ using inverse::set_parameter;
 struct GstInverseFilter {
   GstBaseTransform parent;
   FilterElement* element;
+  inverse::ChildSettings* children;
 };
 
 struct GstInverseFilterClass {
@@ -38,6 +41,7 @@ GstBaseTransformClass* parent_class = nullptr;
 
 GstInverseFilter* self_of(gpointer object) { return static_cast<GstInverseFilter*>(object); }
 FilterElement& element_of(gpointer object) { return *self_of(object)->element; }
+inverse::ChildSettings& children_of(gpointer object) { return *self_of(object)->children; }
 const ElementInfo& info_of(gpointer object) {
   return *reinterpret_cast<GstInverseFilterClass*>(G_OBJECT_GET_CLASS(object))->info;
 }
@@ -57,7 +61,7 @@ void get_property(GObject* object, guint id, GValue* value, GParamSpec* spec) {
 void set_property(GObject* object, guint id, const GValue* value, GParamSpec* spec) {
   FilterElement& element = element_of(object);
   if (id >= PROP_TABLE)
-    set_parameter(element.log(), element.filter().parameters(), id - PROP_TABLE, value, spec);
+    set_parameter(element.log(), element.filter().parameters(), id - PROP_TABLE, value);
   else if (id == PROP_DEVICE)
     element.set_device_name(g_value_get_string(value));
   else
@@ -65,6 +69,7 @@ void set_property(GObject* object, guint id, const GValue* value, GParamSpec* sp
 }
 
 void finalize(GObject* object) {
+  delete self_of(object)->children;
   delete self_of(object)->element;
   G_OBJECT_CLASS(parent_class)->finalize(object);
 }
@@ -227,7 +232,9 @@ void before_transform(GstBaseTransform* transform, GstBuffer* buffer) {
   if (transform->segment.format != GST_FORMAT_TIME) return;
   const GstClockTime time = gst_segment_to_stream_time(&transform->segment, GST_FORMAT_TIME,
                                                        GST_BUFFER_TIMESTAMP(buffer));
-  if (GST_CLOCK_TIME_IS_VALID(time)) gst_object_sync_values(GST_OBJECT(transform), time);
+  if (!GST_CLOCK_TIME_IS_VALID(time)) return;
+  gst_object_sync_values(GST_OBJECT(transform), time);
+  children_of(transform).sync(time);
 }
 
 GstFlowReturn transform(GstBaseTransform* transform, GstBuffer* in, GstBuffer* out) {
@@ -410,14 +417,19 @@ void element_class_init(gpointer klass, gpointer data) {
 
 /// What a preset saves: the parameters; neither the device nor properties of GStreamer's classes.
 gchar** preset_properties(GstPreset* preset) {
-  guint count = 0;
-  const std::unique_ptr<GParamSpec*, decltype(&g_free)> specs(
-      g_object_class_list_properties(G_OBJECT_GET_CLASS(preset), &count), g_free);
   GPtrArray* names = g_ptr_array_new();
-  for (GParamSpec* spec : std::span(specs.get(), count))
-    if (spec->owner_type == G_OBJECT_TYPE(preset) && (spec->flags & G_PARAM_WRITABLE) &&
-        spec->param_id >= PROP_TABLE)
-      g_ptr_array_add(names, g_strdup(spec->name));
+  const auto add = [names](gpointer object, guint first_id, const std::string& child) {
+    guint count = 0;
+    const std::unique_ptr<GParamSpec*, decltype(&g_free)> specs(
+        g_object_class_list_properties(G_OBJECT_GET_CLASS(object), &count), g_free);
+    for (GParamSpec* spec : std::span(specs.get(), count))
+      if (spec->owner_type == G_OBJECT_TYPE(object) && (spec->flags & G_PARAM_WRITABLE) &&
+          spec->param_id >= first_id)
+        g_ptr_array_add(names, g_strdup((child + spec->name).c_str()));
+  };
+  add(preset, PROP_TABLE, "");
+  for (GstObject* child : children_of(preset).all())
+    add(child, 1, std::string(GST_OBJECT_NAME(child)) + "::");
   g_ptr_array_add(names, nullptr);
   return reinterpret_cast<gchar**>(g_ptr_array_free(names, FALSE));
 }
@@ -430,6 +442,8 @@ void instance_init(GTypeInstance* instance, gpointer klass) {
   auto* self = self_of(instance);
   self->element =
       new FilterElement(GST_ELEMENT(instance), *static_cast<GstInverseFilterClass*>(klass)->info);
+  self->children =
+      new inverse::ChildSettings(GST_ELEMENT(instance), self->element->filter().parameters());
   gst_base_transform_set_qos_enabled(GST_BASE_TRANSFORM(instance), TRUE);
   gst_base_transform_set_gap_aware(GST_BASE_TRANSFORM(instance), TRUE);
   if (static_cast<GstInverseFilterClass*>(klass)->info->takes_pixels())
@@ -467,8 +481,10 @@ gboolean register_filter(GstPlugin* plugin, const ElementInfo& element) {
   info.instance_init = instance_init;
   const GType type = g_type_register_static(filter_type(plugin), element.type_name, &info,
                                             static_cast<GTypeFlags>(0));
-  const GInterfaceInfo presets{preset_init, nullptr, nullptr};
+  const GInterfaceInfo presets{preset_init, nullptr, nullptr},
+      children{ChildSettings::init_interface<children_of>, nullptr, nullptr};
   g_type_add_interface_static(type, GST_TYPE_PRESET, &presets);
+  g_type_add_interface_static(type, GST_TYPE_CHILD_PROXY, &children);
   return gst_element_register(plugin, element.factory, GST_RANK_NONE, type);
 }
 

@@ -23,6 +23,17 @@ GType enum_type(const char* type_name, std::span<const Choice> choices) {
   });
 }
 
+std::string_view PropertyRow::child() const {
+  const std::string_view all = name;
+  const size_t end = all.find("::");
+  return end == std::string_view::npos ? std::string_view() : all.substr(0, end);
+}
+
+const char* PropertyRow::own_name() const {
+  const std::string_view first = child();
+  return first.empty() ? name : name + first.size() + 2;
+}
+
 namespace property_detail {
 
 GParamFlags flags(Mutable when) {
@@ -62,14 +73,15 @@ constexpr FieldType kPlain{
 template <typename G,
           GParamSpec* (*kMake)(const gchar*, const gchar*, const gchar*, G, G, G, GParamFlags)>
 GParamSpec* in_range(const PropertyRow& row, G value) {
-  return kMake(row.name, nick(row.name), row.blurb, static_cast<G>(row.low),
+  return kMake(row.own_name(), nick(row.own_name()), row.blurb, static_cast<G>(row.low),
                static_cast<G>(row.high), value, flags(row.when));
 }
 GParamSpec* boolean_spec(const PropertyRow& row, gboolean value) {
-  return g_param_spec_boolean(row.name, nick(row.name), row.blurb, value, flags(row.when));
+  return g_param_spec_boolean(row.own_name(), nick(row.own_name()), row.blurb, value,
+                              flags(row.when));
 }
 GParamSpec* enum_spec(const PropertyRow& row, gint value) {
-  return g_param_spec_enum(row.name, nick(row.name), row.blurb, row.enumeration, value,
+  return g_param_spec_enum(row.own_name(), nick(row.own_name()), row.blurb, row.enumeration, value,
                            flags(row.when));
 }
 template <typename T>
@@ -93,7 +105,7 @@ constexpr FieldType kFlag =
     kPlain<bool, gboolean, boolean_spec, g_value_get_boolean, g_value_set_boolean>;
 constexpr FieldType kText{[](const PropertyRow& row, const void* field) {
                             return g_param_spec_string(
-                                row.name, nick(row.name), row.blurb,
+                                row.own_name(), nick(row.own_name()), row.blurb,
                                 static_cast<const std::string*>(field)->c_str(), flags(row.when));
                           },
                           [](const void* field, GValue* to) {
@@ -109,7 +121,7 @@ constexpr FieldType kText{[](const PropertyRow& row, const void* field) {
                           nullptr};
 constexpr FieldType kNumberOrAuto{
     [](const PropertyRow& row, const void* field) {
-      return g_param_spec_string(row.name, nick(row.name), row.blurb,
+      return g_param_spec_string(row.own_name(), nick(row.own_name()), row.blurb,
                                  text_of(*static_cast<const Auto*>(field)).c_str(), text_flags());
     },
     [](const void* field, GValue* to) {
@@ -191,18 +203,27 @@ bool PropertyStore::exchange(const std::string& name, const std::string& /*befor
   throw Error(ErrorKind::internal, "there is no property " + name);
 }
 
-void RowParameters::install(GObjectClass* object_class, guint first_id) const {
+void RowParameters::install(GObjectClass* object_class, guint first_id,
+                            std::string_view child) const {
   const std::lock_guard lock(mutex_);
   use_effective([&](const void* defaults) {
     for (size_t i = 0; i < rows_.size(); ++i)
-      if (!rows_[i].in_tuning)
+      if (!rows_[i].in_tuning && rows_[i].child() == child)
         g_object_class_install_property(
             object_class, first_id + static_cast<guint>(i),
             rows_[i].type->make_spec(rows_[i], field(rows_[i], defaults)));
   });
-  if (has_tuning())
+  if (has_tuning() && child.empty())
     g_object_class_install_property(object_class, first_id + static_cast<guint>(rows_.size()),
                                     tuning_spec());
+}
+
+std::vector<std::string> RowParameters::children() const {
+  std::vector<std::string> names;
+  for (const PropertyRow& row : rows_)
+    if (!row.child().empty() && std::ranges::find(names, row.child()) == names.end())
+      names.emplace_back(row.child());
+  return names;
 }
 
 void RowParameters::get(size_t index, GValue* value) const {
@@ -219,9 +240,9 @@ void RowParameters::set(size_t index, const GValue* value) {
     return set_tuning(text ? text : "");
   }
   const PropertyRow& row = rows_[index];
-  misconfigured_.erase(row.name);
+  misconfigured_.erase(index);
   if (const std::string text = wrong(row, value); !text.empty()) {
-    misconfigured_[row.name] = text;
+    misconfigured_[index] = text;
     return;
   }
   row.type->write(row, field(row, values_), value);
@@ -240,25 +261,26 @@ bool RowParameters::exchange(const std::string& name, const std::string& before,
   if (same) {
     g_value_set_string(&value, after.c_str());
     row->type->write(*row, field(*row, values_), &value);
-    explicitly_[static_cast<size_t>(row - rows_.begin())] = true;
-    misconfigured_.erase(name);
+    const auto index = static_cast<size_t>(row - rows_.begin());
+    explicitly_[index] = true;
+    misconfigured_.erase(index);
   }
   g_value_unset(&value);
   return same;
 }
 
-std::string RowParameters::misconfigured(const char* name) const {
+std::string RowParameters::misconfigured(std::optional<size_t> index) const {
   const std::lock_guard lock(mutex_);
-  const auto found = name ? misconfigured_.find(name) : misconfigured_.begin();
+  const auto found = index ? misconfigured_.find(*index) : misconfigured_.begin();
   return found == misconfigured_.end() ? std::string() : found->second;
 }
 
-std::string RowParameters::tuning_entries_text() const {
+std::string RowParameters::text_of(Listed which) const {
   const std::lock_guard lock(mutex_);
   std::string lines;
   use_effective([&](const void* defaults) {
     for (const PropertyRow& row : rows_) {
-      if (!row.in_tuning) continue;
+      if (which == Listed::tuning ? !row.in_tuning : row.child().empty()) continue;
       const SpecPtr spec = spec_of(row, defaults);
       lines += std::string(row.name) + ": " + values_of(spec.get()) + ": " +
                g_param_spec_get_blurb(spec.get()) + "\n";
@@ -297,7 +319,7 @@ void RowParameters::set_tuning(const std::string& text) {
     }
   } catch (const Error& error) {
     free_entries();
-    std::string& wrong = misconfigured_["tuning"];
+    std::string& wrong = misconfigured_[rows_.size()];
     wrong = "tuning=\"" + text.substr(0, 100) + (text.size() > 100 ? "…" : "") +
             "\": " + error.what() + "; its names are";
     for (const PropertyRow& row : rows_)
@@ -315,20 +337,20 @@ void RowParameters::set_tuning(const std::string& text) {
   }
   free_entries();
   tuning_ = text;
-  misconfigured_.erase("tuning");
+  misconfigured_.erase(rows_.size());
 }
 
 void install_parameters(gpointer element_class, const PropertyStore& parameters, guint first_id) {
   parameters.install(G_OBJECT_CLASS(element_class), first_id);
-  const std::string tuning = parameters.tuning_entries_text();
-  if (!tuning.empty())
-    gst_element_class_add_metadata(GST_ELEMENT_CLASS(element_class), "Tuning", tuning.c_str());
+  for (const auto& [key, which] : {std::pair{"Child properties", PropertyStore::Listed::children},
+                                   std::pair{"Tuning", PropertyStore::Listed::tuning}})
+    if (const std::string text = parameters.text_of(which); !text.empty())
+      gst_element_class_add_metadata(GST_ELEMENT_CLASS(element_class), key, text.c_str());
 }
 
-void set_parameter(const Log& log, PropertyStore& parameters, size_t index, const GValue* value,
-                   const GParamSpec* spec) {
+void set_parameter(const Log& log, PropertyStore& parameters, size_t index, const GValue* value) {
   parameters.set(index, value);
-  const std::string text = parameters.misconfigured(spec->name);
+  const std::string text = parameters.misconfigured(index);
   // An element that does not run yet posts it as an error when it starts: check_parameters.
   if (!text.empty() && GST_STATE_TARGET(log.object) > GST_STATE_READY)
     post_warning(log, GST_LIBRARY_ERROR, GST_LIBRARY_ERROR_SETTINGS, "%s", text.c_str());

@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -49,7 +50,7 @@ struct FieldType {
 /// One GObject property that stands for one field of a parameter struct: name, range, default and
 /// blurb are said here and nowhere else (the default is the field's initializer).
 struct PropertyRow {
-  const char* name;
+  const char* name;  ///< "show", or "strokes::radius": `radius` of the child object "strokes"
   const char* blurb;
   const FieldType* type;
   size_t offset;  ///< of the field in the struct, bytes
@@ -60,6 +61,11 @@ struct PropertyRow {
   bool in_tuning = false;
   /// What is wrong with a value, in words; empty if nothing is. Null: the type says it all.
   std::string (*wrong)(const GValue* value) = nullptr;
+
+  /// The child object that has the property; empty if it is the element.
+  std::string_view child() const;
+  /// The name of the property in that object.
+  const char* own_name() const;
 };
 
 /// A row whose field is in `P`.
@@ -202,7 +208,7 @@ Property<P> text_for(const char* name, Access access, const char* blurb,
   using T = property_detail::FieldOf<P, Access>;
   static constexpr FieldType kType{
       [](const PropertyRow& row, const void* field) {
-        return g_param_spec_string(row.name, property_detail::nick(row.name), row.blurb,
+        return g_param_spec_string(row.own_name(), property_detail::nick(row.own_name()), row.blurb,
                                    g_intern_string(kText(*static_cast<const T*>(field)).c_str()),
                                    property_detail::text_flags());
       },
@@ -234,28 +240,33 @@ GParamSpec* tuning_spec();
 class PropertyStore {
  public:
   virtual ~PropertyStore() = default;
-  virtual void install(GObjectClass* object_class, guint first_id) const = 0;
+  /// Installs the properties of a child object, or of the element.
+  virtual void install(GObjectClass* object_class, guint first_id,
+                       std::string_view child = {}) const = 0;
+  /// The names of the child objects that have some of the properties.
+  virtual std::vector<std::string> children() const { return {}; }
   virtual void get(size_t index, GValue* value) const = 0;
   virtual void set(size_t index, const GValue* value) = 0;
   /// Gives the text property `name` a valid value if it is `before` now, and returns whether it
   /// was; GObject::notify is for the caller. Throws Error(internal) if there is no such property.
   virtual bool exchange(const std::string& name, const std::string& before,
                         const std::string& after);
-  /// What is wrong with what the property `name` was set to last (of `tuning`: and which names it
-  /// takes), in words; the value before stays in force. Empty if nothing is. Null: of any property.
-  virtual std::string misconfigured(const char* /*name*/ = nullptr) const { return {}; }
-  /// The entries of `tuning`, one a line, "name: values (default): meaning"; empty if it has
-  /// none.
-  virtual std::string tuning_entries_text() const { return {}; }
+  /// What is wrong with what a property was set to last (of `tuning`: and which names it takes), in
+  /// words; the value before stays in force. Empty if nothing is. Without an index: of any
+  /// property.
+  virtual std::string misconfigured(std::optional<size_t> /*index*/ = {}) const { return {}; }
+  /// The entries of `tuning`, or the properties of child objects, one a line, "name: values
+  /// (default): meaning"; empty if there are none.
+  enum class Listed { tuning, children };
+  virtual std::string text_of(Listed /*which*/) const { return {}; }
 };
 
-/// Installs an element class's parameters, and lists the entries of `tuning` in its metadata, which
-/// gst-inspect-1.0 shows.
+/// Installs an element class's parameters, and lists those that gst-inspect-1.0 does not find in
+/// its metadata, which it shows.
 void install_parameters(gpointer element_class, const PropertyStore& parameters, guint first_id);
 /// GObject::set_property of one of them: a text that cannot be read becomes a warning if the
 /// element runs.
-void set_parameter(const Log& log, PropertyStore& parameters, size_t index, const GValue* value,
-                   const GParamSpec* spec);
+void set_parameter(const Log& log, PropertyStore& parameters, size_t index, const GValue* value);
 /// Posts an error and returns false if a text cannot be read: the element does not start.
 bool check_parameters(const Log& log, const PropertyStore& parameters);
 
@@ -267,13 +278,14 @@ class RowParameters : public PropertyStore {
 
   /// Indices in use.
   size_t size() const { return rows_.size() + (has_tuning() ? 1 : 0); }
-  void install(GObjectClass* object_class, guint first_id) const override;
+  void install(GObjectClass* object_class, guint first_id, std::string_view child) const override;
+  std::vector<std::string> children() const override;
   void get(size_t index, GValue* value) const override;
   void set(size_t index, const GValue* value) override;
   bool exchange(const std::string& name, const std::string& before,
                 const std::string& after) override;
-  std::string misconfigured(const char* name) const override;
-  std::string tuning_entries_text() const override;
+  std::string misconfigured(std::optional<size_t> index) const override;
+  std::string text_of(Listed which) const override;
 
  protected:
   /// `defaults` and `values` point to two parameter structs, the second to this one's own.
@@ -296,7 +308,7 @@ class RowParameters : public PropertyStore {
   void* values_;
   std::vector<bool> explicitly_;
   std::string tuning_;
-  std::map<std::string, std::string> misconfigured_;  // by property
+  std::map<size_t, std::string> misconfigured_;  // by index
 };
 
 /// The parameters of one element. `preset` turns the values that were set so far into a full set of

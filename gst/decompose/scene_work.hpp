@@ -33,32 +33,32 @@ template <typename P>
 PropertyTable<P> scene_properties() {
   if (!kHasScene) return {};
   return {
-      flag<P>("scene-memory", &P::scene_memory,
+      flag<P>("scene::remember", &P::scene_memory,
               "Remember the reflectance of the scene where frames carry depth, and start and "
               "steady each frame by it; false = depth is ignored"),
-      number<P>("scene-weight", &P::scene_weight, 0.f, 1e3f,
+      number<P>("scene::weight", &P::scene_weight, 0.f, 1e3f,
                 "Weight of remembered reflectance; raise it against flicker, 0 = frames are only "
                 "remembered"),
-      flag<P>("scene-track", &P::scene_track,
+      flag<P>("scene::track", &P::scene_track,
               "Follow the camera by depth and brightness; false = frames are where the poses that "
               "come with them say"),
-      flag<P>("scene-update", &P::scene_update,
+      flag<P>("scene::update", &P::scene_update,
               "Add frames to the remembered scene; false = it stays as it is, for a hand in it"),
-      number<P>("voxel-size", &P::voxel_size, 0.002f, 0.1f,
+      number<P>("scene::voxel-size", &P::voxel_size, 0.002f, 0.1f,
                 "Side of a voxel of the remembered scene, meters; a change forgets it"),
-      number<P>("scene-depth", &P::scene_depth, 0.3f, 50.f,
+      number<P>("scene::max-depth", &P::scene_depth, 0.3f, 50.f,
                 "Distance from the camera up to which the scene is remembered, meters; a change "
                 "forgets it"),
-      number<P>("scene-memory-limit", &P::scene_memory_limit, 8, 65536,
+      number<P>("scene::memory-limit", &P::scene_memory_limit, 8, 65536,
                 "Memory of the device for the remembered scene, MiB; the host keeps what is out of "
                 "sight beyond it, up to 8 times as much; a change forgets the scene"),
-      text<P>("scene-load", &P::scene_load,
+      text<P>("scene::load", &P::scene_load,
               "File of a scene (.scene) that is known from the start; the camera is looked for in "
               "it",
               Mutable::ready),
-      text<P>("scene-location", &P::scene_location,
+      text<P>("scene::location", &P::scene_location,
               "File that the remembered scene is written to when the stream ends: .ply for a mesh "
-              "with reflectance, .scene for scene-load"),
+              "with reflectance, .scene for scene::load"),
   };
 }
 
@@ -109,9 +109,5 @@ class SceneWork {
 
 /// Of a build that remembers no scenes: warns of frames with depth, and does nothing else.
 std::unique_ptr<SceneWork> make_scene_work();
-
-/// The action signals of a decomposer whose method has DecompositionMethod::scene: those of
-/// strokes, save-scene and forget-scene.
-std::vector<Action> scene_actions();
 
 }  // namespace inverse

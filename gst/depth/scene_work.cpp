@@ -17,8 +17,6 @@
 #include <utility>
 #include <vector>
 
-#include "gst/decompose/decomposer.hpp"
-#include "gst/decompose/strokes/stroke_editor.hpp"
 #include "gst/decompose/strokes/stroke_text.hpp"
 #include "gst/inverse/inverse_depth_meta.h"
 #include "kernels/depth/memory/scene_memory.hpp"
@@ -205,7 +203,7 @@ bool RememberedScene::begin(FrameContext& frame, const SceneMemory::Depth& depth
   if (!(looked.median >= Volume::Params{}.min_depth && looked.median <= params.scene_depth))
     warn(frame, "the median depth is " + number_text(looked.median) +
                     " m, and most of it is not remembered: that takes " +
-                    number_text(Volume::Params{}.min_depth) + " m to scene-depth, " +
+                    number_text(Volume::Params{}.min_depth) + " m to scene::max-depth, " +
                     number_text(params.scene_depth) + " m; is the unit of depth (depth-unit), " +
                     number_text(depth.unit) + " m a step, right?");
   else if (!(looked.far >= kNearScene && looked.far <= kFarScene))
@@ -216,7 +214,7 @@ bool RememberedScene::begin(FrameContext& frame, const SceneMemory::Depth& depth
     memory_.emplace(device_, depth.extent, memory_params(params));
   } catch (const Error& error) {
     warn(frame, std::string("the scene is not remembered: ") + error.what() +
-                    "; lower scene-memory-limit");
+                    "; lower scene::memory-limit");
     return false;
   }
   made_with_ = params;
@@ -225,7 +223,7 @@ bool RememberedScene::begin(FrameContext& frame, const SceneMemory::Depth& depth
   try {
     if (!params.scene_location.empty()) check_scene_target(params.scene_location);
   } catch (const Error& error) {
-    warn(frame, std::string("scene-location: ") + error.what());
+    warn(frame, std::string("scene::location: ") + error.what());
   }
   return true;
 }
@@ -243,9 +241,9 @@ void RememberedScene::load(FrameContext& frame, const std::string& path) {
       throw Error(error.kind(), "scene " + path + ": " + error.what());
     }
   } catch (const Error& error) {
-    warn(frame, std::string("scene-load: ") + error.what() + "; the scene begins empty");
+    warn(frame, std::string("scene::load: ") + error.what() + "; the scene begins empty");
   } catch (const std::bad_alloc&) {
-    warn(frame, "scene-load: there is no memory for scene " + path + "; the scene begins empty");
+    warn(frame, "scene::load: there is no memory for scene " + path + "; the scene begins empty");
   }
 }
 
@@ -316,11 +314,11 @@ void RememberedScene::warn_of(FrameContext& frame, const SceneMemory::Findings& 
   if (found.found) told_.erase(kLost);
   if (found.frames_lost >= kLongLost && found.blocks > 0) warn(frame, kLost);
   if (found.blocks_refused > 0)
-    warn(frame,
-         "the scene has reached scene-memory-limit, " +
-             std::to_string(made_with_.scene_memory_limit) +
-             " MiB: new surfaces are not remembered; raise that limit, or voxel-size, which is " +
-             number_text(made_with_.voxel_size) + " m");
+    warn(frame, "the scene has reached scene::memory-limit, " +
+                    std::to_string(made_with_.scene_memory_limit) +
+                    " MiB: new surfaces are not remembered; raise that limit, or "
+                    "scene::voxel-size, which is " +
+                    number_text(made_with_.voxel_size) + " m");
 }
 
 const KnownReflectance* RememberedScene::recall(FrameContext& frame, uint64_t number,
@@ -335,16 +333,18 @@ const KnownReflectance* RememberedScene::recall(FrameContext& frame, uint64_t nu
   if (!meta) {
     if (wanted.touch)
       warn(frame,
-           "stroke-touch needs the remembered scene, but frames come without depth or scene-memory "
+           "strokes::touch needs the remembered scene, but frames come without depth or "
+           "scene::remember "
            "is false: touches have no effect");
     if (!params.scene_load.empty() || !params.scene_location.empty())
       warn(frame,
-           "scene-load and scene-location need the remembered scene, but frames come without depth "
-           "or scene-memory is false: they have no effect");
+           "scene::load and scene::location need the remembered scene, but frames come without "
+           "depth "
+           "or scene::remember is false: they have no effect");
     if (wanted.strokes && std::ranges::any_of(wanted.strokes->strokes, &Stroke::in_scene))
       warn(frame,
            "strokes with balls lie in a remembered scene, but frames come without "
-           "depth or scene-memory is false: these strokes have no effect");
+           "depth or scene::remember is false: these strokes have no effect");
     return nullptr;
   }
   if (const std::string wrong = wrong_depth(*meta); !wrong.empty()) {
@@ -380,10 +380,10 @@ const KnownReflectance* RememberedScene::recall(FrameContext& frame, uint64_t nu
   known_ = memory_->record_recall(frame.commands, number, depth, *frame.layers[Role::input]);
   seen_ = memory_->seen_strokes();
   if (!params.scene_update && !memory_->known())
-    warn(
-        frame,
-        "scene-update is false and no scene is known yet; set it to true until the camera has seen "
-        "the scene, or set scene-load");
+    warn(frame,
+         "scene::update is false and no scene is known yet; set it to true until the camera has "
+         "seen "
+         "the scene, or set scene::load");
   remembers_ = true;
   return known_ && params.scene_weight > 0 ? &*known_ : nullptr;
 }
@@ -419,20 +419,5 @@ void RememberedScene::describe(GstStructure* stats, uint64_t number) const {
 const bool kHasScene = true;
 
 std::unique_ptr<SceneWork> make_scene_work() { return std::make_unique<RememberedScene>(); }
-
-std::vector<Action> scene_actions() {
-  std::vector<Action> actions = stroke_actions();
-  actions.push_back({"save-scene",
-                     {G_TYPE_STRING},
-                     [](Filter& filter, const GValue* argument) {
-                       const char* path = g_value_get_string(argument);
-                       static_cast<Decomposer&>(filter).method().scene()->save(path ? path : "");
-                     },
-                     true});
-  actions.push_back({"forget-scene", {}, [](Filter& filter, const GValue*) {
-                       static_cast<Decomposer&>(filter).method().scene()->forget();
-                     }});
-  return actions;
-}
 
 }  // namespace inverse

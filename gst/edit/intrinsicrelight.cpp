@@ -170,7 +170,7 @@ class RelightElement final : public Filter {
     told_ = true;
     frame.warnings.emplace_back(
         "lamps with \"room\":true stand in a remembered scene, but frames come without one: these "
-        "lamps give no light; use a source with depth, and a decomposer with scene-memory=true");
+        "lamps give no light; use a source with depth, and a decomposer with scene::remember=true");
   }
 
   Parameters<Params> parameters_{table()};

@@ -35,7 +35,7 @@ const PropertyTable<Params>& table() {
   using P = Params;
   static const PropertyTable<P> table = [] {
     Property<P> strokes = text<P>(
-        "strokes", &P::strokes,
+        "strokes::list", &P::strokes,
         "JSON list of strokes on objects: [{\"kind\":\"add\",\"points\":[[x,y],...]}], in pixels; "
         "kind is add or subtract, \"closed\":true takes what is inside of the line, and nothing "
         "that borders on it");
@@ -51,7 +51,7 @@ const PropertyTable<Params>& table() {
                    {static_cast<int>(SelectBy::picture), "picture", "What is white in a picture"}},
                   "What is selected"),
         strokes,
-        choice<P>("stroke-mode", &P::mode, "GstInverseSelectMode",
+        choice<P>("strokes::mode", &P::mode, "GstInverseSelectMode",
                   {{static_cast<int>(SelectMode::off), "off", "Navigation events do nothing"},
                    {static_cast<int>(SelectMode::add), "add",
                     "Clicks and drags select what is under them"},
@@ -60,7 +60,7 @@ const PropertyTable<Params>& table() {
                    {static_cast<int>(SelectMode::lasso), "lasso",
                     "Drags select what is inside of the line, and nothing that borders on it"}},
                   "What the mouse draws on the picture"),
-        number<P>("stroke-radius", &P::radius, 1.F, 1000.F,
+        number<P>("strokes::radius", &P::radius, 1.F, 1000.F,
                   "Radius of the brush for strokes, pixels"),
         text<P>("location", &P::location,
                 "PNG or JPEG file of the mask, scaled to the frame: white, times its alpha, is "

@@ -30,7 +30,7 @@ std::string wrong_lamps(const GValue* value);
 /// The lamps of an element's user, which the property `lamps` has.
 class LampEditor : public ListEditor {
  public:
-  LampEditor() : ListEditor("lamp", 0) {}
+  LampEditor() : ListEditor("lamp", "lamps", 0) {}
   /// The mouse over the picture. Ignored before the first frame.
   void mouse(const Log& log, const MouseEvent& event, const LampParams& params);
   /// What the action signals do; throw Error(unsupported).

@@ -29,7 +29,7 @@ std::vector<std::string> warnings_of(const SelectionList& list, std::span<const 
 }
 
 std::string wrong_selection(const GValue* value) {
-  return wrong_text(value, "strokes", read_selection);
+  return wrong_text(value, "strokes::list", read_selection);
 }
 
 void SelectionEditor::resize(Extent frame) {

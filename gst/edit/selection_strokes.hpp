@@ -23,7 +23,7 @@ enum class SelectMode : uint8_t { off, add, subtract, lasso };
 /// Draws the strokes of the property `strokes` with the mouse.
 class SelectionEditor : public ListEditor {
  public:
-  SelectionEditor() : ListEditor("stroke") {}
+  SelectionEditor() : ListEditor("stroke", "strokes::list") {}
   void mouse(const Log& log, const MouseEvent& event, SelectMode mode, float radius);
   /// What the action signals do; throw Error(unsupported).
   void add(const Log& log, const std::string& stroke);

@@ -27,8 +27,8 @@ class MaterialProperties final : public PropertyStore {
     material_ = material;
   }
 
-  void install(GObjectClass* object_class, guint first_id) const override {
-    own_.install(object_class, first_id);
+  void install(GObjectClass* object_class, guint first_id, std::string_view child) const override {
+    own_.install(object_class, first_id, child);
     const auto flags = static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS);
     guint id = first_id + static_cast<guint>(count_);
     const auto add = [&](GParamSpec* spec) {
@@ -64,8 +64,10 @@ class MaterialProperties final : public PropertyStore {
     }
   }
   void set(size_t index, const GValue* value) override { own_.set(index, value); }
-  std::string misconfigured(const char* name) const override { return own_.misconfigured(name); }
-  std::string tuning_entries_text() const override { return own_.tuning_entries_text(); }
+  std::string misconfigured(std::optional<size_t> index) const override {
+    return own_.misconfigured(index);
+  }
+  std::string text_of(Listed which) const override { return own_.text_of(which); }
 
  private:
   Parameters<P> own_;

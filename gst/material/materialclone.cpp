@@ -316,7 +316,7 @@ class CloneElement final : public Filter {
     } else if (!std::exchange(told_no_scene_, true)) {
       frame.warnings.emplace_back(
           "the object stands in a remembered scene, but layers come without one, so it is not "
-          "drawn; use a source with depth and a decomposer with scene-memory=true, or put this "
+          "drawn; use a source with depth and a decomposer with scene::remember=true, or put this "
           "element behind intrinsiccompose to draw over the picture");
     }
     std::lock_guard lock(mouse_mutex_);

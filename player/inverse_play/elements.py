@@ -146,16 +146,29 @@ def _effect(blurb):
 
 @functools.cache
 def properties(factory):
-    """The writable properties of an element, by name, in the element's order."""
+    """The writable properties of an element and of its child objects ("strokes::radius"), by name, in the element's order."""
     element = make(factory, None)
     found = {}
-    for spec in element.list_properties():
-        writable = spec.flags & GObject.ParamFlags.WRITABLE and spec.flags & GObject.ParamFlags.READABLE
-        if writable and spec.name not in BASE_PROPERTIES:
-            described = _describe(spec)
+    for prefix, owner in (("", element), *((f"{c.get_name()}::", c) for c in children(element))):
+        for spec in owner.list_properties():
+            writable = spec.flags & GObject.ParamFlags.WRITABLE and spec.flags & GObject.ParamFlags.READABLE
+            described = _describe(spec) if writable and spec.name not in BASE_PROPERTIES else None
             if described:
-                found[spec.name] = described
+                found[prefix + spec.name] = dataclasses.replace(described, name=prefix + spec.name)
     return found
+
+
+def children(element):
+    """The child objects that have some of an element's properties; none of a bin, whose children are elements."""
+    if not isinstance(element, Gst.ChildProxy) or isinstance(element, Gst.Bin):
+        return []
+    return [element.get_child_by_index(i) for i in range(element.get_children_count())]
+
+
+def _owner(element, name):
+    """The object that has a property, and its name there."""
+    child, found, own = name.rpartition("::")
+    return (element.get_child_by_name(child), own) if found else (element, name)
 
 
 def is_own(factory):
@@ -175,7 +188,8 @@ def property_of(factory, name):
 def read(element, name):
     """A property's value as plain data: bool, number or text (colors as 0xAARRGGBB, enums by nick)."""
     described = property_of(element.get_factory().get_name(), name)
-    value = element.get_property(name)
+    owner, own = _owner(element, name)
+    value = owner.get_property(own)
     if described.kind == "color":
         return _color_text(value)
     if described.kind == "enum":
@@ -231,7 +245,8 @@ def _refuse():
 def write(element, name, value):
     """Sets a property from plain data."""
     described = property_of(element.get_factory().get_name(), name)
+    owner, own = _owner(element, name)
     if described.kind in ("text", "file"):
-        element.set_property(name, value)
+        owner.set_property(own, value)
     else:
-        Gst.util_set_object_arg(element, name, str(value).lower() if described.kind == "bool" else str(value))
+        Gst.util_set_object_arg(owner, own, str(value).lower() if described.kind == "bool" else str(value))

@@ -8,7 +8,7 @@ PACKAGE = pathlib.Path(__file__).resolve().parent
 FOLDERS = (PACKAGE.parent / "intro",  # installed
            PACKAGE.parents[1] / "docs" / "reference" / "elements" / "intro")
 TABLE = re.compile(r"## What to set for what\n((?:\|.*\n)+)")
-SETTING = re.compile(r"(?:^|[ :])([a-z][a-z0-9-]*)(?==|$| )")
+SETTING = re.compile(r"(?:^|[ :])([a-z][a-z0-9-]*(?:::[a-z][a-z0-9-]*)?)(?==|$| )")
 
 
 @functools.cache

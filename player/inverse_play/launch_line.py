@@ -4,7 +4,7 @@ import shlex
 
 from . import elements, source
 
-DRAWING = {"stroke-mode", "stroke-radius", "stroke-fill"}  # what the mouse or a hand draws, not what was drawn
+DRAWING = {"strokes::mode", "strokes::radius", "strokes::fill"}  # what the mouse or a hand draws, not what was drawn
 
 
 def value_text(factory, name, value):
@@ -17,7 +17,7 @@ def value_text(factory, name, value):
 
 def element_text(element):
     """An element with its settings, for Gst.parse_launch."""
-    left_out = set() if element.properties.get("stroke-touch") else DRAWING
+    left_out = set() if element.properties.get("strokes::touch") else DRAWING
     settings = [f"{name}={value_text(element.factory, name, value)}"
                 for name, value in element.properties.items() if name not in left_out]
     return " ".join([element.factory, *settings])

@@ -14,6 +14,11 @@ from .source import kind_of, unreadable
 VERSION = 1
 MAX_BYTES = 16 << 20  # of a project file; a stroke takes some hundred
 MAX_EDITORS = 100
+# Names of properties in older files, of elements that have them no longer.
+RENAMED = {
+    "strokes": "strokes::list", **{f"stroke-{n}": f"strokes::{n}" for n in ("mode", "radius", "fill", "color", "follow", "touch")},
+    "scene-memory": "scene::remember", "scene-depth": "scene::max-depth", "voxel-size": "scene::voxel-size",
+    **{f"scene-{n}": f"scene::{n}" for n in ("weight", "track", "update", "memory-limit", "load", "location")}}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -107,7 +112,8 @@ def _read_element(name, data, known, what):
         raise ElementError(f'"properties" of {what} must be an object, "on" true or false')
     element = Element(name, data["element"], {}, on)
     for key, value in properties.items():
-        element = element.with_property(key, value)
+        known = elements.properties(element.factory)
+        element = element.with_property(key if key in known else RENAMED.get(key, key), value)
     return element
 
 

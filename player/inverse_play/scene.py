@@ -6,7 +6,7 @@ import json
 from . import elements
 from .json_list import entries, with_entries
 
-TOUCH, UPDATE, LOAD, MODE = "stroke-touch", "scene-update", "scene-load", "stroke-mode"
+TOUCH, UPDATE, LOAD, MODE, STROKES = "strokes::touch", "scene::update", "scene::load", "strokes::mode", "strokes::list"
 SAVE_ACTION, FORGET_ACTION = "save-scene", "forget-scene"
 
 
@@ -41,11 +41,11 @@ def placed(before, after):
     changed = {json.dumps(then): now for then, now in pairs}
 
     def described_anew(project):
-        text_before = project.decomposer.properties.get("strokes")
+        text_before = project.decomposer.properties.get(STROKES)
         if not text_before:
             return project
         text_after = after if text_before == before and len(new) == len(old) else _exchanged(text_before, changed)
-        return dataclasses.replace(project, decomposer=project.decomposer.with_property("strokes", text_after))
+        return dataclasses.replace(project, decomposer=project.decomposer.with_property(STROKES, text_after))
     return described_anew
 
 

@@ -27,7 +27,7 @@ class Stroke:
         return far
 
     def data(self, across, down):
-        """The stroke as the property strokes has it. `across`, `down`: factors to the size that it is for."""
+        """The stroke as the property strokes::list has it. `across`, `down`: factors to the size that it is for."""
         made = {"kind": self.kind, "radius": round(self.radius, 1)}
         if self.closed:
             made["closed"] = True
@@ -36,11 +36,11 @@ class Stroke:
 
 def is_full(select):
     """Whether an intrinsicselect has as many strokes as it may; None has none."""
-    return bool(select) and len(entries(select.get("strokes"), "strokes")) >= MAX_STROKES
+    return bool(select) and len(entries(select.get("strokes::list"), "strokes")) >= MAX_STROKES
 
 
 def with_stroke(text, stroke, frame):
-    """The property strokes with one more stroke, which was drawn on a frame of the size `frame`. Ask `is_full` first."""
+    """The property strokes::list with one more stroke, which was drawn on a frame of the size `frame`. Ask `is_full` first."""
     data = json.loads(text) if text else {"frame": list(frame), "strokes": []}
     size, strokes = (data["frame"], data["strokes"]) if isinstance(data, dict) else (frame, data)
     strokes = strokes + [stroke.data(size[0] / frame[0], size[1] / frame[1])]
@@ -76,7 +76,7 @@ def drawn(project, selected, stroke, frame, paints):
     if not select:
         select = Element(project.new_name(SELECT), SELECT)
         project = project.with_editors((*project.editors, select))
-    select = select.with_property("strokes", with_stroke(select.get("strokes"), stroke, frame))
+    select = select.with_property("strokes::list", with_stroke(select.get("strokes::list"), stroke, frame))
     project = project.with_element(select)
     if not paints:
         return project, select.name

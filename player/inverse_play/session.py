@@ -64,7 +64,7 @@ class Session:
         stage = self.playback.stage
         if not described or not stage or not stage.keeps(element, name, value) or described.get(name) == value:
             return
-        placed = scene.placed(described.get(name), value) if (element, name) == ("decomposer", "strokes") else None
+        placed = scene.placed(described.get(name), value) if (element, name) == ("decomposer", scene.STROKES) else None
         if placed:
             self.history.amend(placed)
             described = self.project.element(element)

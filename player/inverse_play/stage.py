@@ -6,7 +6,7 @@ from . import elements
 from .chain import Chain
 from .tap import Tap
 
-STROKE_MODE, LAMP_MODE = "stroke-mode", "lamp-mode"
+STROKE_MODE, LAMP_MODE = "strokes::mode", "lamp-mode"
 # What elements do with the mouse, and the values by which they leave it to another one. Tools set it: no part of a
 # project.
 MOUSE = {STROKE_MODE: "off", LAMP_MODE: "off", "drag": False}
@@ -56,19 +56,21 @@ class Stage:
             elements.write(element, name, value)
         self._elements[described.name] = element
         self._set_mouse(element, described)
-        element.connect("notify", self._on_notify, described.name)
+        element.connect("notify", lambda e, spec: self._on_notify(e, spec.name, described.name))
+        for child in elements.children(element):
+            child.connect("notify", lambda c, spec: self._on_notify(element, f"{c.get_name()}::{spec.name}", described.name))
         return element
 
-    def _on_notify(self, element, spec, name):
+    def _on_notify(self, element, prop, name):
         """An element set its own property, as the mouse draws strokes."""
         factory = element.get_factory().get_name()
-        if element is self._setting or spec.name in MOUSE or spec.name not in elements.properties(factory):
+        if element is self._setting or prop in MOUSE or prop not in elements.properties(factory):
             return
         described = self.project.element(name)
-        value = elements.read(element, spec.name)
+        value = elements.read(element, prop)
         if described and described.factory == factory and self._elements.get(name) is element \
-                and value != described.get(spec.name):
-            self._on_change(name, spec.name, value)
+                and value != described.get(prop):
+            self._on_change(name, prop, value)
 
     def keeps(self, name, prop, value):
         """Whether an element has a value, and is not about to get another one by the project."""
@@ -131,7 +133,7 @@ class Stage:
         return self._tap.color_at(x, y) if self._tap else None
 
     def mouse(self, mode, place):
-        """What the mouse does: a value of stroke-mode or lamp-mode of the element `place`; "off": what each element
+        """What the mouse does: a value of strokes::mode or lamp-mode of the element `place`; "off": what each element
         is set to."""
         self._mouse = mode, place
         for described in self.project.elements():

@@ -18,7 +18,7 @@ EDITOR_KEYS = {"intrinsictone": "t", TEXTURE_FACTORY: "x", KEY_FACTORY: "k", "in
 
 @dataclasses.dataclass(frozen=True)
 class Tool:
-    """`mouse`: a value of the decomposer's stroke-mode, or of lamp-mode if `lamps`. `draws`: one of intrinsicselect's,
+    """`mouse`: a value of the decomposer's strokes::mode, or of lamp-mode if `lamps`. `draws`: one of intrinsicselect's,
     drawn by the window, as the element is added by the first stroke; `paints`: with an intrinsicrecolor. `reads`:
     whether it reads colors."""
     name: str
@@ -53,7 +53,7 @@ def _select_tool(nick, meaning):
 
 
 def _drawn(factory, made):
-    """A tool for each value of an element's stroke-mode; colors are picked up by PICK."""
+    """A tool for each value of an element's strokes::mode; colors are picked up by PICK."""
     mode = elements.properties(factory).get(STROKE_MODE)
     return [made(nick, meaning) for nick, meaning in mode.choices if nick not in ("off", "pick")] if mode else []
 

@@ -135,9 +135,21 @@ T property(GstElement* element, const char* name) {
     return text ? text.get() : "";
   } else {
     T value{};
-    g_object_get(element, name, &value, nullptr);
+    if (GST_IS_CHILD_PROXY(element))
+      gst_child_proxy_get(GST_CHILD_PROXY(element), name, &value, nullptr);
+    else
+      g_object_get(element, name, &value, nullptr);
     return value;
   }
+}
+
+/// Sets a property of an element or of its child ("strokes::mode") as a launch line does.
+inline void set_text(GstElement* element, const char* name, const char* text) {
+  GObject* owner = nullptr;
+  GParamSpec* spec = nullptr;
+  ASSERT_TRUE(gst_child_proxy_lookup(GST_CHILD_PROXY(element), name, &owner, &spec)) << name;
+  gst_util_set_object_arg(owner, spec->name, text);
+  g_object_unref(owner);
 }
 
 /// A field of a structure; nothing if it is missing or of another type.

@@ -57,20 +57,35 @@ std::vector<Planned> random_plan(uint32_t seed) {
   return plan;
 }
 
-/// Sets one of an element's own properties to a value at or between the ends of its range.
-void set_any_property(GstElement* element, uint32_t draw) {
-  guint count = 0;
-  GParamSpec** specs = g_object_class_list_properties(G_OBJECT_GET_CLASS(element), &count);
-  std::vector<GParamSpec*> own;
-  for (guint i = 0; i < count; ++i) {
-    const GType type = G_PARAM_SPEC_VALUE_TYPE(specs[i]);
-    const bool number = type == G_TYPE_FLOAT || type == G_TYPE_DOUBLE || type == G_TYPE_INT ||
-                        type == G_TYPE_UINT || type == G_TYPE_BOOLEAN || G_TYPE_IS_ENUM(type);
-    if (number && (specs[i]->flags & G_PARAM_WRITABLE) &&
-        specs[i]->owner_type != GST_TYPE_ELEMENT && !(specs[i]->flags & G_PARAM_CONSTRUCT_ONLY))
-      own.push_back(specs[i]);
-  }
-  GParamSpec* spec = own[draw % own.size()];
+/// Sets one of the properties of an element or of its children to a value at or between the ends of
+/// its range.
+void set_any_property(GstElement* of, uint32_t draw) {
+  struct Own {
+    GObject* object;
+    GParamSpec* spec;
+  };
+  std::vector<Own> own;
+  const auto add = [&own](GObject* object) {
+    guint count = 0;
+    GParamSpec** specs = g_object_class_list_properties(G_OBJECT_GET_CLASS(object), &count);
+    for (guint i = 0; i < count; ++i) {
+      const GType type = G_PARAM_SPEC_VALUE_TYPE(specs[i]);
+      const bool number = type == G_TYPE_FLOAT || type == G_TYPE_DOUBLE || type == G_TYPE_INT ||
+                          type == G_TYPE_UINT || type == G_TYPE_BOOLEAN || G_TYPE_IS_ENUM(type);
+      if (number && (specs[i]->flags & G_PARAM_WRITABLE) &&
+          specs[i]->owner_type != GST_TYPE_ELEMENT && !(specs[i]->flags & G_PARAM_CONSTRUCT_ONLY))
+        own.push_back({object, specs[i]});
+    }
+    g_free(specs);
+  };
+  add(G_OBJECT(of));
+  if (GST_IS_CHILD_PROXY(of) && !GST_IS_BIN(of))
+    for (guint i = 0; i < gst_child_proxy_get_children_count(GST_CHILD_PROXY(of)); ++i) {
+      GObject* child = gst_child_proxy_get_child_by_index(GST_CHILD_PROXY(of), i);
+      add(child);
+      g_object_unref(child);  // the element keeps it
+    }
+  const auto [element, spec] = own[draw % own.size()];
   const std::string name = spec->name;
   // Absurdly many iterations are only slow.
   const bool work = name.find("iterations") != std::string::npos ||
@@ -100,7 +115,6 @@ void set_any_property(GstElement* element, uint32_t draw) {
     auto* values = G_PARAM_SPEC_ENUM(spec)->enum_class;
     g_object_set(element, spec->name, values->values[draw / 97 % values->n_values].value, nullptr);
   }
-  g_free(specs);
 }
 
 /// How many bytes the frame that comes out has to have.

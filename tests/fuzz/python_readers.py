@@ -75,7 +75,7 @@ def projects():
     for factory in elements.editors():
         whole = whole.with_editors((*whole.editors, project.Element(whole.new_name(factory), factory)))
     strokes = json.dumps([{"kind": "shading", "radius": 12, "points": [[100, 80], [120, 80]]}])
-    edited = whole.with_editors(whole.editors[:1]).with_element(whole.decomposer.with_property("strokes", strokes))
+    edited = whole.with_editors(whole.editors[:1]).with_element(whole.decomposer.with_property("strokes::list", strokes))
     return [json.dumps(project.to_data(p)).encode() for p in (project.Project(), edited, whole)] + [b'{"version":1,"editors":[{}]}', b"[" * 2000]
 
 

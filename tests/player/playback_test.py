@@ -585,7 +585,7 @@ class Projects(support.Case):
         for number, data in enumerate((
                 {"source": f"videotestsrc num-buffers=3 ! tee name=t t. ! queue ! filesink location={victim} t. ! queue"},
                 {"source": "test", "editors": [{"element": "intrinsicedit", "properties": {"effect": writes}}]},
-                {"source": "test", "decomposer": {"element": "intrinsicdecomp", "properties": {"scene-location": victim + ".ply"}}},
+                {"source": "test", "decomposer": {"element": "intrinsicdecomp", "properties": {"scene::location": victim + ".ply"}}},
                 {"source": "http://127.0.0.1:9/x.mkv"})):
             with open(self.path("p.json"), "w", encoding="utf-8") as file:
                 json.dump({"version": 1, **data}, file)
@@ -684,8 +684,8 @@ class Projects(support.Case):
                      'pointer_y=(double)80.0'
             event = Gst.Event.new_navigation(Gst.Structure.from_string(fields)[0])
             pad.send_event(event)
-        viewer.wait(lambda: viewer.session.project.decomposer.get("strokes"))
-        stroke = json.loads(viewer.session.project.decomposer.get("strokes"))
+        viewer.wait(lambda: viewer.session.project.decomposer.get("strokes::list"))
+        stroke = json.loads(viewer.session.project.decomposer.get("strokes::list"))
         self.assertIn("shading", str(stroke))
         viewer.session.undo()
         self.assertEqual(project.to_data(viewer.session.project)["decomposer"]["properties"], {})

@@ -66,7 +66,7 @@ class Elements(support.Case):
         self.assertEqual(found["write-mask"].kind, "bool")
         self.assertTrue(found["key"].live)
         self.assertFalse(elements.properties("intrinsicdecomp")["device"].live)
-        modes = dict(elements.properties("intrinsicdecomp")["stroke-mode"].choices)
+        modes = dict(elements.properties("intrinsicdecomp")["strokes::mode"].choices)
         self.assertIn("strokes of constant shading", modes["shading"])
         self.assertNotIn("stats", found)
 
@@ -80,7 +80,7 @@ class Elements(support.Case):
 
     def test_files_to_read_are_chosen_and_files_to_write_named(self):
         kinds = {name: described.kind for name, described in elements.properties("intrinsicdecomp").items()}
-        self.assertEqual((kinds["scene-load"], kinds["scene-location"], kinds["prior"]), ("file", "text", "text"))
+        self.assertEqual((kinds["scene::load"], kinds["scene::location"], kinds["prior"]), ("file", "text", "text"))
         self.assertEqual(elements.properties("intrinsictexture")["location"].kind, "file")
 
     def test_refuses_what_does_not_fit(self):
@@ -95,7 +95,7 @@ class Elements(support.Case):
 class Files(support.Case):
     def test_saves_and_loads(self):
         made = dataclasses.replace(painted(key="0xff102030", tolerance=0.7, use_mask=False), split=0.25)
-        made = made.with_element(made.decomposer.with_property("strokes", STROKES))
+        made = made.with_element(made.decomposer.with_property("strokes::list", STROKES))
         made = made.with_element(dataclasses.replace(made.editors[0], on=False))
         made = made.with_element(made.compose.with_property("show", "shading"))
         project.save(made, self.path("p.json"))
@@ -139,7 +139,7 @@ def select(made, selected, at=(125, 40), kind="add", paints=True):
 
 
 def strokes_of(made, name="select1"):
-    return json.loads(made.element(name).get("strokes"))["strokes"]
+    return json.loads(made.element(name).get("strokes::list"))["strokes"]
 
 
 class Selections(support.Case):
@@ -188,10 +188,10 @@ class Selections(support.Case):
         for x in range(2 * selection.MAX_POINTS):
             long.extend(x, 0)
         made, _ = selection.drawn(made, "select1", long, (160, 120), False)
-        text = made.element("select1").get("strokes")
+        text = made.element("select1").get("strokes::list")
         element = elements.make("intrinsicselect", None)
-        element.set_property("strokes", text)
-        self.assertEqual(element.get_property("strokes"), text)
+        elements.write(element, "strokes::list", text)
+        self.assertEqual(elements.read(element, "strokes::list"), text)
         self.assertEqual(len(strokes_of(made)), selection.MAX_STROKES)
         self.assertTrue(selection.is_full(made.element("select1")))
 
@@ -261,8 +261,8 @@ class StrokesOfARoom(support.Case):
     def test_those_that_are_put_into_the_scene_are_found(self):
         self.assertIsNotNone(scene.placed(listed(POINTS, OTHER), listed(BALLS, OTHER)))
         drawn = scene.placed(listed(POINTS), listed(BALLS, OTHER))  # and another one was drawn
-        made = Project(decomposer=Element("decomposer", "intrinsicdecomp").with_property("strokes", listed(POINTS)))
-        self.assertEqual(json.loads(drawn(made).decomposer.get("strokes")), json.loads(listed(BALLS)))
+        made = Project(decomposer=Element("decomposer", "intrinsicdecomp").with_property("strokes::list", listed(POINTS)))
+        self.assertEqual(json.loads(drawn(made).decomposer.get("strokes::list")), json.loads(listed(BALLS)))
         for before, after in ((listed(POINTS), listed(POINTS, BALLS)), (listed(POINTS, OTHER), listed(BALLS)),
                               (listed(BALLS), listed(POINTS)), (listed(POINTS), listed(POINTS)), ("", listed(BALLS)),
                               (listed(OTHER), listed(BALLS)), (listed(BALLS), "")):
@@ -273,18 +273,18 @@ class StrokesOfARoom(support.Case):
         for before, after in ((listed(OTHER, POINTS), listed(OTHER, BALLS)), (listed(OTHER), listed(OTHER)), ("", ""),
                               (json.dumps([POINTS]), json.dumps([BALLS])),
                               (listed(POINTS, OTHER), listed(BALLS, OTHER)), (listed(BALLS), listed(BALLS))):
-            made = Project(decomposer=Element("decomposer", "intrinsicdecomp").with_property("strokes", before))
-            found = describe(made).decomposer.get("strokes")
+            made = Project(decomposer=Element("decomposer", "intrinsicdecomp").with_property("strokes::list", before))
+            found = describe(made).decomposer.get("strokes::list")
             self.assertEqual(json.loads(found or "0"), json.loads(after or "0"))
         other = Project(decomposer=Element("decomposer", "limematerial"))
         self.assertEqual(describe(other), other)
 
     def test_a_launch_line_lets_a_hand_draw_as_the_project_does(self):
-        hand = Element("decomposer", "intrinsicdecomp", {**scene.touched(True), "stroke-mode": "select"})
+        hand = Element("decomposer", "intrinsicdecomp", {**scene.touched(True), "strokes::mode": "select"})
         text = launch_line.element_text(hand)
-        for word in ("stroke-touch=true", "scene-update=false", "stroke-mode=select"):
+        for word in ("strokes::touch=true", "scene::update=false", "strokes::mode=select"):
             self.assertIn(word, text)
-        mouse = Element("decomposer", "intrinsicdecomp", {"stroke-mode": "select", "stroke-fill": True})
+        mouse = Element("decomposer", "intrinsicdecomp", {"strokes::mode": "select", "strokes::fill": True})
         self.assertEqual(launch_line.element_text(mouse), "intrinsicdecomp")
 
     def test_what_is_said_of_the_scene(self):
@@ -319,7 +319,7 @@ class LaunchLine(support.Case):
     def test_runs_in_a_shell(self):
         path = self.clip(5, "a clip's \"name\" $HOME \\.mkv")
         made = dataclasses.replace(painted(key="0xffc00000", target="0xff00c000", tolerance=0.9), source=path)
-        made = made.with_element(made.decomposer.with_property("strokes", STROKES))
+        made = made.with_element(made.decomposer.with_property("strokes::list", STROKES))
         frames = self.run_in_shell(made)
         self.assertEqual(len(frames), 5)
         red, green, _ = support.color(frames[-1], 125, 40)  # the red bar
@@ -384,8 +384,8 @@ class Trust(support.Case):
     def test_texts_that_run_or_write_are_known(self):
         effects = {(factory, name): described.effect for factory in (*elements.decomposers(), *elements.editors())
                    for name, described in elements.properties(factory).items() if described.effect}
-        scenes = {(factory, "scene-location"): "writes" for factory in elements.decomposers()
-                  if "scene-location" in elements.properties(factory)}
+        scenes = {(factory, "scene::location"): "writes" for factory in elements.decomposers()
+                  if "scene::location" in elements.properties(factory)}
         wanted = {("intrinsicedit", "effect"): "runs", ("intrinsicedit", "decomposer"): "runs", **scenes}
         if "limematerial" in elements.decomposers():
             wanted["limematerial", "save-environment-location"] = "writes"
@@ -399,7 +399,7 @@ class Trust(support.Case):
                 (Project(source="http://host/x"), "opens http://host/x"), (Project(source="rtsp://host/x"), "opens"),
                 (Project(editors=(edit.with_property("effect", "filesink location=x"),)), "runs the elements filesink"),
                 (Project(editors=(edit.with_property("decomposer", "identity"),)), "runs the elements identity"),
-                (Project().with_element(Element("decomposer", "intrinsicdecomp", {"scene-location": "/x.ply"})), "writes the file /x.ply")):
+                (Project().with_element(Element("decomposer", "intrinsicdecomp", {"scene::location": "/x.ply"})), "writes the file /x.ply")):
             (demand,) = project.demands(made)
             self.assertIn(words, demand)
         for harmless in ("", "test", "room", "/dev/video0", "libcamera", "clip.mkv", "file:///a.mkv"):

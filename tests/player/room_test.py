@@ -44,7 +44,7 @@ class Room(WindowCase):
         self.wait(lambda: elements.read(self.element(element), name) == value)
 
     def strokes(self):
-        return entries(self.session.project.decomposer.get("strokes"), "strokes")
+        return entries(self.session.project.decomposer.get("strokes::list"), "strokes")
 
     def are_in_scene(self, count):
         return len(self.strokes()) == count and all("balls" in stroke for stroke in self.strokes())
@@ -76,12 +76,12 @@ class Room(WindowCase):
         self.wait(lambda: self.strokes() == [])
         self.key("ctrl+shift+z", "ctrl+shift+z")
         self.wait(lambda: self.strokes() == [first, second])
-        self.wait(lambda: entries(self.element("decomposer").get_property("strokes"), "strokes") == [first, second])
+        self.wait(lambda: entries(elements.read(self.element("decomposer"), "strokes::list"), "strokes") == [first, second])
         self.assertEqual(self.session.troubles, [])
 
     def test_strokes_are_seen_and_erased(self):
         self.enter(ROOM.format("still"))
-        self.set("stroke-color", "0xff00c000")
+        self.set("strokes::color", "0xff00c000")
         self.key("c")
         self.click(*TABLE)
         self.wait(lambda: self.are_in_scene(1) and is_green(self.shown(TABLE)))
@@ -92,14 +92,14 @@ class Room(WindowCase):
     def test_a_hand_paints(self):
         self.enter_moving("table", 10)
         self.key("h")
-        self.wait(lambda: self.element("decomposer").get_property("stroke-touch"))
+        self.wait(lambda: elements.read(self.element("decomposer"), "strokes::touch"))
         self.assertEqual(self.window.tool.name, "stroke-recolor")
         self.assertTrue(self.window.scene.buttons["freeze"].get_active())
         self.set_hand("dark-ball")  # which the scene has not seen: it stays as it was
         self.wait(lambda: self.strokes())
         self.set_hand("none")  # it would come again
         self.wait(lambda: self.are_in_scene(1))
-        for word in ("stroke-touch=true", "scene-update=false", "stroke-mode=recolor"):
+        for word in ("strokes::touch=true", "scene::update=false", "strokes::mode=recolor"):
             self.assertIn(word, self.session.launch_line())
         self.session.save(self.path("p.json"))
         self.key("ctrl+z")
@@ -144,7 +144,7 @@ class Room(WindowCase):
         before = self.element("decomposer")
         self.in_dialog("Load a scene", self.window.scene.buttons["load-scene"], path)
         self.wait(lambda: self.element("decomposer") is not before and self.player.stage.scene())
-        self.assertEqual(self.session.project.decomposer.properties, {"scene-load": path})
+        self.assertEqual(self.session.project.decomposer.properties, {"scene::load": path})
         self.wait(lambda: self.player.stage.scene().get("scene-keyframes", 0) > 0)
         self.click_widget(self.window.scene.buttons["forget-scene"])
         self.wait(lambda: self.session.project.decomposer.properties == {} and self.player.stage.scene())

@@ -8,7 +8,7 @@ import unittest
 import support
 from gi.repository import Gst
 from window_case import CYAN, RED, YELLOW, Gdk, Gtk, WindowCase, is_blue, is_green, is_near
-from inverse_play import playback
+from inverse_play import elements, playback
 
 
 class Paint(WindowCase):
@@ -123,7 +123,7 @@ class Paint(WindowCase):
 
 class Select(WindowCase):
     def strokes(self):
-        return json.loads(self.session.project.element("select1").get("strokes"))["strokes"]
+        return json.loads(self.session.project.element("select1").get("strokes::list"))["strokes"]
 
     def test_editors_behind_change_what_is_selected(self):
         self.key("u")
@@ -166,15 +166,15 @@ class Select(WindowCase):
         self.wait(lambda: self.editors == [("intrinsicselect", True)])
         many = [{"kind": "add", "points": [[x, 100]]} for x in range(64)]
         text = json.dumps(many)
-        self.session.set_property("select1", "strokes", text)
+        self.session.set_property("select1", "strokes::list", text)
         self.click(*CYAN)
         self.wait_for_note("takes no more")
-        self.assertEqual(self.session.project.element("select1").get("strokes"), text)
+        self.assertEqual(self.session.project.element("select1").get("strokes::list"), text)
 
 
 class Strokes(WindowCase):
     def strokes(self):
-        text = self.session.project.decomposer.get("strokes")
+        text = self.session.project.decomposer.get("strokes::list")
         data = json.loads(text) if text else []
         return data["strokes"] if isinstance(data, dict) else data
 
@@ -200,13 +200,12 @@ class Strokes(WindowCase):
         self.assertEqual(self.session.troubles, [])
 
     def modes(self):
-        from inverse_play import elements
-        return elements.properties("intrinsicdecomp")["stroke-mode"].choices
+        return elements.properties("intrinsicdecomp")["strokes::mode"].choices
 
     def test_over_the_original_in_another_size(self):
         self.key("backslash", "s", "plus")
         decomposer = self.player.stage._elements["decomposer"]
-        self.wait(lambda: decomposer.get_property("stroke-radius") == 15)  # from the next frame on
+        self.wait(lambda: elements.read(decomposer, "strokes::radius") == 15)  # from the next frame on
         before = self.window.picture.get_allocated_width()
         self.window.resize(900, 700)
         self.wait(lambda: self.window.picture.get_allocated_width() < before)

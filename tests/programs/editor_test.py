@@ -14,7 +14,7 @@ from inverse_common.gst import structure_of
 
 SIZE = (160, 120)
 RED, YELLOW = (125, 30), (34, 30)  # bars of the pattern smpte
-SELECT_RED = r"""intrinsicselect strokes="[{\"kind\":\"add\",\"points\":[[125,20],[125,60]]}]" """
+SELECT_RED = r"""intrinsicselect strokes::list="[{\"kind\":\"add\",\"points\":[[125,20],[125,60]]}]" """
 
 
 def setUpModule():

@@ -41,7 +41,12 @@ std::optional<std::string> ListEditor::replace(const Log& log, const Changed& ch
 }
 
 void ListEditor::notify(const Log& log) const {
-  g_object_notify(G_OBJECT(log.object), property_.c_str());
+  GObject* owner = nullptr;
+  GParamSpec* spec = nullptr;
+  if (!gst_child_proxy_lookup(GST_CHILD_PROXY(log.object), property_.c_str(), &owner, &spec))
+    return;
+  g_object_notify_by_pspec(owner, spec);
+  g_object_unref(owner);
 }
 
 void ListEditor::change(const Log& log, const Changed& changed) {
@@ -71,7 +76,7 @@ void ListEditor::clear(const Log& log) {
 void ListEditor::undo(const Log& log) {
   {
     const Lock lock(edits_);
-    if (undo_.empty()) json_list::refuse("no change of " + property_ + " is left to undo");
+    if (undo_.empty()) json_list::refuse("no change of the " + entry_ + "s is left to undo");
     replace(log, [this](const std::string&) { return undo_.back(); });
     undo_.pop_back();
   }
@@ -89,7 +94,7 @@ Extent ListEditor::frame() const {
 }
 
 std::string ListEditor::full(size_t max) const {
-  return "there are " + std::to_string(max) + " " + property_ + " already";
+  return "there are " + std::to_string(max) + " " + entry_ + "s already";
 }
 
 std::optional<Place> ListEditor::mouse_place(const MouseEvent& event) {

@@ -28,10 +28,9 @@ class ListEditor {
  protected:
   using Lock = std::lock_guard<std::mutex>;
   static constexpr size_t kMaxUndo = 100;
-  /// `entry`: what an entry is called, like the property but for the plural. So many changes can be
-  /// undone.
-  explicit ListEditor(const char* entry, size_t max_undo = kMaxUndo)
-      : entry_(entry), max_undo_(max_undo) {}
+  /// `entry`: what an entry is called. So many changes can be undone.
+  ListEditor(const char* entry, const char* property, size_t max_undo = kMaxUndo)
+      : entry_(entry), property_(property), max_undo_(max_undo) {}
 
   /// Changes the list, in one step with reading it. `changed` returns the text that takes the place
   /// of one, or nothing to leave it, and is called again if an application has set the property
@@ -70,7 +69,7 @@ class ListEditor {
   std::optional<std::string> replace(const Log& log, const Changed& changed) const;
   void notify(const Log& log) const;
 
-  const std::string entry_, property_ = entry_ + "s";
+  const std::string entry_, property_;
   const size_t max_undo_;
   std::mutex edits_;               // of the property and undo_; mutex_ may be locked within it
   std::vector<std::string> undo_;  // the property before each change

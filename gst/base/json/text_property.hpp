@@ -7,10 +7,10 @@
 
 namespace inverse {
 
-/// The value of a text property of the element that logs here.
+/// The value of a text property of the element that logs here, or of a child ("strokes::list").
 inline std::string text_property(const Log& log, const char* name) {
   gchar* text = nullptr;
-  g_object_get(log.object, name, &text, nullptr);
+  gst_child_proxy_get(GST_CHILD_PROXY(log.object), name, &text, nullptr);
   std::string result = text ? text : "";
   g_free(text);
   return result;

@@ -7,7 +7,6 @@
 
 #include "common/number_text.hpp"
 #include "gst/base/color.hpp"
-#include "gst/decompose/decomposer.hpp"
 #include "kernels/image/view/mosaic.hpp"
 #include "stroke_properties.hpp"
 #include "stroke_text.hpp"
@@ -85,7 +84,7 @@ bool extend_in_scene(std::vector<std::array<float, 4>>& balls, const std::array<
 }  // namespace
 
 std::string wrong_strokes(const GValue* value) {
-  return wrong_text(value, "strokes", read_strokes);
+  return wrong_text(value, "strokes::list", read_strokes);
 }
 
 bool StrokeEditor::covers_now(const Stroke& stroke, Extent drawn, Stroke::Point point) const {
@@ -205,8 +204,8 @@ std::optional<Stroke::Point> StrokeEditor::take_pick() {
 }
 
 void StrokeEditor::pick(const Log& log, const std::array<float, 3>& color) {
-  g_object_set(log.object, "stroke-color", srgb_color(color), "stroke-mode",
-               static_cast<int>(StrokeMode::recolor), nullptr);
+  gst_child_proxy_set(GST_CHILD_PROXY(log.object), "strokes::color", srgb_color(color),
+                      "strokes::mode", static_cast<int>(StrokeMode::recolor), nullptr);
 }
 
 std::vector<StructurePtr> StrokeEditor::take_messages() {
@@ -362,7 +361,7 @@ void StrokeEditor::check(const StrokesPtr& list, const std::vector<float>& rms,
     warnings_.push_back(
         "what lies under these strokes is not found any more, so that they are not drawn until it "
         "is: " +
-        lost + "; draw them again, or set stroke-follow=false to keep strokes in their place");
+        lost + "; draw them again, or set strokes::follow=false to keep strokes in their place");
   if (checked_frames_ != kFramesToSatisfy) return;
   for (size_t i = 0; i < rms.size(); ++i) {
     if (!(rms[i] > kUnsatisfied)) continue;
@@ -375,16 +374,6 @@ void StrokeEditor::check(const StrokesPtr& list, const std::vector<float>& rms,
         "draw it where the surface has one " +
         (shading ? "shading" : "paint"));
   }
-}
-
-std::vector<Action> stroke_actions() {
-  static constexpr auto kEditor = [](Filter& filter) -> StrokeEditor& {
-    return *static_cast<Decomposer&>(filter).method().strokes();
-  };
-  return {edit_action<kEditor, &StrokeEditor::add>("add-stroke"),
-          edit_action<kEditor, &StrokeEditor::remove>("remove-stroke"),
-          edit_action<kEditor, &StrokeEditor::clear>("clear-strokes"),
-          edit_action<kEditor, &StrokeEditor::undo>("undo-stroke")};
 }
 
 }  // namespace inverse

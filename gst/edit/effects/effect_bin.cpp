@@ -139,8 +139,8 @@ GstStructure* EffectBin::stats() const {
   return stats;
 }
 
-void EffectBin::install(GObjectClass* object_class, guint first_id) const {
-  parameters_.install(object_class, first_id);
+void EffectBin::install(GObjectClass* object_class, guint first_id, std::string_view child) const {
+  parameters_.install(object_class, first_id, child);
 }
 
 void EffectBin::set(size_t index, const GValue* value) {

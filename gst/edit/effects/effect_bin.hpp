@@ -44,7 +44,7 @@ class EffectBin final : public PropertyStore {
   void dismantle();
 
   // PropertyStore.
-  void install(GObjectClass* object_class, guint first_id) const override;
+  void install(GObjectClass* object_class, guint first_id, std::string_view child) const override;
   void get(size_t index, GValue* value) const override { parameters_.get(index, value); }
   void set(size_t index, const GValue* value) override;
 

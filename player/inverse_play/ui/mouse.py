@@ -52,8 +52,8 @@ class Mouse:
         """The radius of the brush, pixels of the frame."""
         described = self.drawn_on()
         if self.tool.draws and not described:
-            return elements.property_of(selection.SELECT, "stroke-radius").default
-        return described.get("stroke-radius") if "stroke-radius" in elements.properties(described.factory) else 0
+            return elements.property_of(selection.SELECT, "strokes::radius").default
+        return described.get("strokes::radius") if "strokes::radius" in elements.properties(described.factory) else 0
 
     def take(self, kind, x, y, shift):
         """Playback.on_mouse."""

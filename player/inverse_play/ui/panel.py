@@ -113,9 +113,9 @@ class Panel(Gtk.Box):
                                  self._session.set_properties(described.name, values, what),
                                  self._pick if is_editor else None)
         self._clear = None
-        if "strokes" in elements.properties(described.factory):
+        if "strokes::list" in elements.properties(described.factory):
             self._clear = Gtk.Button(label="Clear strokes", halign=Gtk.Align.START)
-            self._clear.connect("clicked", lambda _: self._session.set_property(described.name, "strokes", ""))
+            self._clear.connect("clicked", lambda _: self._session.set_property(described.name, "strokes::list", ""))
             self._place.add(self._clear)
         self._place.add(self.settings)
         self._place.show_all()
@@ -123,7 +123,7 @@ class Panel(Gtk.Box):
 
     def _update_strokes(self, described):
         if self._clear:
-            self._clear.set_sensitive(described.get("strokes") != "")
+            self._clear.set_sensitive(described.get("strokes::list") != "")
 
     def _decomposer_choice(self, described):
         combo = Gtk.ComboBoxText(tooltip_text="The element that separates reflectance and light")

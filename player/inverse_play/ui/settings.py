@@ -162,27 +162,32 @@ def _file_control(described, changed):
 
 CONTROLS = {"bool": _bool_control, "enum": _enum_control, "int": _number_control, "float": _number_control,
             "text": _text_control, "file": _file_control, "color": lambda _, changed: ColorControl(changed)}
-HIDDEN = {"show", "strokes", "stroke-mode", "lamp-mode", "pick"}  # by layer buttons, by the mouse, by tools
+HIDDEN = {"show", "strokes::list", "strokes::mode", "lamp-mode", "pick"}  # by layer buttons, by the mouse, by tools
 BUTTONS = {"look", "style"}  # choices that are tried one after the other
 BUTTON_COLUMNS = 3
 FIRST = BUTTONS | {"target"}
 SETTINGS, MORE = "settings", "more"
-GROUP = 3  # settings whose names begin with the same word have a heading of their own
+GROUP = 3  # settings of a child object, or whose names begin with the same word, have a heading of their own
 
 
 def _place(prop):
     """What is changed most often comes first, what makes the element anew last; the rest as the element has it."""
-    return 0 if prop.name in FIRST or prop.name.startswith("stroke-") else 1 if prop.live else 2
+    return 0 if prop.name in FIRST or prop.name.startswith("strokes::") else 1 if prop.live else 2
+
+
+def _word(name):
+    """The word that a heading may have: that of the child object, or the first one."""
+    return name.partition("::" if "::" in name else "-")[0]
 
 
 def _groups(factory):
     """(heading, properties) of an element, in the order in which they are shown; the last ones are changed rarely."""
     shown = sorted((p for p in elements.properties(factory).values() if p.name not in HIDDEN), key=_place)
-    words = collections.Counter(p.name.partition("-")[0] for p in shown)
+    words = collections.Counter(_word(p.name) for p in shown)
     found = {word: [] for word in words if words[word] >= GROUP}
     found.update({SETTINGS: [], MORE: []})
     for prop in shown:
-        word = prop.name.partition("-")[0]
+        word = _word(prop.name)
         rare = intros.is_rare(factory, prop.name) and _place(prop) > 0
         found[word if word in found else MORE if rare else SETTINGS].append(prop)
     return [(heading, props) for heading, props in found.items() if props]
@@ -226,7 +231,7 @@ class Settings(Gtk.Grid):
         control = make(prop, lambda value, name=prop.name: self._on_changed(name, value))
         if not control.get_tooltip_text():
             control.set_tooltip_text(prop.blurb)
-        name = label(prop.name.replace("-", " "), tooltip_text=prop.blurb)
+        name = label(prop.name.rpartition("::")[2].replace("-", " "), tooltip_text=prop.blurb)
         self.controls[prop.name] = control
         picks = prop.kind == "color" and self._pick
         self._attach(rows, name, self._with_pick(prop.name, control) if picks else control)

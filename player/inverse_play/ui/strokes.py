@@ -70,7 +70,7 @@ def _draw_line(context, kind, alpha, width, points):
 
 
 def parse(text, frame):
-    """(kind, radius, points) of each stroke in the property strokes, in pixels of `frame`."""
+    """(kind, radius, points) of each stroke in the property strokes::list, in pixels of `frame`."""
     data = json.loads(text) if text else []
     size = data.get("frame", frame) if isinstance(data, dict) else frame
     strokes = data.get("strokes", []) if isinstance(data, dict) else data

@@ -150,7 +150,7 @@ class Window(Gtk.Window):
         tool, described = self.tool, self.mouse.drawn_on()
         text = None
         if tool.draws or (tool.mouse != "off" and not tool.lamps):
-            text = described.get("strokes") if described else ""
+            text = described.get("strokes::list") if described else ""
         self.strokes.show_strokes(text, self.mouse.brush(), (self.session.playback.width, self.session.playback.height))
 
     def _tick(self):
@@ -436,9 +436,9 @@ class Window(Gtk.Window):
 
     def _scale_brush(self, factor):
         described = self.mouse.drawn_on()
-        if described and "stroke-radius" in elements.properties(described.factory):
+        if described and "strokes::radius" in elements.properties(described.factory):
             radius = min(max(self.mouse.brush() * factor, 1.0), 1000.0)
-            self.session.set_property(described.name, "stroke-radius", round(radius, 2))
+            self.session.set_property(described.name, "strokes::radius", round(radius, 2))
 
     def _do_brush_larger(self):
         self._scale_brush(BRUSH_STEP)

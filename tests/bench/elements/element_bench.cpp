@@ -73,7 +73,7 @@ const std::vector<Subject> kEveryElement{
     {"intrinsicdecomp ! intrinsicrecolor key=0xffe01e32 target=0xff2878f0 ! intrinsiccompose",
      {kSmall, kLarge}},
     {"intrinsicdecomp ! intrinsicselect "
-     "strokes=\"{\\\"frame\\\":[640,480],\\\"strokes\\\":[{\\\"kind\\\":\\\"add\\\","
+     "strokes::list=\"{\\\"frame\\\":[640,480],\\\"strokes\\\":[{\\\"kind\\\":\\\"add\\\","
      "\\\"points\\\":[[390,300]]}]}\" ! intrinsicrecolor target=0xff2878f0 ! intrinsiccompose",
      {kSmall, kLarge}},
     {"intrinsicdecomp ! intrinsickey", {kSmall, kLarge}},

@@ -362,7 +362,7 @@ TEST(RgbdSrc, DecomposesAsTheCamera) {
   const auto decompose = [&](const std::string& source) {
     return run_line(
         source +
-            "intrinsicdecomp name=decomposer show=reflectance scene-track=false ! "
+            "intrinsicdecomp name=decomposer show=reflectance scene::track=false ! "
             "video/x-raw,format=RGBA ! appsink name=out sync=false",
         240, [&](GstElement* pipeline) {
           watch_buffers(find_element(pipeline, "out"), "sink", [&, pipeline](GstBuffer*) {

@@ -268,7 +268,7 @@ TEST(SceneCloneMouse, DragsOverTheSurface) {
 TEST(SceneCloneMissing, NeedsAScene) {
   const auto run = [](const std::string& settings) {
     return Line("path=still", "source=properties " + settings, 5, {},
-                "intrinsicdecomp quality=low scene-memory=false");
+                "intrinsicdecomp quality=low scene::remember=false");
   };
   const Line object = run(kOnTable), none = run("room-size=0");
   ASSERT_EQ(object.result.frames.size(), 5U) << object.result.first_error();

@@ -200,7 +200,7 @@ TEST(SceneLampsMouse, AddsMovesAndRemoves) {
 // Where the layers carry no scene, a lamp in the room is dark, which is said once.
 TEST(SceneLampsMissing, NeedAScene) {
   const auto run = [](const std::string& settings) {
-    return Line("path=still", settings, 5, {}, "intrinsicdecomp quality=low scene-memory=false");
+    return Line("path=still", settings, 5, {}, "intrinsicdecomp quality=low scene::remember=false");
   };
   const Line lamp = run(kOverTable), none = run("");
   ASSERT_EQ(lamp.result.frames.size(), 5U) << lamp.result.first_error();

@@ -154,8 +154,8 @@ TEST_P(SceneLayers, AreTheTruthOfTheRoom) {
 }
 
 TEST(SceneLayersMissing, AreAbsentWithoutAScene) {
-  for (const std::string decomposer :
-       {"intrinsicdecomp quality=low scene-memory=false", "globalintrinsic scene-memory=false"}) {
+  for (const std::string decomposer : {"intrinsicdecomp quality=low scene::remember=false",
+                                       "globalintrinsic scene::remember=false"}) {
     const auto frames = run(96, 72, "num-buffers=2", decomposer);
     ASSERT_EQ(frames.size(), 2U);
     for (const Frame& frame : frames) {

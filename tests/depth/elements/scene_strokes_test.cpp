@@ -52,7 +52,8 @@ struct Line {
       watch_buffers(find_element(pipeline, "out"), "sink", [&, element](GstBuffer*) {
         gchar* text = nullptr;
         GstStructure* stats = nullptr;
-        g_object_get(element, "strokes", &text, "stats", &stats, nullptr);
+        gst_child_proxy_get(GST_CHILD_PROXY(element), "strokes::list", &text, "stats", &stats,
+                            nullptr);
         strokes = text ? text : "";
         g_free(text);
         if (!stats) return;
@@ -104,7 +105,7 @@ Visible visible(const Line& line, const std::array<double, 3>& place, size_t fir
 }
 
 void set(GstElement* element, const char* strokes) {
-  g_object_set(element, "strokes", strokes, nullptr);
+  gst_child_proxy_set(GST_CHILD_PROXY(element), "strokes::list", strokes, nullptr);
 }
 void click(GstElement* element, double x, double y) {
   GstPad* pad = gst_element_get_static_pad(element, "src");
@@ -150,7 +151,7 @@ TEST(SceneStrokes, ChangesAreUndone) {
   std::string first, both, undone;
   const auto text_of = [](GstElement* element) {
     gchar* text = nullptr;
-    g_object_get(element, "strokes", &text, nullptr);
+    gst_child_proxy_get(GST_CHILD_PROXY(element), "strokes::list", &text, nullptr);
     const std::string result = text ? text : "";
     g_free(text);
     return result;
@@ -182,7 +183,7 @@ TEST(SceneStrokes, ChangesAreUndone) {
 TEST(SceneStrokes, AreErasedWhereTheyAreSeen) {
   const Line line("path=still", "show=reflectance", 24, [](GstElement* element, int n) {
     if (n == 0) set(element, kRecolor);
-    if (n == 12) g_object_set(element, "stroke-mode", 4, nullptr);
+    if (n == 12) gst_child_proxy_set(GST_CHILD_PROXY(element), "strokes::mode", 4, nullptr);
     if (n == 14) click(element, 5, 5);
     if (n == 18) click(element, 80, 75);
   });
@@ -198,7 +199,7 @@ TEST(SceneStrokes, AreErasedWhereTheyAreSeen) {
 
 // Without depth they have no effect, which is said once.
 TEST(SceneStrokes, NeedAScene) {
-  const Line line("", "show=reflectance scene-memory=false", 6, [](GstElement* element, int n) {
+  const Line line("", "show=reflectance scene::remember=false", 6, [](GstElement* element, int n) {
     if (n == 0) set(element, R"([{"kind":"shading","fill":true,"balls":[[0,0,1.5,0.1]]}])");
   });
   EXPECT_EQ(line.result.frames.size(), 6U) << line.result.first_error();
@@ -211,18 +212,18 @@ TEST(SceneStrokes, NeedAScene) {
 TEST(SceneStrokes, AreSavedAndLoadedWithTheScene) {
   const TemporaryFolder folder;
   const std::string file = folder / "room.scene";
-  const Line made("", "scene-location=" + file, 14, [](GstElement* element, int n) {
+  const Line made("", "scene::location=" + file, 14, [](GstElement* element, int n) {
     if (n == 0) set(element, kRecolor);
   });
   ASSERT_TRUE(made.result.eos) << made.result.first_error();
   const auto places = places_of(made.strokes);
   ASSERT_FALSE(places.empty()) << made.strokes;
-  const Line alone("", "scene-load=" + file, 16);
+  const Line alone("", "scene::load=" + file, 16);
   EXPECT_TRUE(alone.result.warnings.empty()) << alone.result.warnings[0];
   EXPECT_EQ(places_of(alone.strokes), places) << alone.strokes;
   EXPECT_EQ(alone.states, std::vector<std::string>{"in-scene"});
   // What is there already is not there twice; others stay, also those that are undone.
-  const Line both("", "scene-load=" + file, 12, [&](GstElement* element, int n) {
+  const Line both("", "scene::load=" + file, 12, [&](GstElement* element, int n) {
     gboolean done = FALSE;
     if (n == 0) set(element, made.strokes.c_str());
     const char* other = R"({"kind":"select","balls":[[0,0.3,0.2,0.05]]})";

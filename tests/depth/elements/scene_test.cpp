@@ -146,7 +146,7 @@ TEST(Scene, FlickersLessWithChapter4OfTheThesis) {
     EXPECT_EQ(line.frames.size(), 14U) << line.first_error();
     return line.frames.size() == views.size() ? flicker(line, views, 4) : 0;
   };
-  const double with = run(""), without = run("scene-memory=false");
+  const double with = run(""), without = run("scene::remember=false");
   printf("  %.4f with the memory, %.4f without\n", with, without);
   EXPECT_LT(with, 0.75 * without);
 }
@@ -158,16 +158,16 @@ TEST(Scene, IsOnlyRememberedByChapter4OfTheThesis) {
     EXPECT_EQ(line.frames.size(), 4U) << line.first_error();
     return line.frames.empty() ? std::vector<uint8_t>() : line.frames.back();
   };
-  EXPECT_EQ(last(""), last("scene-memory=false"));
-  EXPECT_NE(last(""), last("scene-memory=true"));
-  EXPECT_NE(last("formulation=chapter4"), last("formulation=chapter4 scene-memory=false"));
+  EXPECT_EQ(last(""), last("scene::remember=false"));
+  EXPECT_NE(last(""), last("scene::remember=true"));
+  EXPECT_NE(last("formulation=chapter4"), last("formulation=chapter4 scene::remember=false"));
 }
 
 TEST_P(RememberedScene, IsRememberedWhereFramesHaveDepth) {
   GstStructure* stats = nullptr;
   const LineResult with = decompose("num-buffers=8", "", {}, &stats, GetParam()),
                    without =
-                       decompose("num-buffers=8", "scene-memory=false", {}, nullptr, GetParam());
+                       decompose("num-buffers=8", "scene::remember=false", {}, nullptr, GetParam());
   ASSERT_EQ(with.frames.size(), 8U) << with.first_error();
   EXPECT_TRUE(with.warnings.empty()) << with.warnings.front();
   EXPECT_EQ(with.frames[0], without.frames[0]) << "nothing is known of a first frame";
@@ -186,7 +186,7 @@ TEST_P(RememberedScene, IsRememberedWhereFramesHaveDepth) {
 TEST(Scene, TakesGivenPoses) {
   GstStructure* stats = nullptr;
   const LineResult given =
-      decompose("num-buffers=6 path=wall speed=20", "scene-track=false", {}, &stats);
+      decompose("num-buffers=6 path=wall speed=20", "scene::track=false", {}, &stats);
   ASSERT_EQ(given.frames.size(), 6U) << given.first_error();
   EXPECT_TRUE(given.warnings.empty());
   gboolean found = FALSE;
@@ -241,10 +241,11 @@ TEST(Scene, BadDepthIsSaidAndLosesNoFrame) {
 }
 
 TEST(Scene, SaysThatItsMemoryIsFull) {
-  const LineResult line = decompose("num-buffers=8", "scene-memory-limit=8 voxel-size=0.002");
+  const LineResult line =
+      decompose("num-buffers=8", "scene::memory-limit=8 scene::voxel-size=0.002");
   EXPECT_EQ(line.frames.size(), 8U) << line.first_error();
   ASSERT_EQ(line.warnings.size(), 1U) << ::testing::PrintToString(line.warnings);
-  EXPECT_NE(line.warnings[0].find("scene-memory-limit"), std::string::npos) << line.warnings[0];
+  EXPECT_NE(line.warnings[0].find("scene::memory-limit"), std::string::npos) << line.warnings[0];
 }
 
 /// Runs `frames` frames with a scene file; what `stats` say last.
@@ -265,37 +266,37 @@ Found with_file(const std::string& source, const std::string& settings) {
 
 TEST(Scene, IsWrittenAndKnownFromAFile) {
   const TemporaryFolder folder;
-  const Found made = with_file("num-buffers=12", "scene-location=" + folder / "room.scene");
+  const Found made = with_file("num-buffers=12", "scene::location=" + folder / "room.scene");
   ASSERT_EQ(made.line.frames.size(), 12U) << made.line.first_error();
   EXPECT_TRUE(made.line.warnings.empty()) << made.line.warnings.front();
   // Where the camera was before; its place is found in the scene.
-  const Found known = with_file("num-buffers=14", "scene-load=" + folder / "room.scene");
+  const Found known = with_file("num-buffers=14", "scene::load=" + folder / "room.scene");
   EXPECT_TRUE(known.line.warnings.empty()) << known.line.warnings.front();
   EXPECT_TRUE(known.camera);
   EXPECT_GE(known.blocks, made.blocks);
-  const Found mesh = with_file("num-buffers=4", "scene-location=" + folder / "room.ply");
+  const Found mesh = with_file("num-buffers=4", "scene::location=" + folder / "room.ply");
   EXPECT_TRUE(mesh.line.warnings.empty()) << mesh.line.warnings.front();
   EXPECT_GT(std::filesystem::file_size(folder / "room.ply"), 100'000U);
   // Faults are one warning each, and lose no frame.
   folder.write("bad.scene", "no scene");
   for (const auto& [settings, said] : std::initializer_list<std::pair<std::string, const char*>>{
-           {"scene-load=" + folder / "missing.scene", "missing.scene cannot be read"},
-           {"scene-load=" + folder / "bad.scene", "no scene that this version reads"},
-           {"voxel-size=0.02 scene-load=" + folder / "room.scene", "voxels have a side of"},
-           {"scene-location=" + folder / "room.txt", "name it .ply"},
-           {"scene-location=" + folder / "no/room.ply", "cannot be written into the folder"}}) {
+           {"scene::load=" + folder / "missing.scene", "missing.scene cannot be read"},
+           {"scene::load=" + folder / "bad.scene", "no scene that this version reads"},
+           {"scene::voxel-size=0.02 scene::load=" + folder / "room.scene", "voxels have a side of"},
+           {"scene::location=" + folder / "room.txt", "name it .ply"},
+           {"scene::location=" + folder / "no/room.ply", "cannot be written into the folder"}}) {
     const Found bad = with_file("num-buffers=4", settings);
     EXPECT_EQ(bad.line.frames.size(), 4U) << settings << bad.line.first_error();
     ASSERT_FALSE(bad.line.warnings.empty()) << settings;
     EXPECT_NE(bad.line.warnings[0].find(said), std::string::npos) << bad.line.warnings[0];
     // At the start, and at the end what is not written then.
-    EXPECT_EQ(bad.line.warnings.size(), settings.starts_with("scene-location") ? 2U : 1U);
+    EXPECT_EQ(bad.line.warnings.size(), settings.starts_with("scene::location") ? 2U : 1U);
   }
 }
 
 TEST(Scene, FilesNeedDepth) {
   for (const char* setting :
-       {"scene-load=/nowhere/room.scene", "scene-location=/nowhere/room.ply"}) {
+       {"scene::load=/nowhere/room.scene", "scene::location=/nowhere/room.ply"}) {
     const LineResult line = run_line(
         std::string(
             "videotestsrc num-buffers=4 ! video/x-raw,width=64,height=48 ! intrinsicdecomp ") +
@@ -343,7 +344,7 @@ TEST(Scene, IsSavedOnRequestAfterTheEnd) {
   asked = FALSE;
   const LineResult line =
       run_line(std::string("rgbdtestsrc is-live=false samples=1 num-buffers=6 ! ") + kSize +
-                   " ! intrinsicdecomp name=decomposer scene-location=" + folder / "end.scene" +
+                   " ! intrinsicdecomp name=decomposer scene::location=" + folder / "end.scene" +
                    " ! " + kShown,
                240, [&](GstElement* pipeline) {
                  GstElement* decomposer = find_element(pipeline, "decomposer");
@@ -369,7 +370,7 @@ TEST(Scene, AHugeFileThatIsNoSceneIsNotRead) {
   for (const std::string begin : {"", "gst-inverse scene 2\n"}) {
     const std::string path = folder.write("huge.scene", begin);
     std::filesystem::resize_file(path, uint64_t{20} << 30);  // without blocks on the disk
-    const Found bad = with_file("num-buffers=4", "scene-load=" + path);
+    const Found bad = with_file("num-buffers=4", "scene::load=" + path);
     EXPECT_EQ(bad.line.frames.size(), 4U) << bad.line.first_error();
     ASSERT_EQ(bad.line.warnings.size(), 1U);
     EXPECT_NE(bad.line.warnings[0].find(begin.empty() ? "no scene" : "larger than"),
@@ -441,7 +442,7 @@ TEST(Scene, OutlivesASeek) {
     const LineResult line = run_line(
         std::string("rgbdtestsrc is-live=false samples=1 num-buffers=24 speed=3 ! ") + kSize +
             " ! identity name=before ! intrinsicdecomp name=decomposer show=reflectance "
-            "scene-depth=3 ! " +
+            "scene::max-depth=3 ! " +
             kShown,
         240, [&](GstElement* pipeline) {
           watch_buffers(find_element(pipeline, "before"), "src", [&, pipeline](GstBuffer*) {
@@ -473,10 +474,14 @@ TEST(Scene, ChangesWhileItRuns) {
           GstElement* decomposer = find_element(pipeline, "decomposer");
           GstInverseDepthMeta* meta = gst_buffer_get_inverse_depth_meta(buffer);
           if (n >= 4 && n < 8) meta->height /= 2;
-          if (n == 8) g_object_set(decomposer, "voxel-size", 0.02, nullptr);
-          if (n == 10) g_object_set(decomposer, "scene-memory", FALSE, nullptr);
-          if (n == 12) g_object_set(decomposer, "scene-memory", TRUE, nullptr);
-          if (n == 14) g_object_set(decomposer, "scene-track", FALSE, nullptr);
+          if (n == 8)
+            gst_child_proxy_set(GST_CHILD_PROXY(decomposer), "scene::voxel-size", 0.02, nullptr);
+          if (n == 10)
+            gst_child_proxy_set(GST_CHILD_PROXY(decomposer), "scene::remember", FALSE, nullptr);
+          if (n == 12)
+            gst_child_proxy_set(GST_CHILD_PROXY(decomposer), "scene::remember", TRUE, nullptr);
+          if (n == 14)
+            gst_child_proxy_set(GST_CHILD_PROXY(decomposer), "scene::track", FALSE, nullptr);
           ++n;
         });
       });

@@ -41,7 +41,8 @@ struct Line {
       watch_buffers(find_element(pipeline, "before"), "src", [&, element, pipeline](GstBuffer*) {
         if (n == kSeen) {
           gst_util_set_object_arg(G_OBJECT(find_element(pipeline, "source")), "hand", hand);
-          g_object_set(element, "scene-update", FALSE, "stroke-touch", touch, nullptr);
+          gst_child_proxy_set(GST_CHILD_PROXY(element), "scene::update", FALSE, "strokes::touch",
+                              touch, nullptr);
         }
         if (when) when(element, n);
         ++n;
@@ -49,8 +50,8 @@ struct Line {
       watch_buffers(find_element(pipeline, "out"), "sink", [&, element, pipeline](GstBuffer*) {
         gchar* text = nullptr;
         GstStructure *stats = nullptr, *truth = nullptr;
-        g_object_get(element, "strokes", &text, "stats", &stats, "stroke-color", &color,
-                     "stroke-mode", &mode, nullptr);
+        gst_child_proxy_get(GST_CHILD_PROXY(element), "strokes::list", &text, "stats", &stats,
+                            "strokes::color", &color, "strokes::mode", &mode, nullptr);
         strokes = text ? text : "";
         g_free(text);
         guint count = 0;
@@ -84,12 +85,12 @@ nlohmann::json list_of(const std::string& strokes) {
 TEST(SceneTouch, DrawsOneStrokeWhereItTouches) {
   bool undone = false;
   std::string drawn;
-  const Line line("book", true, "stroke-mode=recolor stroke-color=0xff20a040", kGone + 8, "",
+  const Line line("book", true, "strokes::mode=recolor strokes::color=0xff20a040", kGone + 8, "",
                   [&](GstElement* element, int n) {
                     if (n != kGone) return;
                     gchar* text = nullptr;
                     gboolean done = FALSE;
-                    g_object_get(element, "strokes", &text, nullptr);
+                    gst_child_proxy_get(GST_CHILD_PROXY(element), "strokes::list", &text, nullptr);
                     drawn = text ? text : "";
                     g_free(text);
                     g_signal_emit_by_name(element, "undo-stroke", &done);
@@ -115,7 +116,7 @@ TEST(SceneTouch, DrawsOneStrokeWhereItTouches) {
 
 // Who does not want it gets nothing of it.
 TEST(SceneTouch, IsOffAtFirst) {
-  const Line line("book", false, "stroke-mode=recolor", kTouches + 8);
+  const Line line("book", false, "strokes::mode=recolor", kTouches + 8);
   EXPECT_EQ(line.strokes, "");
   EXPECT_EQ(line.messages("inverse-touch-began"), 0);
   EXPECT_EQ(std::count(line.touched.begin(), line.touched.end(), TRUE), 0);
@@ -125,11 +126,11 @@ TEST(SceneTouch, IsOffAtFirst) {
 TEST(SceneTouch, PicksAColorAndThenPaints) {
   std::string picked = "none";
   const int again = kSeen + 30;
-  const Line line("dark-ball", true, "stroke-mode=pick", again + 29, "",
+  const Line line("dark-ball", true, "strokes::mode=pick", again + 29, "",
                   [&](GstElement* element, int n) {
                     if (n != again) return;
                     gchar* text = nullptr;
-                    g_object_get(element, "strokes", &text, nullptr);
+                    gst_child_proxy_get(GST_CHILD_PROXY(element), "strokes::list", &text, nullptr);
                     picked = text ? text : "";
                     g_free(text);
                     GstObject* pipeline = gst_object_get_parent(GST_OBJECT(element));
@@ -157,7 +158,7 @@ TEST(SceneTouch, PicksAColorAndThenPaints) {
 }
 
 TEST(SceneTouch, TheMousePicksAColor) {
-  const Line line("none", false, "stroke-mode=pick", 12, "", [](GstElement* element, int n) {
+  const Line line("none", false, "strokes::mode=pick", 12, "", [](GstElement* element, int n) {
     if (n != 5) return;
     GstPad* pad = gst_element_get_static_pad(element, "src");
     // The blue box at the right.
@@ -173,7 +174,7 @@ TEST(SceneTouch, TheMousePicksAColor) {
 // A segment is filled from a touch, and only its shading changes (thesis, 4.8).
 TEST(SceneTouch, SelectsForElementsThatFollow) {
   const char* hand = "dark-ball";
-  const std::string settings = "stroke-mode=select stroke-fill=true stroke-radius=5";
+  const std::string settings = "strokes::mode=select strokes::fill=true strokes::radius=5";
   const Line plain(hand, true, settings, kGone + 2, "intrinsiccompose !"),
       toned(hand, true, settings, kGone + 2,
             "intrinsictone look=custom curve=\"-5,-1 5,9\" middle=0.3 ! intrinsiccompose !");
@@ -192,9 +193,9 @@ TEST(SceneTouch, SelectsForElementsThatFollow) {
 }
 
 TEST(SceneTouch, AFrozenSceneStaysAsItIs) {
-  const Line line("none", false, "scene-update=true", 30, "", [](GstElement* element, int n) {
-    if (n == 4) g_object_set(element, "scene-update", FALSE, nullptr);
-    if (n == 24) g_object_set(element, "scene-update", TRUE, nullptr);
+  const Line line("none", false, "scene::update=true", 30, "", [](GstElement* element, int n) {
+    if (n == 4) gst_child_proxy_set(GST_CHILD_PROXY(element), "scene::update", FALSE, nullptr);
+    if (n == 24) gst_child_proxy_set(GST_CHILD_PROXY(element), "scene::update", TRUE, nullptr);
   });
   ASSERT_EQ(line.blocks.size(), 30U) << line.result.first_error();
   EXPECT_TRUE(line.result.warnings.empty());
@@ -204,13 +205,13 @@ TEST(SceneTouch, AFrozenSceneStaysAsItIs) {
 }
 
 TEST(SceneTouch, SaysWhatItNeeds) {
-  const Line frozen("none", false, "scene-update=false", 4);
+  const Line frozen("none", false, "scene::update=false", 4);
   ASSERT_EQ(frozen.result.warnings.size(), 1U);
-  EXPECT_NE(frozen.result.warnings[0].find("scene-load"), std::string::npos);
+  EXPECT_NE(frozen.result.warnings[0].find("scene::load"), std::string::npos);
   EXPECT_EQ(frozen.result.frames.size(), 4U);
-  const Line without("none", false, "stroke-touch=true scene-memory=false", 4);
+  const Line without("none", false, "strokes::touch=true scene::remember=false", 4);
   ASSERT_EQ(without.result.warnings.size(), 1U);
-  EXPECT_NE(without.result.warnings[0].find("stroke-touch needs"), std::string::npos);
+  EXPECT_NE(without.result.warnings[0].find("strokes::touch needs"), std::string::npos);
 }
 
 }  // namespace

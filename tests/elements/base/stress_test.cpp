@@ -122,7 +122,7 @@ TEST_P(Stress, StrokesOfSeveralThreadsWhileFramesComplete) {
       });
     for (std::thread& thread : threads) thread.join();
   }
-  const std::string strokes = property<std::string>(element, "strokes");
+  const std::string strokes = property<std::string>(element, "strokes::list");
   int count = 0;
   for (size_t place = 0; (place = strokes.find("points", place)) != std::string::npos; ++place)
     ++count;

@@ -38,7 +38,7 @@ class MovingStrokes : public ::testing::TestWithParam<const char*> {
         element_(harness_.find(GetParam())) {}
   static std::string caps() { return VideoHarness::caps("RGBA", kWidth, kHeight); }
   void set(const std::string& strokes) {
-    g_object_set(element_, "strokes", strokes.c_str(), nullptr);
+    gst_child_proxy_set(GST_CHILD_PROXY(element_), "strokes::list", strokes.c_str(), nullptr);
   }
   /// Standard deviation of what is shown, well inside of the board.
   static double spread(const std::vector<uint8_t>& shown, int left) {
@@ -94,7 +94,7 @@ TEST_P(MovingStrokes, KeepTextureOutOfShading) {
   // After a seek, they are where they were drawn.
   harness_.flush();
   EXPECT_LT(moving_spread(), .2 * without);
-  g_object_set(element_, "stroke-follow", FALSE, nullptr);
+  gst_child_proxy_set(GST_CHILD_PROXY(element_), "strokes::follow", FALSE, nullptr);
   harness_.flush();
   EXPECT_GT(moving_spread(), .6 * without);
   EXPECT_TRUE(states().empty());
@@ -141,15 +141,15 @@ TEST_P(MovingStrokes, OneThatIsLostIsAWarning) {
 TEST_P(MovingStrokes, TheEraserFindsThem) {
   set(kOnTheBoard);
   for (int t = 0; t < 45; ++t) harness_.process(board_at(20 + 2 * t));
-  gst_util_set_object_arg(G_OBJECT(element_), "stroke-mode", "erase");
+  set_text(element_, "strokes::mode", "erase");
   const auto press = [&](double x) {
     harness_.send_upstream(
         gst_navigation_event_new_mouse_button_press(1, x, 60, GST_NAVIGATION_MODIFIER_NONE));
   };
   press(30);  // where it was drawn
-  EXPECT_NE(property<std::string>(element_, "strokes"), "");
+  EXPECT_NE(property<std::string>(element_, "strokes::list"), "");
   press(150);
-  EXPECT_EQ(property<std::string>(element_, "strokes"), "");
+  EXPECT_EQ(property<std::string>(element_, "strokes::list"), "");
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, MovingStrokes,
@@ -236,9 +236,9 @@ TEST_P(RecolorStrokes, GoThroughEditorsAndCompose) {
   GstElement* decomposer = harness.find(GetParam());
   const auto before = harness.process(paints(), 4);
   EXPECT_EQ(largest_difference(before, paints()), 0);
-  g_object_set(decomposer, "strokes",
-               R"([{"kind":"recolor","color":"#20c040","radius":20,"points":[[40,60],[80,60]]}])",
-               nullptr);
+  gst_child_proxy_set(
+      GST_CHILD_PROXY(decomposer), "strokes::list",
+      R"([{"kind":"recolor","color":"#20c040","radius":20,"points":[[40,60],[80,60]]}])", nullptr);
   const auto after = harness.process(paints(), 4);
   const uint8_t* inside = pixel_at(after, 60, 60, kWidth);
   EXPECT_GT(inside[1], inside[0] + 40);
@@ -248,14 +248,14 @@ TEST_P(RecolorStrokes, GoThroughEditorsAndCompose) {
 
 TEST_P(RecolorStrokes, AreDrawnInTheirColor) {
   settled();
-  gst_util_set_object_arg(G_OBJECT(element_), "stroke-mode", "recolor");
-  g_object_set(element_, "stroke-color", 0xff12ab34U, nullptr);
+  set_text(element_, "strokes::mode", "recolor");
+  gst_child_proxy_set(GST_CHILD_PROXY(element_), "strokes::color", 0xff12ab34U, nullptr);
   harness_.send_upstream(
       gst_navigation_event_new_mouse_button_press(1, 50, 50, GST_NAVIGATION_MODIFIER_NONE));
   harness_.send_upstream(
       gst_navigation_event_new_mouse_button_release(1, 50, 50, GST_NAVIGATION_MODIFIER_NONE));
   EXPECT_EQ(
-      property<std::string>(element_, "strokes"),
+      property<std::string>(element_, "strokes::list"),
       R"({"frame":[240,120],"strokes":[{"kind":"recolor","color":"#12ab34","radius":12.0,"points":[[50.0,50.0]]}]})");
   for (const auto& [text, part] : std::initializer_list<std::pair<std::string, std::string>>{
            {R"([{"kind":"recolor","points":[[1,2]]}])", "must have a color"},

@@ -40,12 +40,10 @@ class Strokes : public ::testing::TestWithParam<const char*> {
     return std::sqrt(squares / count - std::pow(sum / count, 2));
   }
   void set(const std::string& strokes) {
-    g_object_set(element_, "strokes", strokes.c_str(), nullptr);
+    gst_child_proxy_set(GST_CHILD_PROXY(element_), "strokes::list", strokes.c_str(), nullptr);
   }
-  std::string strokes() { return property<std::string>(element_, "strokes"); }
-  void set_mode(const char* mode) {
-    gst_util_set_object_arg(G_OBJECT(element_), "stroke-mode", mode);
-  }
+  std::string strokes() { return property<std::string>(element_, "strokes::list"); }
+  void set_mode(const char* mode) { set_text(element_, "strokes::mode", mode); }
   void press(double x, double y) {
     harness_.send_upstream(
         gst_navigation_event_new_mouse_button_press(1, x, y, GST_NAVIGATION_MODIFIER_NONE));
@@ -89,11 +87,11 @@ TEST_P(Strokes, TextureLeavesShadingAndComesBack) {
 TEST_P(Strokes, AreDrawnRemovedAndUndone) {
   press(50, 60);  // before the first frame: ignored
   const double before = texture();
-  press(50, 60);  // stroke-mode=off
+  press(50, 60);  // strokes::mode=off
   release(110, 60);
   EXPECT_EQ(strokes(), "");
   set_mode("shading");
-  g_object_set(element_, "stroke-radius", 32.0F, nullptr);
+  gst_child_proxy_set(GST_CHILD_PROXY(element_), "strokes::radius", 32.0F, nullptr);
   press(50, 60);
   for (int x = 50; x <= 110; x += 2) move(x, 60);
   EXPECT_EQ(strokes(), "");
@@ -131,7 +129,7 @@ TEST_P(Strokes, AreDrawnRemovedAndUndone) {
   EXPECT_EQ(strokes(), "");
   EXPECT_EQ(harness_.warnings().size(), 2U);
   set_mode("reflectance");
-  g_object_set(element_, "stroke-fill", TRUE, nullptr);
+  gst_child_proxy_set(GST_CHILD_PROXY(element_), "strokes::fill", TRUE, nullptr);
   press(3, 4);
   release(3, 4);
   EXPECT_EQ(
@@ -221,7 +219,7 @@ TEST_P(Strokes, WrongOnesBeforeTheStartAreOneError) {
       run_line("videotestsrc num-buffers=1 ! " + std::string(GetParam()) + " name=it ! fakesink",
                60, [](GstElement* pipeline) {
                  GstElement* it = gst_bin_get_by_name(GST_BIN(pipeline), "it");
-                 g_object_set(it, "strokes", "[", nullptr);
+                 gst_child_proxy_set(GST_CHILD_PROXY(it), "strokes::list", "[", nullptr);
                  gst_object_unref(it);
                });
   expect_one(result.errors, "strokes: ");
@@ -231,7 +229,7 @@ TEST_P(Strokes, WrongOnesBeforeTheStartAreOneError) {
 TEST_P(Strokes, TheMouseDrawsNoMoreThanThereIsRoomFor) {
   texture();
   set_mode("reflectance");
-  g_object_set(element_, "stroke-radius", 1.0F, nullptr);
+  gst_child_proxy_set(GST_CHILD_PROXY(element_), "strokes::radius", 1.0F, nullptr);
   for (int i = 0; i < 66; ++i) {
     press(i, 0);
     release(i, 20);
@@ -290,7 +288,7 @@ TEST_P(Strokes, OneThatIsCutInPartsIsAWarning) {
 TEST_P(Strokes, AFlushForgetsTheOneThatIsDrawn) {
   const double before = texture();
   set_mode("shading");
-  g_object_set(element_, "stroke-radius", 32.0F, nullptr);
+  gst_child_proxy_set(GST_CHILD_PROXY(element_), "strokes::radius", 32.0F, nullptr);
   press(50, 60);
   move(110, 60);
   EXPECT_LT(texture(), .3 * before);

@@ -160,4 +160,17 @@ TEST(Presets, AUsersPresetIsSavedAndLoaded) {
     EXPECT_EQ(value_of(other.get(), property), value_of(element.get(), property)) << property;
 }
 
+TEST(Presets, PropertiesOfChildrenAreSavedAndLoaded) {
+  const Element element = make("intrinsicdecomp"), other = make("intrinsicdecomp");
+  const std::string name = "another test of gst-inverse";
+  set_text(element.get(), "strokes::radius", "31");
+  set_text(element.get(), "strokes::mode", "erase");
+  ASSERT_TRUE(gst_preset_save_preset(GST_PRESET(element.get()), name.c_str()));
+  EXPECT_TRUE(gst_preset_load_preset(GST_PRESET(other.get()), name.c_str()));
+  EXPECT_TRUE(gst_preset_delete_preset(GST_PRESET(element.get()), name.c_str()));
+  EXPECT_EQ(property<float>(other.get(), "strokes::radius"), 31);
+  EXPECT_EQ(property<int>(other.get(), "strokes::mode"),
+            property<int>(element.get(), "strokes::mode"));
+}
+
 }  // namespace inverse::testing

@@ -65,7 +65,7 @@ void press_and_release(VideoHarness& harness, double x, double y) {
 }  // namespace
 
 TEST(Select, AClickSelectsAnObjectAndFollowsIt) {
-  VideoHarness harness(chain("stroke-mode=add"), kCaps, kCaps);
+  VideoHarness harness(chain("strokes::mode=add"), kCaps, kCaps);
   EXPECT_GT(wrong_share(harness.process(discs(50, 60)), 50, 60), .05) << "nothing is selected yet";
   press_and_release(harness, 50, 60);
   EXPECT_LT(wrong_share(harness.process(discs(50, 60)), 50, 60), .01);
@@ -73,7 +73,7 @@ TEST(Select, AClickSelectsAnObjectAndFollowsIt) {
     EXPECT_LT(wrong_share(harness.process(discs(50 + 2 * n, 60 + n)), 50 + 2 * n, 60 + n), .01)
         << n;
   GstElement* select = harness.find("intrinsicselect");
-  EXPECT_NE(property<std::string>(select, "strokes"), "");
+  EXPECT_NE(property<std::string>(select, "strokes::list"), "");
   EXPECT_NEAR(stat<double>(select, "object-x"), 88, 3);
   EXPECT_NEAR(stat<double>(select, "object-y"), 79, 3);
   EXPECT_NEAR(stat<double>(select, "object-right") - stat<double>(select, "object-left"),
@@ -102,8 +102,8 @@ TEST(Select, StrokesAddAndSubtract) {
   g_signal_emit_by_name(select, "clear-strokes", &done);
   EXPECT_LT(pixel_at(harness.process(discs(50, 60)), 50, 60, kWidth)[0], 5);
   // A line around it.
-  g_object_set(
-      select, "strokes",
+  gst_child_proxy_set(
+      GST_CHILD_PROXY(select), "strokes::list",
       "[{\"kind\":\"add\",\"closed\":true,\"radius\":1,\"points\":[[30,40],[70,40],[70,80],[30,"
       "80]]}]",
       nullptr);
@@ -117,7 +117,7 @@ TEST(Select, StrokesAddAndSubtract) {
 }
 
 TEST(Select, ALassoEndsAtItsLineOnOnePaint) {
-  VideoHarness harness(chain("strokes=[{\"kind\":\"add\",\"closed\":true,\"points\":"
+  VideoHarness harness(chain("strokes::list=[{\"kind\":\"add\",\"closed\":true,\"points\":"
                              "[[40,30],[120,30],[120,90],[40,90]]}]"),
                        kCaps, kCaps);
   for (unsigned n = 0; n < 5; ++n) {
@@ -132,7 +132,7 @@ TEST(Select, ALassoEndsAtItsLineOnOnePaint) {
 }
 
 TEST(Select, InvertsAndCombines) {
-  const std::string first = "strokes=[" + stroke_at(50, 60) + "]";
+  const std::string first = "strokes::list=[" + stroke_at(50, 60) + "]";
   VideoHarness inverted(chain(first + " invert=true"), kCaps, kCaps);
   const auto rest = inverted.process(discs(50, 60));
   EXPECT_LT(pixel_at(rest, 50, 60, kWidth)[0], 5);
@@ -141,9 +141,9 @@ TEST(Select, InvertsAndCombines) {
                                              {"add", true, true},
                                              {"subtract", true, false},
                                              {"intersect", false, false}}) {
-    VideoHarness harness(kLight + "intrinsicselect " + first + " ! intrinsicselect strokes=[" +
-                             stroke_at(140, 20) + "] combine=" + combine +
-                             " ! intrinsiccompose show=mask",
+    VideoHarness harness(kLight + "intrinsicselect " + first +
+                             " ! intrinsicselect strokes::list=[" + stroke_at(140, 20) +
+                             "] combine=" + combine + " ! intrinsiccompose show=mask",
                          kCaps, kCaps);
     const auto mask = harness.process(discs(50, 60));
     EXPECT_EQ(pixel_at(mask, 50, 60, kWidth)[0] > 127, left) << combine;
@@ -207,13 +207,13 @@ TEST(Select, AMissingPictureIsOneError) {
 }
 
 TEST(Select, WrongStrokesAreAWarning) {
-  VideoHarness harness(chain("strokes=[" + stroke_at(50, 60) + "]"), kCaps, kCaps);
+  VideoHarness harness(chain("strokes::list=[" + stroke_at(50, 60) + "]"), kCaps, kCaps);
   GstElement* select = harness.find("intrinsicselect");
   for (const char* wrong :
        {"[", "{}", "[{\"kind\":\"shading\",\"points\":[[1,2]]}]", "[{\"points\":[[1,2]]}]",
         "[{\"kind\":\"add\",\"points\":[]}]", "[{\"kind\":\"add\",\"points\":[[1]]}]",
         "[{\"kind\":\"add\",\"points\":[[1,2]],\"radius\":-1}]"}) {
-    g_object_set(select, "strokes", wrong, nullptr);
+    gst_child_proxy_set(GST_CHILD_PROXY(select), "strokes::list", wrong, nullptr);
     EXPECT_EQ(harness.warnings().size(), 1U) << wrong;
     EXPECT_LT(wrong_share(harness.process(discs(50, 60)), 50, 60), .01) << "the ones before stay";
   }
@@ -223,9 +223,11 @@ TEST(Select, WrongStrokesAreAWarning) {
   // Far away, of zero length, and many.
   std::string many;
   for (int n = 0; n < 64; ++n) many.append(n ? "," : "").append(stroke_at(-1000000, 99 * n));
-  g_object_set(select, "strokes", ("[" + many + "]").c_str(), nullptr);
+  gst_child_proxy_set(GST_CHILD_PROXY(select), "strokes::list", ("[" + many + "]").c_str(),
+                      nullptr);
   EXPECT_LT(pixel_at(harness.process(discs(50, 60)), 50, 60, kWidth)[0], 5);
-  g_object_set(select, "strokes", ("[" + many + "," + stroke_at(1, 1) + "]").c_str(), nullptr);
+  gst_child_proxy_set(GST_CHILD_PROXY(select), "strokes::list",
+                      ("[" + many + "," + stroke_at(1, 1) + "]").c_str(), nullptr);
   const auto warnings = harness.warnings();
   ASSERT_EQ(warnings.size(), 3U);  // and that of add-stroke
   expect_contains(warnings[1], "strokes 1, 2, 3, ");
@@ -236,7 +238,8 @@ TEST(Select, StrokesWithoutEffectAreOneWarningEach) {
   VideoHarness harness(chain(""), kCaps, kCaps);
   GstElement* select = harness.find("intrinsicselect");
   const auto warnings_of = [&](const std::string& strokes) {
-    g_object_set(select, "strokes", ("[" + strokes + "]").c_str(), nullptr);
+    gst_child_proxy_set(GST_CHILD_PROXY(select), "strokes::list", ("[" + strokes + "]").c_str(),
+                        nullptr);
     for (int n = 0; n < 3; ++n) harness.process(discs(50, 60));
     harness.flush();
     harness.process(discs(50, 60));
@@ -251,8 +254,8 @@ TEST(Select, StrokesWithoutEffectAreOneWarningEach) {
   EXPECT_TRUE(warnings_of(good + "," + stroke_at(60, 60, "subtract")).empty());
   // One that is appended has its number, and is drawn where the object is then.
   EXPECT_TRUE(warnings_of(good).empty());
-  g_object_set(select, "strokes", ("[" + good + "," + stroke_at(50, 60, "subtract") + "]").c_str(),
-               nullptr);
+  gst_child_proxy_set(GST_CHILD_PROXY(select), "strokes::list",
+                      ("[" + good + "," + stroke_at(50, 60, "subtract") + "]").c_str(), nullptr);
   harness.process(discs(90, 60));
   EXPECT_TRUE(harness.warnings().empty());
   expect_one(warnings_of(good + "," + stroke_at(50, 60, "subtract") + "," + stroke_at(-99, 60)),
@@ -260,9 +263,9 @@ TEST(Select, StrokesWithoutEffectAreOneWarningEach) {
 }
 
 TEST(Select, TheMouseDrawsNoMoreThanThereIsRoomFor) {
-  VideoHarness harness(chain("stroke-mode=add"), kCaps, kCaps);
+  VideoHarness harness(chain("strokes::mode=add"), kCaps, kCaps);
   GstElement* select = harness.find("intrinsicselect");
-  const auto strokes = [&] { return property<std::string>(select, "strokes"); };
+  const auto strokes = [&] { return property<std::string>(select, "strokes::list"); };
   harness.process(discs(50, 60));
   std::string full;
   for (int n = 0; n < 65; ++n) {
@@ -288,7 +291,7 @@ TEST(Select, TheMouseDrawsNoMoreThanThereIsRoomFor) {
   EXPECT_EQ(strokes(), full);
   // A long one.
   g_signal_emit_by_name(select, "clear-strokes", &done);
-  g_object_set(select, "stroke-radius", 1.F, nullptr);
+  gst_child_proxy_set(GST_CHILD_PROXY(select), "strokes::radius", 1.F, nullptr);
   const auto move = [&](GstEvent* event) { harness.send_upstream(event); };
   move(gst_navigation_event_new_mouse_button_press(1, 0, 0, GST_NAVIGATION_MODIFIER_NONE));
   for (int n = 0; n < 5000; ++n)
@@ -315,14 +318,14 @@ class Sought : public ::testing::Test {
     return harness_.process(discs(disc_at(n), 60, unsigned(n)));
   }
   void set(const std::string& strokes) {
-    g_object_set(harness_.find("intrinsicselect"), "strokes", ("[" + strokes + "]").c_str(),
-                 nullptr);
+    gst_child_proxy_set(GST_CHILD_PROXY(harness_.find("intrinsicselect")), "strokes::list",
+                        ("[" + strokes + "]").c_str(), nullptr);
   }
   static double wrong(const std::vector<uint8_t>& mask, int n) {
     return wrong_share(mask, disc_at(n), 60);
   }
 
-  VideoHarness harness_{chain("strokes=[]"), kCaps, kCaps};
+  VideoHarness harness_{chain("strokes::list=[]"), kCaps, kCaps};
 };
 
 TEST_F(Sought, ASelectionStaysItsObject) {
@@ -369,7 +372,8 @@ TEST_F(Sought, AnotherVideoSelectsAnew) {
 TEST(Select, TakesAnySize) {
   for (const auto& [width, height] : {std::pair{1, 1}, {2, 3}, {349, 2}, {15, 200}, {700, 33}}) {
     const std::string caps = VideoHarness::caps("RGBA", width, height);
-    VideoHarness harness(kLight + "intrinsicselect strokes=[" + stroke_at(width / 2, height / 2) +
+    VideoHarness harness(kLight + "intrinsicselect strokes::list=[" +
+                             stroke_at(width / 2, height / 2) +
                              "] ! intrinsicrecolor ! intrinsiccompose",
                          caps, caps);
     for (unsigned n = 0; n < 3; ++n) EXPECT_FALSE(harness.process(random_frame(caps, n)).empty());
@@ -378,7 +382,7 @@ TEST(Select, TakesAnySize) {
 }
 
 TEST(Recolor, TheMaskOfASelectionChangesTheObjectOnly) {
-  const std::string select = "intrinsicselect strokes=[" + stroke_at(50, 60) + "] ! ";
+  const std::string select = "intrinsicselect strokes::list=[" + stroke_at(50, 60) + "] ! ";
   VideoHarness harness(kLight + select + "intrinsicrecolor target=0xff2040c0 ! intrinsiccompose",
                        kCaps, kCaps);
   const auto frame = discs(50, 60), edited = harness.process(frame);
