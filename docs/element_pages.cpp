@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Writes one Markdown page per element of the plugin, from the element's own description (as shown
-// by gst-inspect-1.0), after the hand-written docs/reference/elements/intro/<element>.md.
+// Writes the elements' pages for the manual: docs/reference/elements/ELEMENT.md, then tables of its
+// pads and properties, as gst-inspect-1.0 shows them. Fails if an element has no page, or if a
+// plugin of ours in a folder of GST_PLUGIN_PATH cannot be loaded.
 //
-// usage: element-pages OUTPUT_FOLDER INTRO_FOLDER
+// usage: element-pages OUTPUT_FOLDER PAGES_FOLDER
 #include <gst/gst.h>
 
 #include <algorithm>
@@ -96,10 +97,8 @@ std::multiset<std::string> sorted_words(const std::string& list) {
   return sorted;
 }
 
-void write_page(GstElementFactory* factory, std::ostream& page, const std::string& intro) {
-  page << "# " << GST_OBJECT_NAME(factory) << "\n\n"
-       << gst_element_factory_get_metadata(factory, GST_ELEMENT_METADATA_DESCRIPTION) << ".\n\n"
-       << intro << "\n## Pads\n\n";
+void write_tables(GstElementFactory* factory, std::ostream& page) {
+  page << "\n## Pads\n\n";
   // The order of templates in the registry is arbitrary: sort by direction, then by name.
   std::vector<GstStaticPadTemplate*> pads;
   for (const GList* item = gst_element_factory_get_static_pad_templates(factory); item;
@@ -177,39 +176,74 @@ void write_page(GstElementFactory* factory, std::ostream& page, const std::strin
   gst_object_unref(element);
 }
 
+/// The plugins of this project in the folders of GST_PLUGIN_PATH.
+std::vector<std::filesystem::path> plugin_files() {
+  std::vector<std::filesystem::path> files;
+  std::istringstream folders(g_getenv("GST_PLUGIN_PATH") ? g_getenv("GST_PLUGIN_PATH") : "");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    std::error_code no_folder;
+    for (const auto& file : std::filesystem::directory_iterator(folder, no_folder))
+      if (file.path().filename().string().starts_with("libgstinverse") &&
+          file.path().extension() == ".so")
+        files.push_back(file.path());
+  }
+  return files;
+}
+
+/// Writes an element's page with its tables; returns what went wrong, or nothing.
+std::string write_page(GstElementFactory* factory, const std::filesystem::path& pages,
+                       const std::filesystem::path& output) {
+  const std::string name = GST_OBJECT_NAME(factory), file = name + ".md";
+  std::ifstream input(pages / file);
+  if (!input) return "no " + (pages / file).string();
+  std::stringstream text;
+  text << input.rdbuf();
+  if (!text.str().starts_with("# " + name + "\n"))
+    return (pages / file).string() + " does not begin with \"# " + name + "\"";
+  std::ofstream page(output / file);
+  page << text.str();
+  write_tables(factory, page);
+  page.close();
+  return page ? "" : "cannot write " + (output / file).string();
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
   gst_init(&count, &arguments);
   if (count != 3) {
-    std::cerr << "usage: element-pages OUTPUT_FOLDER INTRO_FOLDER\n";
+    std::cerr << "usage: element-pages OUTPUT_FOLDER PAGES_FOLDER\n";
     return 2;
   }
-  const std::filesystem::path output = arguments[1], intros = arguments[2];
+  const std::filesystem::path output = arguments[1], pages = arguments[2];
   std::filesystem::create_directories(output);
-  GList* features = nullptr;
-  for (const char* plugin : {"inverse", "inversemesh", "inversestage", "inversetexture"}) {
-    GList* own = gst_registry_get_feature_list_by_plugin(gst_registry_get(), plugin);
-    if (!own) {
-      std::cerr << "the plugin " << plugin << " is not on GST_PLUGIN_PATH\n";
-      return 1;
+  size_t written = 0, failed = 0;
+  for (const std::filesystem::path& file : plugin_files()) {
+    GError* error = nullptr;
+    GstPlugin* plugin = gst_plugin_load_file(file.c_str(), &error);
+    if (!plugin) {
+      std::cerr << file << ": " << error->message << "\n";
+      g_clear_error(&error);
+      ++failed;
+      continue;
     }
-    features = g_list_concat(features, own);
-  }
-  for (GList* item = features; item; item = item->next) {
-    auto* factory = GST_ELEMENT_FACTORY(gst_plugin_feature_load(GST_PLUGIN_FEATURE(item->data)));
-    const std::string name = GST_OBJECT_NAME(factory);
-    std::ifstream intro(intros / (name + ".md"));
-    if (!intro) {
-      std::cerr << "no " << (intros / (name + ".md")) << "\n";
-      return 1;
+    GList* features =
+        gst_registry_get_feature_list_by_plugin(gst_registry_get(), gst_plugin_get_name(plugin));
+    for (GList* item = features; item; item = item->next) {
+      if (!GST_IS_ELEMENT_FACTORY(item->data)) continue;
+      GstPluginFeature* factory = gst_plugin_feature_load(GST_PLUGIN_FEATURE(item->data));
+      const std::string wrong = write_page(GST_ELEMENT_FACTORY(factory), pages, output);
+      gst_object_unref(factory);
+      if (wrong.empty()) {
+        ++written;
+        continue;
+      }
+      std::cerr << wrong << "\n";
+      ++failed;
     }
-    std::stringstream text;
-    text << intro.rdbuf();
-    std::ofstream page(output / (name + ".md"));
-    write_page(factory, page, text.str());
-    gst_object_unref(factory);
+    gst_plugin_feature_list_free(features);
+    gst_object_unref(plugin);
   }
-  gst_plugin_feature_list_free(features);
-  return 0;
+  if (written == 0) std::cerr << "GST_PLUGIN_PATH has no element of ours\n";
+  return written == 0 || failed > 0;
 }

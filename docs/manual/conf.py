@@ -15,7 +15,7 @@ version = release = (ROOT / "VERSION").read_text(encoding="utf-8").strip()
 extensions = ["myst_parser"]
 myst_heading_anchors = 6
 myst_enable_extensions = ["html_image"]
-exclude_patterns = ["manual", "reference/elements/intro"]
+exclude_patterns = ["manual"]
 suppress_warnings = ["myst.header", "misc.highlighting_failure"]  # headings that leave out a level; listings that are no C
 root_doc = "index"
 html_theme = "furo"

@@ -5,8 +5,8 @@ import pathlib
 import re
 
 PACKAGE = pathlib.Path(__file__).resolve().parent
-FOLDERS = (PACKAGE.parent / "intro",  # installed
-           PACKAGE.parents[1] / "docs" / "reference" / "elements" / "intro")
+FOLDERS = (PACKAGE.parent / "elements",  # installed
+           PACKAGE.parents[1] / "docs" / "reference" / "elements")
 TABLE = re.compile(r"## What to set for what\n((?:\|.*\n)+)")
 SETTING = re.compile(r"(?:^|[ :])([a-z][a-z0-9-]*(?:::[a-z][a-z0-9-]*)?)(?==|$| )")
 
@@ -15,7 +15,7 @@ SETTING = re.compile(r"(?:^|[ :])([a-z][a-z0-9-]*(?:::[a-z][a-z0-9-]*)?)(?==|$| 
 def _pages():
     """The tables, by element."""
     folder = next((f for f in FOLDERS if f.is_dir()), None)
-    texts = {page.stem: TABLE.match(page.read_text(encoding="utf-8")) for page in folder.glob("*.md")} if folder else {}
+    texts = {page.stem: TABLE.search(page.read_text(encoding="utf-8")) for page in folder.glob("*.md")} if folder else {}
     return {factory: table.group(1) for factory, table in texts.items() if table}
 
 
