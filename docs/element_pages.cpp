@@ -97,6 +97,31 @@ std::multiset<std::string> sorted_words(const std::string& list) {
   return sorted;
 }
 
+/// Adds an object's properties to the table for when they can be set, and what their values mean.
+/// `child`: "strokes::" of a child object.
+void add_properties(GObject* object, const std::string& child,
+                    std::map<std::string, std::string>& tables, std::ostream& choices) {
+  guint count = 0;
+  GParamSpec** specs = g_object_class_list_properties(G_OBJECT_GET_CLASS(object), &count);
+  for (guint i = 0; i < count; ++i) {
+    GParamSpec* spec = specs[i];
+    if (spec->owner_type == GST_TYPE_OBJECT || spec->owner_type == GST_TYPE_ELEMENT ||
+        g_strcmp0(g_type_name(spec->owner_type), "GstBaseTransform") == 0 ||
+        g_strcmp0(g_type_name(spec->owner_type), "GstBaseSrc") == 0)
+      continue;
+    tables[when(spec->flags)] += "| `" + child + spec->name + "` | " + cell(values_of(spec)) +
+                                 " | " + cell(g_param_spec_get_blurb(spec)) + " |\n";
+    if (G_IS_PARAM_SPEC_ENUM(spec)) {
+      choices << "\n`" << child << spec->name << "`:\n";
+      auto* values = G_PARAM_SPEC_ENUM(spec)->enum_class;
+      for (guint k = 0; k < values->n_values; ++k)
+        choices << "- `" << values->values[k].value_nick << "`: " << values->values[k].value_name
+                << "\n";
+    }
+  }
+  g_free(specs);
+}
+
 void write_tables(GstElementFactory* factory, std::ostream& page) {
   page << "\n## Pads\n\n";
   // The order of templates in the registry is arbitrary: sort by direction, then by name.
@@ -135,27 +160,16 @@ void write_tables(GstElementFactory* factory, std::ostream& page) {
   }
   for (const auto& [names, text] : entries) page << "- " << names << text;
   GstElement* element = gst_element_factory_create(factory, nullptr);
-  guint count = 0;
-  GParamSpec** specs = g_object_class_list_properties(G_OBJECT_GET_CLASS(element), &count);
   page << "\n## Properties\n";
   std::map<std::string, std::string> tables;
   std::ostringstream choices;
-  for (guint i = 0; i < count; ++i) {
-    GParamSpec* spec = specs[i];
-    if (spec->owner_type == GST_TYPE_OBJECT || spec->owner_type == GST_TYPE_ELEMENT ||
-        g_strcmp0(g_type_name(spec->owner_type), "GstBaseTransform") == 0 ||
-        g_strcmp0(g_type_name(spec->owner_type), "GstBaseSrc") == 0)
-      continue;
-    tables[when(spec->flags)] += "| `" + std::string(spec->name) + "` | " + cell(values_of(spec)) +
-                                 " | " + cell(g_param_spec_get_blurb(spec)) + " |\n";
-    if (G_IS_PARAM_SPEC_ENUM(spec)) {
-      choices << "\n`" << spec->name << "`:\n";
-      auto* values = G_PARAM_SPEC_ENUM(spec)->enum_class;
-      for (guint k = 0; k < values->n_values; ++k)
-        choices << "- `" << values->values[k].value_nick << "`: " << values->values[k].value_name
-                << "\n";
+  add_properties(G_OBJECT(element), "", tables, choices);
+  if (GST_IS_CHILD_PROXY(element) && !GST_IS_BIN(element))
+    for (guint i = 0; i < gst_child_proxy_get_children_count(GST_CHILD_PROXY(element)); ++i) {
+      GObject* child = gst_child_proxy_get_child_by_index(GST_CHILD_PROXY(element), i);
+      add_properties(child, std::string(GST_OBJECT_NAME(child)) + "::", tables, choices);
+      g_object_unref(child);
     }
-  }
   for (const auto& [title, rows] : tables)
     page << "\n"
          << title << ":\n\n| property | values (default) | meaning |\n|---|---|---|\n"
@@ -172,7 +186,6 @@ void write_tables(GstElementFactory* factory, std::ostream& page) {
         page << "| `" << parts[1].str() << "` | " << cell(parts[2].str()) << " | "
              << cell(parts[3].str()) << " |\n";
   }
-  g_free(specs);
   gst_object_unref(element);
 }
 
