@@ -160,8 +160,8 @@ struct ElementInfo {
   /// The kind of layers that it makes from pixels, or that it needs; kAnyLayers or kAllLayers.
   const char* layers;
   /// What to insert before this element if its input does not suit it.
-  const char* needs;
-  std::unique_ptr<Filter> (*create)();
+  const char* needs = nullptr;
+  std::unique_ptr<Filter> (*create)() = nullptr;
   std::vector<Action> actions = {};
   bool navigation = false;  ///< whether it takes navigation events (Filter::navigate)
   /// The kinds of layers in its sink's template. Layers that it cannot use are refused with an

@@ -101,19 +101,20 @@ class GlobalMethod final : public SolveMethod<GlobalIntrinsic> {
 
 extern const ElementInfo kGlobalIntrinsic;
 const ElementInfo kGlobalIntrinsic{
-    "globalintrinsic",
-    "GstGlobalIntrinsic",
-    "Global intrinsic decomposition",
-    "Filter/Effect/Video",
-    "Decomposes live video into reflectance, direct light, and indirect light by base color",
-    Flow::pixels,
-    Flow::pixels_or_layers,
-    kGlobalLayers,
-    nullptr,
-    []() -> std::unique_ptr<Filter> {
+    .factory = "globalintrinsic",
+    .type_name = "GstGlobalIntrinsic",
+    .long_name = "Global intrinsic decomposition",
+    .klass = "Filter/Effect/Video",
+    .description =
+        "Decomposes live video into reflectance, direct light, and indirect light by base color",
+    .sink = Flow::pixels,
+    .src = Flow::pixels_or_layers,
+    .layers = kGlobalLayers,
+    .create = []() -> std::unique_ptr<Filter> {
       return std::make_unique<Decomposer>(std::make_unique<GlobalMethod>());
     },
-    interaction_actions(),
-    true};
+    .actions = interaction_actions(),
+    .navigation = true,
+};
 
 }  // namespace inverse

@@ -37,20 +37,21 @@ class IntrinsicMethod final : public SolveMethod<ScaledIntrinsic> {
 
 extern const ElementInfo kIntrinsicDecomp;
 const ElementInfo kIntrinsicDecomp{
-    "intrinsicdecomp",
-    "GstIntrinsicDecomp",
-    "Intrinsic decomposition",
-    "Filter/Effect/Video",
-    "Decomposes live video into reflectance (color without light) "
-    "and shading (light without color)",
-    Flow::pixels,
-    Flow::pixels_or_layers,
-    kIntrinsicLayers,
-    nullptr,
-    []() -> std::unique_ptr<Filter> {
+    .factory = "intrinsicdecomp",
+    .type_name = "GstIntrinsicDecomp",
+    .long_name = "Intrinsic decomposition",
+    .klass = "Filter/Effect/Video",
+    .description =
+        "Decomposes live video into reflectance (color without light) "
+        "and shading (light without color)",
+    .sink = Flow::pixels,
+    .src = Flow::pixels_or_layers,
+    .layers = kIntrinsicLayers,
+    .create = []() -> std::unique_ptr<Filter> {
       return std::make_unique<Decomposer>(std::make_unique<IntrinsicMethod>());
     },
-    interaction_actions(),
-    true};
+    .actions = interaction_actions(),
+    .navigation = true,
+};
 
 }  // namespace inverse

@@ -171,20 +171,20 @@ class ComposeElement final : public ReturningFilter {
 }  // namespace
 
 extern const ElementInfo kIntrinsicCompose;
-const ElementInfo kIntrinsicCompose{"intrinsiccompose",
-                                    "GstIntrinsicCompose",
-                                    "Intrinsic compose",
-                                    "Filter/Video",
-                                    "Multiplies edited layers into a picture",
-                                    Flow::layers_or_pixels,
-                                    Flow::pixels,
-                                    kAllLayers,
-                                    "intrinsicdecomp",
-                                    [] { return std::unique_ptr<Filter>(new ComposeElement); },
-                                    {},
-                                    false,
-                                    kAllLayers,
-                                    nullptr,
-                                    Returns::pad_names()};
+const ElementInfo kIntrinsicCompose{
+    .factory = "intrinsiccompose",
+    .type_name = "GstIntrinsicCompose",
+    .long_name = "Intrinsic compose",
+    .klass = "Filter/Video",
+    .description = "Multiplies edited layers into a picture",
+    .sink = Flow::layers_or_pixels,
+    .src = Flow::pixels,
+    .layers = kAllLayers,
+    .needs = "intrinsicdecomp",
+    .create = [] { return std::unique_ptr<Filter>(new ComposeElement); },
+    .accepts = kAllLayers,
+    .plain_caps = nullptr,
+    .side_sinks = Returns::pad_names(),
+};
 
 }  // namespace inverse

@@ -81,15 +81,17 @@ class DespillElement final : public Filter {
 }  // namespace
 
 extern const ElementInfo kIntrinsicDespill;
-const ElementInfo kIntrinsicDespill{"intrinsicdespill",
-                                    "GstIntrinsicDespill",
-                                    "Intrinsic despill",
-                                    "Filter/Video",
-                                    "Removes or recolors light reflected by surfaces of one color",
-                                    Flow::layers_or_pixels,
-                                    Flow::layers,
-                                    kGlobalLayers,
-                                    "globalintrinsic",
-                                    [] { return std::unique_ptr<Filter>(new DespillElement); }};
+const ElementInfo kIntrinsicDespill{
+    .factory = "intrinsicdespill",
+    .type_name = "GstIntrinsicDespill",
+    .long_name = "Intrinsic despill",
+    .klass = "Filter/Video",
+    .description = "Removes or recolors light reflected by surfaces of one color",
+    .sink = Flow::layers_or_pixels,
+    .src = Flow::layers,
+    .layers = kGlobalLayers,
+    .needs = "globalintrinsic",
+    .create = [] { return std::unique_ptr<Filter>(new DespillElement); },
+};
 
 }  // namespace inverse

@@ -152,17 +152,18 @@ class KeyElement final : public Filter {
 }  // namespace
 
 extern const ElementInfo kIntrinsicKey;
-const ElementInfo kIntrinsicKey{"intrinsickey",
-                                "GstIntrinsicKey",
-                                "Intrinsic key",
-                                "Filter/Video",
-                                "Separates a foreground from a screen of one color",
-                                Flow::layers_or_pixels,
-                                Flow::layers_or_pixels,
-                                kAnyLayers,
-                                "intrinsicdecomp",
-                                [] { return std::unique_ptr<Filter>(new KeyElement); },
-                                {},
-                                true};
+const ElementInfo kIntrinsicKey{
+    .factory = "intrinsickey",
+    .type_name = "GstIntrinsicKey",
+    .long_name = "Intrinsic key",
+    .klass = "Filter/Video",
+    .description = "Separates a foreground from a screen of one color",
+    .sink = Flow::layers_or_pixels,
+    .src = Flow::layers_or_pixels,
+    .layers = kAnyLayers,
+    .needs = "intrinsicdecomp",
+    .create = [] { return std::unique_ptr<Filter>(new KeyElement); },
+    .navigation = true,
+};
 
 }  // namespace inverse

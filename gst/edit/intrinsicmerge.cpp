@@ -29,21 +29,22 @@ class MergeElement final : public ReturningFilter {
 }  // namespace
 
 extern const ElementInfo kIntrinsicMerge;
-const ElementInfo kIntrinsicMerge{"intrinsicmerge",
-                                  "GstIntrinsicMerge",
-                                  "Intrinsic merge",
-                                  "Filter/Video",
-                                  "Takes pictures of layers that other effects changed back into "
-                                  "the layers",
-                                  Flow::layers_or_pixels,
-                                  Flow::layers,
-                                  kAnyLayers,
-                                  "intrinsicdecomp",
-                                  [] { return std::unique_ptr<Filter>(new MergeElement); },
-                                  {},
-                                  false,
-                                  kAnyLayers,
-                                  nullptr,
-                                  Returns::pad_names()};
+const ElementInfo kIntrinsicMerge{
+    .factory = "intrinsicmerge",
+    .type_name = "GstIntrinsicMerge",
+    .long_name = "Intrinsic merge",
+    .klass = "Filter/Video",
+    .description =
+        "Takes pictures of layers that other effects changed back into "
+        "the layers",
+    .sink = Flow::layers_or_pixels,
+    .src = Flow::layers,
+    .layers = kAnyLayers,
+    .needs = "intrinsicdecomp",
+    .create = [] { return std::unique_ptr<Filter>(new MergeElement); },
+    .accepts = kAnyLayers,
+    .plain_caps = nullptr,
+    .side_sinks = Returns::pad_names(),
+};
 
 }  // namespace inverse

@@ -170,17 +170,18 @@ class RecolorElement final : public Filter {
 }  // namespace
 
 extern const ElementInfo kIntrinsicRecolor;
-const ElementInfo kIntrinsicRecolor{"intrinsicrecolor",
-                                    "GstIntrinsicRecolor",
-                                    "Intrinsic recolor",
-                                    "Filter/Video",
-                                    "Replaces one reflectance color; shading is kept",
-                                    Flow::layers_or_pixels,
-                                    Flow::layers,
-                                    kAnyLayers,
-                                    "intrinsicdecomp",
-                                    [] { return std::unique_ptr<Filter>(new RecolorElement); },
-                                    {},
-                                    true};
+const ElementInfo kIntrinsicRecolor{
+    .factory = "intrinsicrecolor",
+    .type_name = "GstIntrinsicRecolor",
+    .long_name = "Intrinsic recolor",
+    .klass = "Filter/Video",
+    .description = "Replaces one reflectance color; shading is kept",
+    .sink = Flow::layers_or_pixels,
+    .src = Flow::layers,
+    .layers = kAnyLayers,
+    .needs = "intrinsicdecomp",
+    .create = [] { return std::unique_ptr<Filter>(new RecolorElement); },
+    .navigation = true,
+};
 
 }  // namespace inverse

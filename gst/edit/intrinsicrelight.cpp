@@ -196,17 +196,19 @@ std::vector<Action> lamp_actions() {
 }  // namespace
 
 extern const ElementInfo kIntrinsicRelight;
-const ElementInfo kIntrinsicRelight{"intrinsicrelight",
-                                    "GstIntrinsicRelight",
-                                    "Intrinsic relight",
-                                    "Filter/Video",
-                                    "Adds lamps to a scene: point, spot and directional",
-                                    Flow::layers_or_pixels,
-                                    Flow::layers,
-                                    kAnyLayers,
-                                    "intrinsicdecomp",
-                                    [] { return std::unique_ptr<Filter>(new RelightElement); },
-                                    lamp_actions(),
-                                    true};
+const ElementInfo kIntrinsicRelight{
+    .factory = "intrinsicrelight",
+    .type_name = "GstIntrinsicRelight",
+    .long_name = "Intrinsic relight",
+    .klass = "Filter/Video",
+    .description = "Adds lamps to a scene: point, spot and directional",
+    .sink = Flow::layers_or_pixels,
+    .src = Flow::layers,
+    .layers = kAnyLayers,
+    .needs = "intrinsicdecomp",
+    .create = [] { return std::unique_ptr<Filter>(new RelightElement); },
+    .actions = lamp_actions(),
+    .navigation = true,
+};
 
 }  // namespace inverse

@@ -314,17 +314,19 @@ std::vector<Action> actions() {
 }  // namespace
 
 extern const ElementInfo kIntrinsicSelect;
-const ElementInfo kIntrinsicSelect{"intrinsicselect",
-                                   "GstIntrinsicSelect",
-                                   "Intrinsic select",
-                                   "Filter/Video",
-                                   "Selects an object, for the editors after it",
-                                   Flow::layers_or_pixels,
-                                   Flow::layers,
-                                   kAnyLayers,
-                                   "intrinsicdecomp",
-                                   [] { return std::unique_ptr<Filter>(new SelectElement); },
-                                   actions(),
-                                   true};
+const ElementInfo kIntrinsicSelect{
+    .factory = "intrinsicselect",
+    .type_name = "GstIntrinsicSelect",
+    .long_name = "Intrinsic select",
+    .klass = "Filter/Video",
+    .description = "Selects an object, for the editors after it",
+    .sink = Flow::layers_or_pixels,
+    .src = Flow::layers,
+    .layers = kAnyLayers,
+    .needs = "intrinsicdecomp",
+    .create = [] { return std::unique_ptr<Filter>(new SelectElement); },
+    .actions = actions(),
+    .navigation = true,
+};
 
 }  // namespace inverse

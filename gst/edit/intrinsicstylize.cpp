@@ -56,15 +56,17 @@ class StylizeElement final : public Filter {
 }  // namespace
 
 extern const ElementInfo kIntrinsicStylize;
-const ElementInfo kIntrinsicStylize{"intrinsicstylize",
-                                    "GstIntrinsicStylize",
-                                    "Intrinsic stylize",
-                                    "Filter/Video",
-                                    "Draws lines at edges of shading, and shading in levels",
-                                    Flow::layers_or_pixels,
-                                    Flow::layers,
-                                    kAnyLayers,
-                                    "intrinsicdecomp",
-                                    [] { return std::unique_ptr<Filter>(new StylizeElement); }};
+const ElementInfo kIntrinsicStylize{
+    .factory = "intrinsicstylize",
+    .type_name = "GstIntrinsicStylize",
+    .long_name = "Intrinsic stylize",
+    .klass = "Filter/Video",
+    .description = "Draws lines at edges of shading, and shading in levels",
+    .sink = Flow::layers_or_pixels,
+    .src = Flow::layers,
+    .layers = kAnyLayers,
+    .needs = "intrinsicdecomp",
+    .create = [] { return std::unique_ptr<Filter>(new StylizeElement); },
+};
 
 }  // namespace inverse

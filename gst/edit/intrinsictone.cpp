@@ -100,15 +100,17 @@ class ToneElement final : public Filter {
 }  // namespace
 
 extern const ElementInfo kIntrinsicTone;
-const ElementInfo kIntrinsicTone{"intrinsictone",
-                                 "GstIntrinsicTone",
-                                 "Intrinsic tone",
-                                 "Filter/Video",
-                                 "Changes shading by a tone curve, as another material would",
-                                 Flow::layers_or_pixels,
-                                 Flow::layers,
-                                 kAnyLayers,
-                                 "intrinsicdecomp",
-                                 [] { return std::unique_ptr<Filter>(new ToneElement); }};
+const ElementInfo kIntrinsicTone{
+    .factory = "intrinsictone",
+    .type_name = "GstIntrinsicTone",
+    .long_name = "Intrinsic tone",
+    .klass = "Filter/Video",
+    .description = "Changes shading by a tone curve, as another material would",
+    .sink = Flow::layers_or_pixels,
+    .src = Flow::layers,
+    .layers = kAnyLayers,
+    .needs = "intrinsicdecomp",
+    .create = [] { return std::unique_ptr<Filter>(new ToneElement); },
+};
 
 }  // namespace inverse

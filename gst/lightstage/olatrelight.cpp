@@ -434,20 +434,22 @@ class RelightElement final : public Filter {
 }  // namespace
 
 extern const ElementInfo kOlatRelight;
-const ElementInfo kOlatRelight{"olatrelight",
-                               "GstOlatRelight",
-                               "Light stage relighting",
-                               "Filter/Effect/Video",
-                               "Relights a subject lit by two color gradients of a light stage: by "
-                               "an environment map, or by one light from any direction",
-                               Flow::layers_or_pixels,
-                               Flow::pixels,
-                               kGradientLayers,
-                               "lightstagesync",
-                               [] { return std::unique_ptr<Filter>(new RelightElement); },
-                               {},
-                               true,
-                               kGradientLayers,
-                               transform_side_by_side};
+const ElementInfo kOlatRelight{
+    .factory = "olatrelight",
+    .type_name = "GstOlatRelight",
+    .long_name = "Light stage relighting",
+    .klass = "Filter/Effect/Video",
+    .description =
+        "Relights a subject lit by two color gradients of a light stage: by "
+        "an environment map, or by one light from any direction",
+    .sink = Flow::layers_or_pixels,
+    .src = Flow::pixels,
+    .layers = kGradientLayers,
+    .needs = "lightstagesync",
+    .create = [] { return std::unique_ptr<Filter>(new RelightElement); },
+    .navigation = true,
+    .accepts = kGradientLayers,
+    .plain_caps = transform_side_by_side,
+};
 
 }  // namespace inverse

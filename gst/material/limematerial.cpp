@@ -436,23 +436,25 @@ class LimeElement final : public Filter {
 
 extern const ElementInfo kLimeMaterial;
 const ElementInfo kLimeMaterial{
-    "limematerial",
-    "GstLimeMaterial",
-    "Live material estimation",
-    "Filter/Analyzer/Video",
-    "Estimates an object's material: diffuse and specular albedo, shininess, mask, highlights and "
-    "mirror image",
-    Flow::pixels,
-    Flow::pixels_or_layers,
-    kMaterialLayers,
-    nullptr,
-    [] { return std::unique_ptr<Filter>(new LimeElement); },
-    {{"save-environment",
-      {G_TYPE_STRING},
-      [](Filter& filter, const GValue* path) {
-        const char* name = g_value_get_string(path);
-        static_cast<LimeElement&>(filter).save_environment(name ? name : "");
-      },
-      true}}};
+    .factory = "limematerial",
+    .type_name = "GstLimeMaterial",
+    .long_name = "Live material estimation",
+    .klass = "Filter/Analyzer/Video",
+    .description =
+        "Estimates an object's material: diffuse and specular albedo, shininess, mask, highlights "
+        "and "
+        "mirror image",
+    .sink = Flow::pixels,
+    .src = Flow::pixels_or_layers,
+    .layers = kMaterialLayers,
+    .create = [] { return std::unique_ptr<Filter>(new LimeElement); },
+    .actions = {{"save-environment",
+                 {G_TYPE_STRING},
+                 [](Filter& filter, const GValue* path) {
+                   const char* name = g_value_get_string(path);
+                   static_cast<LimeElement&>(filter).save_environment(name ? name : "");
+                 },
+                 true}},
+};
 
 }  // namespace inverse

@@ -403,20 +403,22 @@ class CloneElement final : public Filter {
 }  // namespace
 
 extern const ElementInfo kMaterialClone;
-const ElementInfo kMaterialClone{"materialclone",
-                                 "GstMaterialClone",
-                                 "Live material cloning",
-                                 "Filter/Effect/Video",
-                                 "Draws an object into the video or into a remembered scene, in "
-                                 "the material and light that limematerial estimates, with shadows",
-                                 Flow::pixels_or_layers,
-                                 Flow::pixels_or_layers,
-                                 kAnyLayers,
-                                 "intrinsicdecomp",
-                                 [] { return std::unique_ptr<Filter>(new CloneElement); },
-                                 {},
-                                 true,
-                                 kAnyLayers,
-                                 same_content};
+const ElementInfo kMaterialClone{
+    .factory = "materialclone",
+    .type_name = "GstMaterialClone",
+    .long_name = "Live material cloning",
+    .klass = "Filter/Effect/Video",
+    .description =
+        "Draws an object into the video or into a remembered scene, in "
+        "the material and light that limematerial estimates, with shadows",
+    .sink = Flow::pixels_or_layers,
+    .src = Flow::pixels_or_layers,
+    .layers = kAnyLayers,
+    .needs = "intrinsicdecomp",
+    .create = [] { return std::unique_ptr<Filter>(new CloneElement); },
+    .navigation = true,
+    .accepts = kAnyLayers,
+    .plain_caps = same_content,
+};
 
 }  // namespace inverse

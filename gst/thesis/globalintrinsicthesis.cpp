@@ -360,31 +360,34 @@ GlobalThesisMethod& method_of(Filter& filter) {
 
 extern const ElementInfo kGlobalIntrinsicThesis;
 const ElementInfo kGlobalIntrinsicThesis{
-    "globalintrinsicthesis",
-    "GstGlobalIntrinsicThesis",
-    "Global intrinsic decomposition (thesis)",
-    "Filter/Effect/Video",
-    "Decomposes video into reflectance, direct light and one layer of bounced light for each base "
-    "color, as in chapter 5 of Meka, Live Inverse Rendering; globalintrinsic is faster and more "
-    "accurate",
-    Flow::pixels,
-    Flow::pixels_or_layers,
-    kGlobalLayers,
-    nullptr,
-    []() -> std::unique_ptr<Filter> {
+    .factory = "globalintrinsicthesis",
+    .type_name = "GstGlobalIntrinsicThesis",
+    .long_name = "Global intrinsic decomposition (thesis)",
+    .klass = "Filter/Effect/Video",
+    .description =
+        "Decomposes video into reflectance, direct light and one layer of bounced light for each "
+        "base "
+        "color, as in chapter 5 of Meka, Live Inverse Rendering; globalintrinsic is faster and "
+        "more "
+        "accurate",
+    .sink = Flow::pixels,
+    .src = Flow::pixels_or_layers,
+    .layers = kGlobalLayers,
+    .create = []() -> std::unique_ptr<Filter> {
       return std::make_unique<Decomposer>(std::make_unique<GlobalThesisMethod>());
     },
-    {{"mark",
-      {G_TYPE_INT, G_TYPE_INT},
-      [](Filter& filter, const GValue* at) {
-        method_of(filter).mark(g_value_get_int(at), g_value_get_int(at + 1));
-      }},
-     {"unmark",
-      {G_TYPE_INT},
-      [](Filter& filter, const GValue* region) {
-        method_of(filter).unmark(g_value_get_int(region));
-      }},
-     {"refine", {}, [](Filter& filter, const GValue*) { method_of(filter).refine(); }}},
-    true};
+    .actions = {{"mark",
+                 {G_TYPE_INT, G_TYPE_INT},
+                 [](Filter& filter, const GValue* at) {
+                   method_of(filter).mark(g_value_get_int(at), g_value_get_int(at + 1));
+                 }},
+                {"unmark",
+                 {G_TYPE_INT},
+                 [](Filter& filter, const GValue* region) {
+                   method_of(filter).unmark(g_value_get_int(region));
+                 }},
+                {"refine", {}, [](Filter& filter, const GValue*) { method_of(filter).refine(); }}},
+    .navigation = true,
+};
 
 }  // namespace inverse

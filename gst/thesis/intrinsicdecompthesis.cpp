@@ -230,20 +230,22 @@ class ThesisMethod final : public DecompositionMethod {
 
 extern const ElementInfo kIntrinsicDecompThesis;
 const ElementInfo kIntrinsicDecompThesis{
-    "intrinsicdecompthesis",
-    "GstIntrinsicDecompThesis",
-    "Intrinsic decomposition (thesis)",
-    "Filter/Effect/Video",
-    "Decomposes video into reflectance and shading as in chapters 3 and 4 of Meka, Live Inverse "
-    "Rendering; intrinsicdecomp is faster and more accurate",
-    Flow::pixels,
-    Flow::pixels_or_layers,
-    kIntrinsicLayers,
-    nullptr,
-    []() -> std::unique_ptr<Filter> {
+    .factory = "intrinsicdecompthesis",
+    .type_name = "GstIntrinsicDecompThesis",
+    .long_name = "Intrinsic decomposition (thesis)",
+    .klass = "Filter/Effect/Video",
+    .description =
+        "Decomposes video into reflectance and shading as in chapters 3 and 4 of Meka, Live "
+        "Inverse "
+        "Rendering; intrinsicdecomp is faster and more accurate",
+    .sink = Flow::pixels,
+    .src = Flow::pixels_or_layers,
+    .layers = kIntrinsicLayers,
+    .create = []() -> std::unique_ptr<Filter> {
       return std::make_unique<Decomposer>(std::make_unique<ThesisMethod>());
     },
-    interaction_actions(),
-    true};
+    .actions = interaction_actions(),
+    .navigation = true,
+};
 
 }  // namespace inverse
