@@ -5,6 +5,8 @@ import os
 import pathlib
 import re
 
+from sphinx.builders.html import StandaloneHTMLBuilder
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FILES = os.environ.get("MANUAL_FILES", "")  # where files of the project are shown, such as https://HOST/PROJECT/-/blob/main
 
@@ -21,6 +23,7 @@ root_doc = "index"
 html_theme = "furo"
 html_title = f"gst-inverse {version}"
 html_show_sphinx = False
+StandaloneHTMLBuilder.supported_image_types = [*StandaloneHTMLBuilder.supported_image_types, "image/webp"]  # which Sphinx 5 leaves out
 LINK = re.compile(r"(!?)\[([^\]\[]*)\]\(([^)\s]+)\)")
 
 
