@@ -5,7 +5,7 @@
 docs/make_guide_pictures.py [--build BUILD] [PAGE/NAME …]     (default: build, which ./dev build-only build makes, and all pictures)
 
 Below each picture of a page is a block of launch lines. A line that ends with autovideosink is shown; one that writes a file
-belongs to the shown line after it, which reads it; one that sends over a network belongs to the shown line before it, which receives.
+belongs to the shown line after it, which reads it.
 A picture has a row per footage: its frame at 2 s, then what each shown line has then. Where a picture's text says "click at X, Y",
 that is done. Needs python3-pil.
 """
@@ -16,7 +16,6 @@ import os
 import pathlib
 import re
 import shlex
-import socket
 import sys
 import tempfile
 import time
@@ -35,7 +34,6 @@ SECONDS = 2
 FRAME_RATE = 25  # of the bundled clip
 TIMEOUT = 120  # s, for a line to come to its frame
 SHOWN = "autovideosink"  # which a shown line ends with
-PORT = "port=5004"  # of lines that send and receive; here it is one that is free
 CAMERA = "v4l2src"  # which the bundled clip stands in for
 CLIP = ["filesrc", "location=media/clip.webm", "!", "decodebin"]
 TAKEN = ["videoconvert", "!", "video/x-raw,format=RGB", "!", "appsink", "name=taken", "sync=false", "max-buffers=1"]
@@ -53,12 +51,12 @@ class Recipe:
     """A shown line, the lines that go with it, and where to click in what it shows."""
 
     def __init__(self, shown, writers, click):
-        self.shown, self.writers, self.senders, self.click = shown, writers, [], click
+        self.shown, self.writers, self.click = shown, writers, click
 
     @property
     def lines(self):
         """Its lines, the one with footage first."""
-        return sorted([*self.writers, self.shown, *self.senders], key=lambda line: not any(map(OURS.match, line)))
+        return sorted([*self.writers, self.shown], key=lambda line: not any(map(OURS.match, line)))
 
     @property
     def source(self):
@@ -78,10 +76,8 @@ def read_page(page):
             if SHOWN in words:
                 recipes.append(Recipe(words, writers, CLICK.search(text)))
                 writers = []
-            elif "filesink" in words:
-                writers.append(words)
             else:
-                recipes[-1].senders.append(words)
+                writers.append(words)
         entries[name] = recipes
     return entries
 
@@ -142,18 +138,9 @@ def run_to_end(words):
             raise LineError(f"{message.parse_error()[0].message if message else 'no end'}: {shlex.join(words)}")
 
 
-def free_port():
-    """A UDP port that no program has."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as unused:
-        unused.bind(("127.0.0.1", 0))
-        return f"port={unused.getsockname()[1]}"
-
-
 def shown(recipe, seconds=SECONDS):
     """The frame that a recipe shows. Files are written up to that time, to a folder that has only media/ of this one."""
-    port, before = free_port(), os.getcwd()
-    lines = [[port if word == PORT else word for word in line] for line in (recipe.shown, *recipe.senders)]
-    at = lines[0].index(SHOWN)
+    before, at = os.getcwd(), recipe.shown.index(SHOWN)
     with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
         os.symlink(ROOT / "media", os.path.join(folder, "media"))
         os.chdir(folder)
@@ -161,9 +148,7 @@ def shown(recipe, seconds=SECONDS):
         for line in recipe.writers:
             end = len(recipe.source)
             run_to_end(line[:end] + ["!", "identity", f"eos-after={round(seconds * FRAME_RATE) + 2}"] + line[end:])
-        for line in lines[1:]:
-            stack.enter_context(playing(line))
-        return take_frame(lines[0][:at] + TAKEN + lines[0][at + 1:], seconds, recipe.click)
+        return take_frame(recipe.shown[:at] + TAKEN + recipe.shown[at + 1:], seconds, recipe.click)
 
 
 def footage(recipe, seconds=SECONDS):
