@@ -40,7 +40,7 @@ TAKEN = ["videoconvert", "!", "video/x-raw,format=RGB", "!", "appsink", "name=ta
 # A picture of a page, and the block of launch lines below it.
 ENTRY = re.compile(r"!\[([^\]]*)\]\(\.\./images/([\w-]+/[\w-]+)\.jpg\)\n+```\n(.*?)```", re.DOTALL)
 CLICK = re.compile(r"click at (\d+), (\d+)")
-OURS = re.compile(r"intrinsic|globalintrinsic|limematerial|lightstagesync|\w+\.sink_")  # where footage ends
+OURS = re.compile("intrinsic|globalintrinsic|limematerial")  # where footage ends
 
 
 class LineError(Exception):

@@ -15,8 +15,8 @@ sys.path.insert(0, str(support.ROOT / "docs"))
 import make_guide_pictures as guides  # noqa: E402
 
 NO_EDITORS = {"compose", "decomp", "decompthesis", "split"}
-# Our elements that a build without OpenCV, Assimp or OpenEXR lacks.
-OPTIONAL = {"intrinsictexture", "lightstagesync", "lightstagetestsrc", "materialclone", "olatrelight"}
+# Our elements that a build without OpenCV or Assimp lacks.
+OPTIONAL = {"intrinsictexture", "materialclone"}
 OURS = re.compile("intrinsic|globalintrinsic|limematerial|rgbd")
 
 
