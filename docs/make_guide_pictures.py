@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The pictures of docs/guides/first-steps.md and cookbook.md, made by the launch lines that the pages show.
+"""The pictures of docs/guides/first-steps.md and editing.md, made by the launch lines that the pages show.
 
 docs/make_guide_pictures.py [--build BUILD] [PAGE/NAME …]     (default: build, which ./dev build-only build makes, and all pictures)
 
@@ -26,7 +26,7 @@ from gi.repository import Gst  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 GUIDES = ROOT / "docs" / "guides"
-PAGES = ("first-steps", "cookbook")
+PAGES = ("first-steps", "editing")
 PICTURES = ROOT / "docs" / "images"
 WIDTH = 1000  # of a picture, pixels
 GAP = 4

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""First steps and cookbook: each launch line shows a picture that differs from its footage, and each editor has a picture."""
+"""First steps and editing: each launch line shows a picture that differs from its footage, and each editor has a picture."""
 import functools
 import os
 import re
