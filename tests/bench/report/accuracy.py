@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The tables of docs/reference/accuracy.md from a results.json of `./dev bench --full`.
+"""The tables of docs/reference/accuracy.md and docs/notes/accuracy.md from a results.json of `./dev bench --full`.
 
-    tests/bench/report/accuracy.py out/report/results.json [--page docs/reference/accuracy.md]
+    tests/bench/report/accuracy.py out/report/results.json [--page docs/reference/accuracy.md] [--page docs/notes/accuracy.md]
 
-prints them; --page also writes each between the page's lines <!-- NAME --> and <!-- end -->.
+prints them; --page also writes each between the page's lines <!-- NAME --> and <!-- end -->, if it has them.
 """
 import json
 import pathlib
@@ -128,24 +128,23 @@ def sequences(rows):
 
 
 def main(path, *more):
-    page = pathlib.Path(more[1]) if more[:1] == ("--page",) else None
+    pages, _ = tables.pages_of(more)
     results = json.loads(pathlib.Path(path).read_text())
     rows = grouped(results["rows"])
     single = [r for r in rows if not r["video"]]
     if not any(r["curve"] == "weights" for r in single):
         sys.exit(f"{path} is not of a --full run with given data")
     alone, commit, found = ablations.leave_one_out(single), results["machine"]["commit"], list(settings(single))
-    parts = {"stills": f"Measured at commit {commit}.\n\n{stills(found)}\nLMSE of `intrinsicdecomp` minus that of the other method, paired by scene [95 % interval]; negative is better:\n\n" + paired(found),
+    parts = {"stills": f"Measured at commit {commit}.\n\n{stills(found)}",
+             "paired": f"Measured at commit {commit}.\n\n{paired(found)}",
              "thesis": f"Measured at commit {commit}.\n\n{thesis(single)}",
              "terms": tables.without(ablations.stills(single, "intrinsicdecomp", summary.steady_time(results["device"]))) +
              "\nThree weights chosen for each scene on all other scenes (27 settings):\n\n" + tables.left_out(alone),
              "sequences": sequences(rows)}
     if results.get("photographs"):
-        parts = {"photographs": f"Measured at commit {commit}. {whdr.table(results['photographs'])}", **parts}
-    for name, text in parts.items():
-        print(text)
-        if page:
-            page.write_text(tables.inserted(page.read_text(), name, text))
+        parts = {**whdr.parts(results["photographs"], commit), **parts}
+    print("\n".join(parts.values()))
+    tables.insert(pages, parts)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Figures and tables of the report and of the accuracy page, as Markdown."""
+import pathlib
+
 import summary
 
 FILTERS = ["domain transform", "fast global smoother", "guided filter", "l0 smoothing"]  # in the plot only
@@ -41,6 +43,27 @@ def inserted(page, name, text):
     if not middle or not end:
         raise ValueError(f"the page lacks the lines <!-- {name} --> and <!-- end -->")
     return head + middle + text + end + tail
+
+
+def pages_of(arguments):
+    """The pages that leading `--page FILE` name, and the arguments after them."""
+    pages = []
+    while arguments[:1] == ("--page",):
+        pages.append(pathlib.Path(arguments[1]))
+        arguments = arguments[2:]
+    return pages, arguments
+
+
+def insert(pages, parts):
+    """Writes {name: text} into the pages: each part where a page has its lines, and at least one part into each page."""
+    for path in pages:
+        page = path.read_text()
+        names = [name for name in parts if f"<!-- {name} -->\n" in page]
+        if not names:
+            raise ValueError(f"{path} lacks lines <!-- NAME --> of {', '.join(parts)}")
+        for name in names:
+            page = inserted(page, name, parts[name])
+        path.write_text(page)
 
 
 def find(points, method, base=False, **wanted):

@@ -5,6 +5,7 @@ import math
 import json
 import pathlib
 import sys
+import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
@@ -182,6 +183,10 @@ class Photographs(unittest.TestCase):
         self.assertIn("| intrinsicdecomp | .600 [.500 .667] | .500 / .500 / 1.000 | .400 [0 .667] at .05 | .500 / 0 / 1.000 | .333 | .129 |", text)
         self.assertIn("| constant reflectance | 0 [0, 0] | −.200", text)
         self.assertIn("at δ = .10: a 2 of 3, b 1 of 2.", text)
+        text = whdr.parts(found, "c")["photographs"]
+        self.assertIn("Measured at commit c. 2 pictures, 5 pairs: ", text)
+        self.assertIn("| intrinsicdecomp | .600 [.500 .667] | .400 [0 .667] | .129 |", text)
+        self.assertIn("| constant reflectance | .600 [.500 .667] |", text)
 
     def test_variants_of_the_thesis_have_their_titles(self):
         rows = [row for curve, setting in (("without", "samples"), ("IRLS weight", "printed"), ("IRLS weight", "printed, without samples"))
@@ -193,6 +198,17 @@ class Photographs(unittest.TestCase):
         page = "a\n<!-- photographs -->\nold\n<!-- end -->\nb\n"
         self.assertEqual(tables.inserted(page, "photographs", "new\n"), page.replace("old", "new"))
         self.assertRaises(ValueError, tables.inserted, "a\n", "photographs", "new\n")
+
+    def test_parts_go_to_the_pages_that_have_their_lines(self):
+        with tempfile.TemporaryDirectory() as folder:
+            first, second, none = (pathlib.Path(folder) / name for name in "abc")
+            first.write_text("<!-- x -->\n<!-- end -->\n")
+            second.write_text("<!-- y -->\nold\n<!-- end -->\n")
+            none.write_text("")
+            self.assertEqual(tables.pages_of(("--page", str(first), "--page", str(second), "m")), ([first, second], ("m",)))
+            tables.insert([first, second], {"x": "1\n", "y": "2\n"})
+            self.assertEqual(first.read_text() + second.read_text(), "<!-- x -->\n1\n<!-- end -->\n<!-- y -->\n2\n<!-- end -->\n")
+            self.assertRaises(ValueError, tables.insert, [none], {"x": "1\n"})
 
 
 class Ablations(unittest.TestCase):

@@ -1,10 +1,11 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Reflectance on photographs whose pairs of points were judged by eye: WHDR (Bell et al. 2014), for docs/reference/accuracy.md.
+"""Reflectance on photographs whose pairs of points were judged by eye: WHDR (Bell et al. 2014).
 
-    tests/bench/report/whdr.py build-bench ../shared/data/real_pairs [--page FILE.md] [METHOD …]
+    tests/bench/report/whdr.py build-bench ../shared/data/real_pairs [--page docs/reference/accuracy.md] [--page docs/notes/accuracy.md] [METHOD …]
 
-runs the programs and prints the tables; --page also writes them between the page's lines <!-- photographs --> and <!-- end -->.
+runs the programs and prints the tables; --page also writes between a page's lines <!-- photographs --> and <!-- end --> the short table,
+between <!-- judged --> and <!-- end --> all of them.
 """
 import json
 import math
@@ -140,17 +141,35 @@ def wrong_by_picture(pairs):
         f"{pathlib.Path(name).stem} {wrong} of {total}" for name, (wrong, total) in counts) + ".\n"
 
 
+def counted(found, all_pairs):
+    _, _, groups, _ = zip(*next(iter(all_pairs.values())))
+    counts = ", ".join(f"{groups.count(g)} {'' if g == 'equal' else 'unequal '}{g}" for g in GROUPS)
+    return f"{len(found['pictures'])} pictures, {len(groups)} pairs: {counts}.\n"
+
+
 def table(found):
-    """The tables of the page: errors of methods and of other settings, and differences between methods."""
+    """All tables: errors of methods and of other settings, and differences between methods."""
     all_pairs = methods(found)
     names = {key: title for key, title in titles(found).items() if key in all_pairs}
-    _, darker, groups, _ = zip(*next(iter(all_pairs.values())))
-    counts = ", ".join(f"{groups.count(g)} {'' if g == 'equal' else 'unequal '}{g}" for g in GROUPS)
     whole, variants = ({k: t for k, t in names.items() if is_variant(t) == v} for v in (False, True))
     ours = next((key for key, title in whole.items() if title == "intrinsicdecomp"), None)
     own = [wrong_by_picture(all_pairs[ours]), differences(all_pairs, whole, ours)] if ours else []
-    return "\n".join([f"{len(found['pictures'])} pictures, {len(darker)} pairs: {counts}.\n", errors(all_pairs, whole),
-                      errors(all_pairs, variants), *own])
+    return "\n".join([counted(found, all_pairs), errors(all_pairs, whole), errors(all_pairs, variants), *own])
+
+
+def short_table(found):
+    """Of each method but smoothing filters, without other settings and groups of pairs."""
+    all_pairs, rows = methods(found), []
+    for key, title in titles(found).items():
+        if key in all_pairs and key[0] not in tables.FILTERS and not is_variant(title):
+            s = scores(all_pairs[key])
+            rows.append([title, *(f"{share(s[at]['whdr'])} [{share(s[at]['interval'][0])} {share(s[at]['interval'][2])}]" for at in ("at_delta", "at_best")), share(s["rms"])])
+    return counted(found, all_pairs) + "\n" + tables.table(["", "WHDR, δ = .10 [95 %]", "WHDR, best δ [95 %]", "rms of equal"], rows)
+
+
+def parts(found, commit):
+    """What pages show, by the names of their lines."""
+    return {name: f"Measured at commit {commit}. {text(found)}" for name, text in (("photographs", short_table), ("judged", table))}
 
 
 def differences(all_pairs, names, ours):
@@ -169,8 +188,8 @@ def differences(all_pairs, names, ours):
 
 
 def main(build, folder, *more):
-    page = pathlib.Path(more[1]) if more[:1] == ("--page",) else None
-    found, options = [], [word for method in more[2 if page else 0:] for word in ("--only", method)]
+    pages, only = tables.pages_of(more)
+    found, options = [], [word for method in only for word in ("--only", method)]
     with tempfile.TemporaryDirectory() as temporary:
         for name in PROGRAMS:
             out = pathlib.Path(temporary) / f"{name}.json"
@@ -179,10 +198,9 @@ def main(build, folder, *more):
     for failure in [f for one in found for f in one["failures"]]:
         print(failure, file=sys.stderr)
     commit = subprocess.run(["git", "describe", "--always", "--dirty"], stdout=subprocess.PIPE, text=True).stdout.strip()
-    text = f"Measured at commit {commit}. {table(joined(found))}"
-    print(text)
-    if page:
-        page.write_text(tables.inserted(page.read_text(), "photographs", text))
+    text = parts(joined(found), commit)
+    print("\n".join(text.values()))
+    tables.insert(pages, text)
 
 
 if __name__ == "__main__":
