@@ -14,7 +14,6 @@ import sys
 import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-import intervals
 import measure
 import summary
 import tables
@@ -25,6 +24,7 @@ CURVES = {"intrinsicdecomp": "quality", "globalintrinsic": "quality", "thesis PC
 KEYS = ["device", "method", "curve", "setting", "order", "preset", "base", "scenes", "wall_ms"]
 LIGHT = ["ind", "indJ", "dirJ", "tint"]
 SIZES = [(320, 240), (640, 480), (1280, 720), (1920, 1080)]
+DRIFTING = ["intrinsicdecomp", "globalintrinsic", "thesis PCG"]
 REPEATED = {"frames come again": "repeated frame"}  # as adaptive-bench names it
 
 
@@ -102,25 +102,6 @@ def headline(f):
             "No constant of `intrinsicdecomp` was fitted to these scenes and objects.")
 
 
-def differences(f):
-    """What is left of `intrinsicdecomp` minus others on the own stills, with intervals."""
-    parts = []
-    for name in SHOWN[2:4]:
-        d = intervals.differences(*({s: of[n] for s, of in f["by_scene"].items()} for n in ("intrinsicdecomp", name)))
-        parts.append(f"minus {name} {tables.bracketed(d['mean'], d['interval'], '+')}")
-    return "`intrinsicdecomp` " + ", ".join(parts) + " (95 % bootstrap intervals over four scenes)."
-
-
-def scenes(f):
-    rows = []
-    for scene, of in f["by_scene"].items():
-        least = min(of.values())
-        rows.append([scene] + [f"**{figure(of[n])}**" if of.get(n) == least else figure(of.get(n)) for n in SHOWN])
-    mean = {n: summary.mean(of.get(n) for of in f["by_scene"].values()) for n in SHOWN}
-    rows.append(["mean"] + [figure(mean[n]) for n in SHOWN])
-    return table(["LMSE (k = 20)"] + SHOWN, rows)
-
-
 def presets(f):
     rows = []
     for quality in tables.QUALITIES:
@@ -142,18 +123,28 @@ def skipped(f):
 
 
 def drift(f):
-    return table(["method", "shot", "pictures", "mean", "worst", "within .02 of the input", "input, mean", "ln R/B: mean, worst", "input, mean"],
-                 [[e["method"], e["motion"], e["pictures"], figure(e["mean"]), figure(e["worst"]), f"{e['count'] - len(e['missed'])} of {e['count']}", figure(e["input"]),
-                   ", ".join(map(figure, e["color"])), figure(e["input_color"])]
-                  for e in f["drift"]])
+    """Of all pictures together: mean and worst change of brightness, by motion."""
+    motions = dict.fromkeys(e["motion"] for e in f["drift"])
+
+    def of(method, motion):
+        return [e for e in f["drift"] if (e["method"], e["motion"]) == (method, motion)]
+
+    def mean(some, key):
+        return figure(sum(e[key] * e["count"] for e in some) / sum(e["count"] for e in some))
+
+    def cell(some):
+        return f"{mean(some, 'mean')}, {figure(max(e['worst'] for e in some))}" if some else "–"
+
+    return table(["mean, worst"] + list(motions), [[method] + [cell(of(method, m)) for m in motions] for method in DRIFTING] +
+                 [["input, mean"] + [mean(of(DRIFTING[0], m), "input") for m in motions]])
 
 
 def drift_missed(f):
-    """How often the goal is missed, by all methods together, and by which pictures."""
-    missed = [picture for e in f["drift"] for picture in e["missed"]]
-    count = sum(e["count"] for e in f["drift"])
+    """How often the goal is missed, by the methods of the table, and by which pictures."""
+    shown = [e for e in f["drift"] if e["method"] in DRIFTING]
+    missed = [picture for e in shown for picture in e["missed"]]
     names = ", ".join(f"`{name}` {missed.count(name)}" for name in sorted(set(missed)))
-    return f"The goal, at most .02 more than the input, is missed in {len(missed)} of {count} shots" + (f" ({names})." if names else ".")
+    return f"At most .02 more than the input is the goal; {len(missed)} of {sum(e['count'] for e in shown)} shots miss it" + (f" ({names})." if names else ".")
 
 
 def sizes(f):
@@ -188,12 +179,10 @@ def page(f):
     machine = f["machine"]
     commits = "".join(f" {name}: commit {commit}." for name, commit in f["commits"].items())
     busy = max(machine["load_before"], machine["load_after"]) > 2.5
-    low, medium = (next((figure(p["flicker"]) for p in f["videos"] if p["method"] == "intrinsicdecomp" and p["preset"] == q and
-                         p["curve"] == "video quality"), "–") for q in ("low", "medium"))
     return f"""# Report: error against run time
 
-Measured by `./dev bench{' --full' if f['full'] else ''}` at commit {machine['commit']} on {f['device']}, {machine['cores']} cores.{commits} `--publish` writes this page
-and [figures.json](figures.json), from which `tests/bench/report/brief.py docs/report` draws page and plots. All rows are in `out/report/results.json`, which is not committed.
+Measured by `./dev bench{' --full' if f['full'] else ''}` at commit {machine['commit']} on {f['device']}, {machine['cores']} cores.{commits} `--publish` writes [figures.json](figures.json), from which
+`tests/bench/report/brief.py docs/report` writes this page and its plots. Errors on other data: [accuracy](../reference/accuracy.md), [photographs](photographs.md).
 
 {headline(f)}
 
@@ -201,54 +190,43 @@ and [figures.json](figures.json), from which `tests/bench/report/brief.py docs/r
 
 *Mean over the own stills. Left is faster, down is better; both axes are logarithmic. Circles: `quality` presets. Bars: quartiles of run time. Gray band: Pareto front. Of a peer's settings the one with the smallest error is shown.*
 
-{scenes(f)}
-{differences(f)} No method is best on all four. More data: [accuracy](../reference/accuracy.md), first of all [on photographs](photographs.md).
-
 ![Layers](layers.jpg)
 
 *The still life: truth, and each method at its default, scaled to the truth by least squares.*
 
+## All methods
+{tables.all_methods(f['own'], f['methods'])}
+Means over the own stills; run time from linear pixels to layers in memory. Errors are means of reflectance and shading, invariant to scale; smaller is better.
+WHDR: share of 2000 pairs of points in wrong order of reflectance. Of a peer's settings, the one with the smallest LMSE is shown. *Same energy*: `intrinsicdecomp`'s energy, solved on the processor (Eigen, double precision).
+
 ## Presets
-Own stills, and own videos with history (320×240). Flicker: standard deviation over time of ln reflectance where the truth is constant, one factor per frame removed. Jitter: the same from frame to frame.
+`intrinsicdecomp` on own stills, and on own videos with history (320×240). [Flicker, jitter](../reference/accuracy.md#sequences).
 
 {presets(f)}
-`low` has little more LMSE on these four stills. The default flickers less ({medium}, `low` {low}), and keeps the full resolution of shadows and small objects:
-
 ![Fronts](fronts.png)
 
 *Flicker, real objects and hard shadows against time; gray band: front of `intrinsicdecomp`'s levels.*
 
+![By regime](regimes.png)
+
+*By kind of scene, own and given ones together; each method at its best setting.*
+
 ## Brightness over time
-A camera zooms (1 to 1.9) and pans over still pictures; before a still one the exposure falls by half, the white balance moves by .2 of ln R/B, or a hand covers a third; 120 frames each (`drift-bench`). Common drift: |median over surface points of the change of ln R over 60 frames|, mean over the frames.
+A camera zooms (1 to 1.9) and pans over still pictures; before a still one the exposure falls by half, the white balance moves by .2 of ln R/B, or a hand covers a third (`drift-bench`: own stills and photographs, 120 frames each). Change of ln R over 60 frames, |median over surface points|, mean over frames. [By shot, and of ln R/B](../notes/accuracy.md#brightness-over-time).
 {drift_missed(f)}
 
 {drift(f)}
-## All methods
-{tables.all_methods(f['own'], f['methods'])}
-Means over the own stills; run time is that of the method alone, from linear pixels to layers in memory. Errors are means of reflectance and shading and invariant to scale; smaller is
-better except for MS-SSIM. LMSE 20 and 10: windows of 20 (Grosse et al.) and 10 pixels (the thesis). WHDR: share of 2000 pairs of points in wrong order of reflectance. Of a peer's
-settings, the one with the smallest LMSE is shown; smoothing filters and further tolerances of *same energy* are in the plot only. *Same energy*: solvers of `intrinsicdecomp`'s energy on the processor (Eigen, double precision).
-
-## Regimes
-Own and given scenes together, by kind: *diverse value* is patches, room_values and lightchange_values; *near-constant value* is toys, cornell, room and desk_rgbd. The [accuracy](../reference/accuracy.md) page keeps
-the own stills apart and gives each peer one setting for all scenes; here each has its best setting per regime.
-
-![By regime](regimes.png)
-
-{tables.by_regime({n: [p for p in of if p['method'] in SHOWN + ['thesis Schwarz']] for n, of in f['regimes'].items()})}
-No method is best everywhere: R = I / max_c I is best on palettes of constant value. Intervals and paired differences: [accuracy](../reference/accuracy.md).
-
 ## Indirect light
 Means over {f['light']['scenes']} scenes (four own stills, seven rendered sequences; all were in view while `globalintrinsic` was tuned). `ind`: squared error of the indirect layer, relative to its
 square, at its own best scale; `indJ`, `dirJ`: of indirect and direct light at the scale of their sum; `tint`: rms of ln chroma of light. Guesses are a fixed share of `intrinsicdecomp`'s shading.
 
 {table(['', '`ind`', '`indJ`', '`dirJ`', '`tint`'], [[n] + [figure(v) for v in values] for n, *values in f['light']['means']])}
-`globalintrinsicthesis` was measured on fewer scenes; its `ind`: {', '.join(f'{g} {figure(v)}' for g, v in f['light']['thesis'].items()) or '–'}.
+`ind` of `globalintrinsicthesis`, on fewer scenes: {', '.join(f'{g} {figure(v)}' for g, v in f['light']['thesis'].items()) or '–'}.
 
 ## Skipped work
 ![Adaptivity](adaptivity.png)
 
-Whole elements, NV12 in and out, with and without `adaptive`: a repeated frame, a ball (a tenth of the width) that moves over a still picture, the same picture under sensor noise, and the bundled clip, in which the light moves everywhere.
+Whole elements, NV12 in and out, with and without `adaptive`. *Small ball*: it moves over a still picture. *Moving light*: the bundled clip.
 
 {skipped(f)}
 ## Sizes
@@ -258,11 +236,10 @@ Whole elements, NV12 in and out, with and without `adaptive`: a repeated frame, 
 Frames of the bundled clip as NV12, memory to memory.
 {gpu(f)}
 ## Caveats
-- One device{", but for the table of a GPU" if f.get("gpu") else ""}: lavapipe on two cores of a shared server. {'Other work ran meanwhile: use ratios and processor time only.' if busy else ''}
-- The own stills are four, and **the ranking on them depends on their light**.
-- The own scenes were seen during development. Nothing was fitted to them, but constants of `globalintrinsic` were chosen with them in view.
-- Given data: {f['data']}. `intrinsicdecomp` is fitted on none of it, but for constants of its temporal anchor, which were chosen on lightchange and desk_rgbd.
-- All settings take turns on every frame, and programs take turns twice. Metrics (`tests/bench/metrics/`) are tested against closed forms and scikit-image.
+- Lavapipe on two cores of a shared server{", but for the table of a GPU" if f.get("gpu") else ""}. {'Other work ran meanwhile: use ratios and processor time only.' if busy else ''}
+- The own stills are four, and **the ranking on them depends on their light**. They were seen during development; constants of `globalintrinsic` were chosen with them in view.
+- Given data: {f['data']}. `intrinsicdecomp` is fitted on none of it, but constants of its temporal anchor were chosen on lightchange and desk_rgbd.
+- All settings take turns on every frame; metrics are tested against closed forms and scikit-image.
 """
 
 

@@ -78,36 +78,16 @@ def all_methods(points, methods):
     for method in dict.fromkeys(p["method"] for p in points):
         some = [p for p in points if p["method"] == method and method not in FILTERS and p["lmse20"] is not None and p["curve"] not in
                 ("adaptive", "without", "weights", "guess", "resolution", "levels", "coarse cycles", "cycles", "base colors")]
-        some = [p for p in some if p["preset"] or p["base"] or method not in OURS and p["setting"] not in ENERGY_IN_PLOT]
+        some = [p for p in some if p["base"] or method not in OURS and p["setting"] not in ENERGY_IN_PLOT]
         if method not in OURS and len(some) > 1 and "same energy" not in method:
             some = [min(some, key=lambda p: p["lmse20"])]  # so that a bad choice of ours does not count against it
         for p in sorted(some, key=lambda p: p["order"]):
-            name = f"`{p['preset']}`" if p["preset"] else p["setting"]
+            name = "" if method in OURS else p["setting"]
             rows.append((methods[method]["family"], [f"{method}{' ' + name if name else ''}", spread(p["wall_ms"]),
-                         time(p["device_ms"]), time(p["processor_ms"]), figure(p["lmse20"]), figure(p["lmse10"]),
-                         figure(p["mse"]), figure(p["dssim"]), figure(p["ms_ssim"], 3), figure(p["whdr"], 3)]))
+                         *(figure(p[k]) for k in ("lmse20", "mse", "dssim")), figure(p["whdr"], 3)]))
     order = {"method": 0, "peer": 1, "trivial": 2}
     rows.sort(key=lambda r: order[r[0]])
-    return table(["", "ms (quartiles)", "device ms", "processor ms", "LMSE 20", "LMSE 10", "si-MSE", "DSSIM", "MS-SSIM",
-                  "WHDR"], [r for _, r in rows])
-
-
-def by_regime(panels):
-    names = [n for n, points in panels.items() if points]
-    chosen = {}
-    for name in names:
-        for p in panels[name]:
-            shown = p["base"] or (p["method"] not in OURS and p["curve"] != "tolerance")
-            if shown and p["lmse20"] is not None:
-                best = chosen.setdefault(p["method"], {})
-                if name not in best or p["lmse20"] < best[name]:
-                    best[name] = p["lmse20"]
-    least = {n: min(v[n] for v in chosen.values() if n in v) for n in names}
-    rows = []
-    for method, values in chosen.items():
-        rows.append([method] + [f"**{figure(values[n])}**" if values.get(n) == least[n] else figure(values.get(n))
-                                for n in names])
-    return table(["LMSE (k = 20)"] + names, rows)
+    return table(["", "ms (quartiles)", "LMSE (k = 20)", "si-MSE", "DSSIM", "WHDR"], [r for _, r in rows])
 
 
 def bracketed(mean, interval, sign="", decimals=4):
