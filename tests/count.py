@@ -21,6 +21,12 @@ def last_lines(text, count=3):
     return "".join("\n    " + line[:160] for line in (text or "").strip().splitlines()[-count:])
 
 
+def running(text):
+    """The case of GoogleTest that a program which ended badly was running, for its line; empty without one."""
+    found = re.findall(r"^\[ RUN      \] (\S+)", text or "", re.M)
+    return f" in {found[-1]}" if found else ""
+
+
 def cases_of_programs(junit):
     """Cases by the name of the program; meson calls their suites "PROJECT.PROJECT / PROGRAM.SUITE"."""
     programs = collections.defaultdict(lambda: Cases([], [], []))
@@ -65,7 +71,7 @@ def count(folder):
             print("SKIPPED", folder, program)
         elif run["result"] not in ("OK", "EXPECTEDFAIL"):
             if not cases.failed:
-                print("FAILED", folder, program, f"({run['result']}, exit status {run['returncode']})" + last_lines(run.get("stderr")))
+                print("FAILED", folder, program, f"({run['result']}, exit status {run['returncode']}){running(run.get('stdout'))}" + last_lines(run.get("stderr"), 30))
                 failed += 1
         elif program not in programs:
             passed += 1

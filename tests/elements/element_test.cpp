@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "element_test.hpp"
 
+#include <execinfo.h>
+
 #include <algorithm>
+#include <array>
+#include <csignal>
 #include <cstdlib>
 #include <numeric>
 
@@ -309,7 +313,32 @@ std::vector<Structure> element_messages(GstBus* bus, const std::string& name) {
 
 }  // namespace inverse::testing
 
+namespace {
+
+/// Writes where the process crashes to stderr: of a crash that comes once in many runs, nothing
+/// else is left. Sanitizers do so themselves.
+void trace_crash() {
+  struct sigaction before {};
+  sigaction(SIGSEGV, nullptr, &before);
+  if (before.sa_handler != SIG_DFL) return;
+  std::array<void*, 1> loads;
+  backtrace(loads.data(), 1);  // its library, which must not happen in the handler
+  struct sigaction action {};
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  action.sa_handler = [](int signal) {
+    std::array<void*, 40> frames;
+    const int found = backtrace(frames.data(), int{frames.size()});
+    backtrace_symbols_fd(frames.data(), found, 2);
+    raise(signal);
+  };
+  for (const int signal : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT})
+    sigaction(signal, &action, nullptr);
+}
+
+}  // namespace
+
 int main(int count, char** arguments) {
+  trace_crash();
   ::testing::InitGoogleTest(&count, arguments);
   const inverse::testing::TemporaryFolder data;  // of the user, for presets
   setenv("XDG_DATA_HOME", data.path().c_str(), 1);
