@@ -342,7 +342,7 @@ void RowParameters::set_tuning(const std::string& text) {
 
 void install_parameters(gpointer element_class, const PropertyStore& parameters, guint first_id) {
   parameters.install(G_OBJECT_CLASS(element_class), first_id);
-  for (const auto& [key, which] : {std::pair{"Child properties", PropertyStore::Listed::children},
+  for (const auto& [key, which] : {std::pair{"Children", PropertyStore::Listed::children},
                                    std::pair{"Tuning", PropertyStore::Listed::tuning}})
     if (const std::string text = parameters.text_of(which); !text.empty())
       gst_element_class_add_metadata(GST_ELEMENT_CLASS(element_class), key, text.c_str());
