@@ -138,7 +138,7 @@ std::optional<std::string> wrong_crossings(const Lab& lab, const Case& one, Coun
     counts.frames += 1;
     counts.skipped += some.solve_stats().crossed;
     // Light of 1e4 beside full scale can bind chroma bins in a few pixels of a frame of a few more
-    // without the mean telling so (docs/reference/stability.md): finite and R S = I is all that is
+    // without the mean telling so (docs/notes/stability.md): finite and R S = I is all that is
     // asked.
     if (one.knobs != 0 || one.faults & kBeyondFormats) continue;
     params.adaptive = false;
