@@ -151,7 +151,9 @@ class Run:
                 loss, term = self.part(pool.batch(count), shifts)
                 (weight * loss).backward()
                 terms.append(term)
-            torch.nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)
+            if not torch.isfinite(torch.nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)):
+                self.log(step=self.step, skipped="its derivative is not finite")  # one such step would spoil all weights
+                continue
             self.optimizer.step()
             keep = min(KEEP, self.step / (self.step + 10))
             with torch.no_grad():
