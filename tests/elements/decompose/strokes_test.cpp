@@ -165,23 +165,24 @@ TEST_P(Strokes, BadOnesAreRefusedInWords) {
   for (int i = 0; i < 65; ++i)
     many += std::string(i ? "," : "") + R"({"kind":"shading","points":[[1,2]]})";
   set(many + "]");
-  expect_one(harness_.warnings(), "strokes: there are 65 strokes; at most 64");
+  expect_one(harness_.warnings(), "strokes::list: there are 65 strokes; at most 64");
 }
 
 TEST_P(Strokes, MessagesNameThePropertyThePlaceAndTheLimit) {
   for (const auto& [text, part] : std::initializer_list<std::pair<std::string, std::string>>{
-           {R"([{"kind":"shading","points":[]}])", "strokes: stroke 1 must have points"},
+           {R"([{"kind":"shading","points":[]}])", "strokes::list: stroke 1 must have points"},
            {R"([{"kind":"shading","radius":0,"points":[[1,2]]}])",
-            "strokes: the radius of stroke 1 must be a number from 0.1 to 10000"},
+            "strokes::list: the radius of stroke 1 must be a number from 0.1 to 10000"},
            {R"([{"kind":"shading","balls":[[1,2,3]]}])",
-            "strokes: the balls of stroke 1 must be like this: [[x, y, z, radius], ...]"},
+            "strokes::list: the balls of stroke 1 must be like this: [[x, y, z, radius], ...]"},
            {R"([{"kind":"shading","balls":[[1,2,3,0]]}])",
-            "strokes: the radius of a ball of stroke 1 must be a number from 0.001 to 100"},
-           {R"([{"kind":"shading","balls":[]}])", "strokes: the balls of stroke 1 must be a list"},
+            "strokes::list: the radius of a ball of stroke 1 must be a number from 0.001 to 100"},
+           {R"([{"kind":"shading","balls":[]}])",
+            "strokes::list: the balls of stroke 1 must be a list"},
            {R"([{"kind":"shading","radius":1,"balls":[[1,2,3,1]]}])",
-            "strokes: stroke 1 lies in the scene by its balls; leave out points and radius"},
-           {"[\n {\"kind\" ]", "strokes: the text is not valid JSON at line 2, column 10"},
-           {"[1e999]", "strokes: the text is not valid JSON at character 6"}}) {
+            "strokes::list: stroke 1 lies in the scene by its balls; leave out points and radius"},
+           {"[\n {\"kind\" ]", "strokes::list: the text is not valid JSON at line 2, column 10"},
+           {"[1e999]", "strokes::list: the text is not valid JSON at character 6"}}) {
     set(text);
     expect_one(harness_.warnings(), part);
   }
@@ -222,7 +223,7 @@ TEST_P(Strokes, WrongOnesBeforeTheStartAreOneError) {
                  gst_child_proxy_set(GST_CHILD_PROXY(it), "strokes::list", "[", nullptr);
                  gst_object_unref(it);
                });
-  expect_one(result.errors, "strokes: ");
+  expect_one(result.errors, "strokes::list: ");
   EXPECT_TRUE(result.warnings.empty());
 }
 

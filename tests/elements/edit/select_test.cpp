@@ -231,7 +231,7 @@ TEST(Select, WrongStrokesAreAWarning) {
   const auto warnings = harness.warnings();
   ASSERT_EQ(warnings.size(), 3U);  // and that of add-stroke
   expect_contains(warnings[1], "strokes 1, 2, 3, ");
-  expect_contains(warnings[2], "strokes: there are 65 strokes; at most 64");
+  expect_contains(warnings[2], "strokes::list: there are 65 strokes; at most 64");
 }
 
 TEST(Select, StrokesWithoutEffectAreOneWarningEach) {
