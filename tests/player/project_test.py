@@ -93,6 +93,13 @@ class Elements(support.Case):
 
 
 class Files(support.Case):
+    def test_properties_of_older_files_are_found(self):
+        made = project.from_data({
+            "version": 1, "decomposer": {"element": "intrinsicdecomp", "properties": {"strokes": STROKES, "stroke-radius": 20, "scene-depth": 3}},
+            "editors": [{"element": "intrinsicselect", "properties": {"strokes": "[]", "stroke-mode": "lasso", "tolerance": 0.5}}]})
+        self.assertEqual(made.decomposer.properties, {"strokes::list": STROKES, "strokes::radius": 20, "scene::max-depth": 3})
+        self.assertEqual(made.editors[0].properties, {"strokes::list": "[]", "strokes::mode": "lasso", "tolerance": 0.5})
+
     def test_saves_and_loads(self):
         made = dataclasses.replace(painted(key="0xff102030", tolerance=0.7, use_mask=False), split=0.25)
         made = made.with_element(made.decomposer.with_property("strokes::list", STROKES))
