@@ -64,14 +64,12 @@ class SolveMethod : public DecompositionMethod {
     const Interaction::Known known =
         interaction_.before(frame, number, params, frame.draw && params.show == Show::mosaic);
     info.reset = frame.fresh;
-    info.changed = frame.changed;
     info.repeated = frame.repeated;
     info.strokes = known.strokes;
     info.tracker = known.tracker;
     info.seen = known.seen;
     info.known = known.reflectance;
     frame.layers = method_->record(frame.commands, frame.layers[Role::input], params, info);
-    frame.drawn = method_->drawn();
     interaction_.after(frame);
     return number;
   }

@@ -6,9 +6,7 @@
 
 namespace inverse {
 
-bool typical(const ScaledIntrinsic::Stats& solve) {
-  return !solve.plan.tiles() && !solve.crossed && !solve.compared;
-}
+bool typical(const ScaledIntrinsic::Stats& solve) { return !solve.crossed && !solve.compared; }
 
 DecompositionMethod::Work solve_work(const ScaledIntrinsic::Stats& solve,
                                      const ScaledIntrinsic::Findings& found) {
@@ -29,8 +27,7 @@ void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,
                     static_cast<double>(found.scale), "light-color-slope", G_TYPE_DOUBLE,
                     static_cast<double>(found.slope), "light-color-confidence", G_TYPE_DOUBLE,
                     static_cast<double>(found.slope_confidence), "tiles", G_TYPE_UINT, solve.tiles,
-                    "tiles-evaluated", G_TYPE_UINT, found.tiles_evaluated, "tiles-active",
-                    G_TYPE_UINT, found.tiles_active, nullptr);
+                    "tiles-evaluated", G_TYPE_UINT, found.tiles_evaluated, nullptr);
   gst_structure_set(stats, "prior", G_TYPE_STRING,
                     solve.network ? solve.network->name.c_str() : PriorModels::kFitted, "prior-age",
                     G_TYPE_UINT, solve.network_age, nullptr);
@@ -38,7 +35,6 @@ void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,
     gst_structure_set(stats, "prior-runs", G_TYPE_UINT, solve.network_runs, nullptr);
   const Tolerances& tolerances = solve.tolerances;
   for (const auto& [name, value] : {std::pair{"half-tolerance", tolerances.half},
-                                    {"tile-tolerance", tolerances.tile},
                                     {"chroma-tolerance", tolerances.chroma},
                                     {"cycle-tolerance", tolerances.cycle},
                                     {"repeat-tolerance", tolerances.repeat},

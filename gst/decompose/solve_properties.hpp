@@ -52,9 +52,6 @@ PropertyTable<P> solve_properties() {
       tuning(number<P>(
           "edge-tolerance", tolerance(&Tolerances::edge), 0.f, 1.f,
           "Change of a tile at which its edges are evaluated again (log intensity or chroma)")),
-      tuning(number<P>("tile-tolerance", tolerance(&Tolerances::tile), 0.f, 1.f,
-                       "Maximum estimated error of a skipped static tile before it is recomputed "
-                       "(rms log shading)")),
       tuning(
           number<P>("cycles", &P::cycles, 1u, 32u, "Multigrid cycles of a frame without history")),
       tuning(number<P>("warm-cycles", &P::warm_cycles, 1u, 32u,

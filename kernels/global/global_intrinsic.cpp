@@ -83,14 +83,14 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   kernels_.decide = {device_, {.start = false}, lanes};
   kernels_.start = {device_, {.decide = false}, lanes};
   // If points are eight pixels apart, four aligned pixels lie between the same ones.
-  kernels_.divide_tint = {device_, {.wide = factor_ >= 8}, 4, 16};
+  kernels_.divide_tint = {device_, {.wide = factor_ >= 8}};
   kernels_.summary = {device_, {}, lanes};
   kernels_.received = {device_};
   kernels_.amount = {device_};
   kernels_.statistics = {device_, {}, lanes};
   kernels_.fields = {device_};
   kernels_.label_confidence = {device_};
-  kernels_.direct = {device_, {}, 4, 16};
+  kernels_.direct = {device_};
   kernels_.weigh = {device_, {}, lanes};
   kernels_.modes = {device_, {}, lanes};
   const uint32_t point_lanes = device_->variant().area_workgroup();
@@ -142,8 +142,7 @@ LightPlanner::Plan GlobalIntrinsic::plan_light(const Params& params, const Frame
                             .same_params = same_light(std::exchange(params_, params), params),
                             // Used if there are no other colors.
                             .light_asked = params.amount > 0 || params.white_balance > 0,
-                            .changed = info.changed,
-                            .columns = TileList::along(extent_.width)};
+                            .repeated = info.repeated};
   // By the last frame that is sure to be done, so that the same video always gets the same plans.
   if (frames_ >= reports_.size())
     frame.had_color =
@@ -240,7 +239,7 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
     if (!plan_.gray) find_scene(commands, params);
   }
   if (plan_.light == LightPlanner::Light::measure_keep) kept_.lamp = lamp;
-  Layers layers = plan_.gray ? record_gray(commands, input, params, info, was_gray)
+  Layers layers = plan_.gray ? record_gray(commands, input, params, info)
                              : record_light(commands, input, params, info);
   if (!plan_.gray) layers[Role::lamp] = lamp;
   record_report(commands, first);
@@ -261,69 +260,57 @@ void GlobalIntrinsic::record_report(gpu::Commands& commands, bool first) {
 }
 
 Layers GlobalIntrinsic::record_gray(gpu::Commands& commands, const PlanePtr& input,
-                                    const Params& params, const FrameInfo& info, bool was_gray) {
-  // The frame before may have been divided by a tint.
+                                    const Params& params, const FrameInfo& info) {
   Layers layers = solve_.record(commands, input, params,
-                                {.changed = was_gray ? info.changed : std::span<const uint8_t>(),
-                                 .repeated = info.repeated,
+                                {.repeated = info.repeated,
                                  .light = colored_light(),
                                  .strokes = info.strokes,
                                  .tracker = info.tracker,
                                  .seen = info.seen,
                                  .known = info.known});
   layers[Role::light] = layers[Role::model_light] = white_light(commands);
-  drawn_ = was_gray ? solve_.drawn() : nullptr;
   return layers;
 }
 
 void GlobalIntrinsic::record_tint(gpu::Commands& commands, const PlanePtr& input,
                                   const Params& params, const PlanePtr& neutral_input,
                                   const PlanePtr& tau) {
-  kernels_.divide_tint.dispatch_rows(commands, plan_.reused() ? &*changed_[recorded_] : nullptr,
-                                     {.frame = input->buffer,
-                                      .memory = memory_,
-                                      .tints = tints_,
-                                      .slots = slots_,
-                                      .received = received_,
-                                      .smooth_part = fits_[0],
-                                      .coefficients = fits_[2],
-                                      .scene = scene_,
-                                      .light_state = light_state(),
-                                      .plain = gpu::by_rows(neutral_input->buffer),
-                                      .light = gpu::by_rows(tau->buffer)},
-                                     {.size = extent_,
-                                      .grid = grid_,
-                                      .coarse = coarse_,
-                                      .factor = factor_,
-                                      .white_level = params.scale.white_level,
-                                      .residual_sigma = kResidualSigma,
-                                      .tint_sigma = kTintSigma,
-                                      .first_row = 0},
-                                     fours_of(extent_));
+  commands.dispatch_rows(kernels_.divide_tint,
+                         {.frame = input->buffer,
+                          .memory = memory_,
+                          .tints = tints_,
+                          .slots = slots_,
+                          .received = received_,
+                          .smooth_part = fits_[0],
+                          .coefficients = fits_[2],
+                          .scene = scene_,
+                          .light_state = light_state(),
+                          .plain = gpu::by_rows(neutral_input->buffer),
+                          .light = gpu::by_rows(tau->buffer)},
+                         {.size = extent_,
+                          .grid = grid_,
+                          .coarse = coarse_,
+                          .factor = factor_,
+                          .white_level = params.scale.white_level,
+                          .residual_sigma = kResidualSigma,
+                          .tint_sigma = kTintSigma,
+                          .first_row = 0},
+                         fours_of(extent_));
   commands.stage("divide-tint");
 }
 
 PlanePtr GlobalIntrinsic::record_direct(gpu::Commands& commands, const PlanePtr& neutral_input,
                                         const PlanePtr& tau, const Layers& layers) {
-  // Reused light has the direct share of before, except where shading changed.
-  const bool keeps = plan_.light != LightPlanner::Light::measure;
-  drawn_ = plan_.reused() ? solve_.drawn() : nullptr;
-  PlanePtr light = keeps ? nullptr : tau;
-  if (drawn_ && kept_.light.use_count() == 1) light = kept_.light;
-  if (!light) {
-    light = planes_.acquire();
-    if (drawn_) commands.copy(kept_.light->buffer, light->buffer, light->buffer->bytes());
-  }
-  kernels_.direct.dispatch_rows(commands, drawn_,
-                                {.frame = neutral_input->buffer,
-                                 .intrinsic = layers[Role::intrinsic]->buffer,
-                                 .scene = scene_,
-                                 .tau = gpu::aliased(tau->buffer),
-                                 .light = gpu::by_rows(light->buffer),
-                                 .memory = gpu::by_rows(memory_)},
-                                {.size = extent_, .first_row = 0}, fours_of(extent_));
+  const PlanePtr light = plan_.light == LightPlanner::Light::measure ? tau : planes_.acquire();
+  commands.dispatch_rows(kernels_.direct,
+                         {.frame = neutral_input->buffer,
+                          .intrinsic = layers[Role::intrinsic]->buffer,
+                          .scene = scene_,
+                          .tau = gpu::aliased(tau->buffer),
+                          .light = gpu::by_rows(light->buffer),
+                          .memory = gpu::by_rows(memory_)},
+                         {.size = extent_, .first_row = 0}, fours_of(extent_));
   commands.stage("direct");
-  if (keeps) kept_.light = light;
   return light;
 }
 
@@ -331,17 +318,13 @@ Layers GlobalIntrinsic::record_light(gpu::Commands& commands, const PlanePtr& in
                                      const Params& params, const FrameInfo& info) {
   white_light_.reset();
   const bool keeps = plan_.light != LightPlanner::Light::measure;
-  if (plan_.reused()) {
-    auto& tiles = changed_[recorded_];
-    if (!tiles) tiles.emplace(device_, extent_, gpu::Memory::upload);
-    tiles->assign(planner_.tiles());
-  } else if (keeps) {
+  if (plan_.light == LightPlanner::Light::measure_keep) {
     kept_.neutral_input = planes_.acquire();
     kept_.tau = planes_.acquire();
   }
   const PlanePtr neutral_input = keeps ? kept_.neutral_input : planes_.acquire(),
                  tau = keeps ? kept_.tau : planes_.acquire();
-  record_tint(commands, input, params, neutral_input, tau);
+  if (!plan_.reused()) record_tint(commands, input, params, neutral_input, tau);
   const uint32_t planes = info.shares ? planes_needed(params) : 0;
   PlanePtr bases = planes > 0 ? kept_.bases : nullptr;
   if (planes > 0 && !bases) {
@@ -369,15 +352,13 @@ Layers GlobalIntrinsic::record_light(gpu::Commands& commands, const PlanePtr& in
     if (keeps) kept_.bases = bases;
   }
 
-  // The input of the solve changes in tiles beside changed ones, too.
-  ScaledIntrinsic::FrameInfo solve{.repeated = info.repeated,
-                                   .light = colored_light(),
-                                   .strokes = info.strokes,
-                                   .tracker = info.tracker,
-                                   .seen = info.seen,
-                                   .known = info.known};
-  if (plan_.reused()) solve.changed = planner_.tiles();
-  Layers layers = solve_.record(commands, neutral_input, params, solve);
+  Layers layers = solve_.record(commands, neutral_input, params,
+                                {.repeated = info.repeated,
+                                 .light = colored_light(),
+                                 .strokes = info.strokes,
+                                 .tracker = info.tracker,
+                                 .seen = info.seen,
+                                 .known = info.known});
   const PlanePtr light = record_direct(commands, neutral_input, tau, layers);
   layers[Role::input] = input;
   layers[Role::light] = layers[Role::model_light] = light;

@@ -79,7 +79,6 @@ class GlobalIntrinsic {
     bool reset = false;   ///< no relation to the frame before (discontinuity)
     bool shares = false;  ///< make one layer of indirect light for each base color
     /// As in IntrinsicDecomposition::FrameInfo.
-    std::span<const uint8_t> changed = {};
     bool repeated = false;
     StrokesPtr strokes = {};
     const StrokeTracker* tracker = nullptr;
@@ -120,8 +119,6 @@ class GlobalIntrinsic {
   void prepare(size_t halvings, const PriorModelPtr& network = nullptr) {
     solve_.prepare(halvings, network);
   }
-  /// As ScaledIntrinsic::drawn.
-  const TileList* drawn() const { return drawn_; }
   /// As ScaledIntrinsic::converged.
   bool converged(uint64_t frame, const Params& params) const {
     return solve_.converged(report(frame).solve, params);
@@ -166,7 +163,7 @@ class GlobalIntrinsic {
   PlanePtr white_light(gpu::Commands& commands);
   /// The layers of a gray scene, and of others.
   Layers record_gray(gpu::Commands& commands, const PlanePtr& input, const Params& params,
-                     const FrameInfo& info, bool was_gray);
+                     const FrameInfo& info);
   Layers record_light(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                       const FrameInfo& info);
   void record_tint(gpu::Commands& commands, const PlanePtr& input, const Params& params,
@@ -212,8 +209,8 @@ class GlobalIntrinsic {
     gpu::Program<shaders::global_light_label_confidence> label_confidence;
     gpu::Program<shaders::global_light_fit> fit[3];
     gpu::Program<shaders::global_light_shares> shares[kIndirectPlanes];  // by planes, from 1 on
-    TileProgram<shaders::global_light_divide_tint> divide_tint;
-    TileProgram<shaders::global_light_direct> direct;
+    gpu::Program<shaders::global_light_divide_tint> divide_tint;
+    gpu::Program<shaders::global_light_direct> direct;
   } kernels_;
   gpu::BufferPtr memory_;                                                        // pixels
   gpu::BufferPtr colors_, points_, before_, labels_, tints_, raw_, fits_[3];     // the grid
@@ -228,13 +225,11 @@ class GlobalIntrinsic {
   PlanePtr white_light_;
   LightPlanner planner_;
   LightPlanner::Plan plan_;  // of the frame being recorded
-  gpu::FrameRing<std::optional<TileList>> changed_;
-  Params params_;  // of the frame before
+  Params params_;            // of the frame before
   /// What Light::measure_keep keeps: the frame without its tint, and its light.
   struct Kept {
-    PlanePtr neutral_input, tau, light, lamp, bases;
+    PlanePtr neutral_input, tau, lamp, bases;
   } kept_;
-  const TileList* drawn_ = nullptr;
 };
 
 }  // namespace inverse

@@ -23,12 +23,9 @@ IntrinsicDecomposition::Params problem_of(IntrinsicDecomposition::Params params)
 /// What a report reads back; the shaders that write it say what each number is.
 struct Numbers {
   std::array<float, 4> progress, cut_decision, scale, binding, gates, slope;
-  std::array<std::array<float, 4>, Guide::kStatisticsSize> statistics, kept_statistics;
-  uint32_t active, evaluated, moving;
+  uint32_t evaluated;
   std::array<std::array<float, 4>, kMaxStrokes> strokes;
 };
-constexpr float kAllTiles = -1;  // the tolerance that lists all
-static_assert(Planner::kMeanDrift == shaders::intrinsic_prior_change::kMeanDrift);
 
 }  // namespace
 
@@ -45,16 +42,15 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       bins_(device_, guide_.cell_extent()),
       multigrid_(device_, extent),
       scale_(device_, guide_.cell_extent()),
-      active_(device_, extent),
-      terms_kernel_(device_, {}, 0, 0),
-      anchored_terms_kernel_(device_, {.anchored = true}, 1, 4),
-      measuring_terms_kernel_(device_, {.anchored = true, .measure = true}, 0, 0),
-      assemble_(device_, {}, 0, 0),
-      anchored_assemble_(device_, {.anchored = true}, 4, 16),
-      layers_(device_, {}, 0, 0),
-      anchored_layers_(device_, {.anchored = true}, 4, 4),
-      colored_layers_(device_, {.colored = true}, 0, 0),
-      anchored_colored_layers_(device_, {.anchored = true, .colored = true}, 4, 4),
+      terms_kernel_(device_),
+      anchored_terms_kernel_(device_, {.anchored = true}),
+      measuring_terms_kernel_(device_, {.anchored = true, .measure = true}),
+      assemble_(device_),
+      anchored_assemble_(device_, {.anchored = true}),
+      layers_(device_),
+      anchored_layers_(device_, {.anchored = true}),
+      colored_layers_(device_, {.colored = true}),
+      anchored_colored_layers_(device_, {.anchored = true, .colored = true}),
       warm_start_(device_),
       total_(device_) {
   const auto buffer = [&](uint64_t count) {
@@ -65,13 +61,13 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
   value_ = buffer(cell_packs * EdgePrior::kValueStride);
   terms_ = buffer(cell_packs * Multigrid::kTermsStride);
   start_ = buffer(cell_packs * TemporalAnchor::kStartStride);
-  gate_sums_ = buffer(gpu::partial_count(*measuring_terms_kernel_.whole(), line_of(cell_packs)));
+  gate_sums_ = buffer(gpu::partial_count(*measuring_terms_kernel_.kernel(), line_of(cell_packs)));
   gate_total_ = buffer(1);
 }
 
 void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnchor::Params& params,
                                       const KnownReflectance* known) {
-  if (plan_.history) anchor_.record(commands, guide_, params, continues_, list());
+  if (plan_.history) anchor_.record(commands, guide_, params, continues_);
   if (plan_.measures_gate && !cleared_) {
     commands.fill(gate_sums_);
     cleared_ = true;
@@ -79,45 +75,42 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnc
   const Extent cells = guide_.cell_extent();
   const gpu::BufferPtr& value =
       known ? recall_.record(commands, guide_, value_, scale_.value(), *known) : value_;
-  (plan_.measures_gate ? measuring_terms_kernel_
-   : plan_.history     ? anchored_terms_kernel_
-                       : terms_kernel_)
-      .dispatch(commands, list(),
-                {.value = value,
-                 .cells = guide_.cells(),
-                 .mismatch = anchor_.mismatch(),
-                 .tiles = anchor_.tiles(),
-                 .cut_decision = anchor_.cut_decision(),
-                 .before = anchor_.kept(),
-                 .means = multigrid_.cell_means(),
-                 .correction = multigrid_.cell_correction(),
-                 .terms = terms_,
-                 .start = start_,
-                 .source_term = multigrid_.cell_source_term(),
-                 .sums = gate_sums_,
-                 .activity = active_.activity()},
-                {.size = cells,
-                 .anchor = plan_.compares_pixels ? params.anchor_weight : 0,
-                 .frames = params.anchor_frames,
-                 .motion = 1 / params.anchor_motion,
-                 .hold = params.hold,
-                 .light = 1 / params.hold_light},
-                line_of(pack4_count(cells)));
+  commands.dispatch(plan_.measures_gate ? measuring_terms_kernel_
+                    : plan_.history     ? anchored_terms_kernel_
+                                        : terms_kernel_,
+                    {.value = value,
+                     .cells = guide_.cells(),
+                     .mismatch = anchor_.mismatch(),
+                     .tiles = anchor_.tiles(),
+                     .cut_decision = anchor_.cut_decision(),
+                     .before = anchor_.kept(),
+                     .means = multigrid_.cell_means(),
+                     .correction = multigrid_.cell_correction(),
+                     .terms = terms_,
+                     .start = start_,
+                     .source_term = multigrid_.cell_source_term(),
+                     .sums = gate_sums_},
+                    {.size = cells,
+                     .anchor = plan_.compares_pixels ? params.anchor_weight : 0,
+                     .frames = params.anchor_frames,
+                     .motion = 1 / params.anchor_motion,
+                     .hold = params.hold,
+                     .light = 1 / params.hold_light},
+                    line_of(pack4_count(cells)));
   if (plan_.measures_gate)
     commands.dispatch(total_, {.sums = gate_sums_, .total = gate_total_},
                       {.count = static_cast<uint32_t>(gate_sums_->count())}, {});
-  (plan_.compares_pixels ? anchored_assemble_ : assemble_)
-      .dispatch(commands, list(),
-                {.flux = flux_,
-                 .start = start_,
-                 .level0 = guide_.level0(),
-                 .source_term = multigrid_.cell_source_term(),
-                 .memory = anchor_.memory(),
-                 .last_shading = multigrid_.field(),
-                 .system = multigrid_.system(),
-                 .shading = gpu::aliased(multigrid_.field()),
-                 .now = anchor_.now()},
-                {.size = extent_}, line_of(pack4_count(extent_)));
+  commands.dispatch(plan_.compares_pixels ? anchored_assemble_ : assemble_,
+                    {.flux = flux_,
+                     .start = start_,
+                     .level0 = guide_.level0(),
+                     .source_term = multigrid_.cell_source_term(),
+                     .memory = anchor_.memory(),
+                     .last_shading = multigrid_.field(),
+                     .system = multigrid_.system(),
+                     .shading = gpu::aliased(multigrid_.field()),
+                     .now = anchor_.now()},
+                    {.size = extent_}, line_of(pack4_count(extent_)));
   commands.stage("assemble");
 }
 
@@ -125,8 +118,7 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
   Multigrid::Params multigrid = params.multigrid;
   // A single cycle has none to be combined with: what it overshoots, frames after it overshoot too.
   if (plan_.cycles == 1) multigrid.slowest = 0;
-  if (plan_.one_cell_cycle()) multigrid.cell_cycles = 1;
-  multigrid_.record_operators(commands, multigrid, list());
+  multigrid_.record_operators(commands, multigrid);
   bins_.record_weights(commands, guide_, terms_,
                        plan_.bins ? EdgePrior::max_chroma() * params.prior.chroma_weight : 0);
   commands.stage("operators");
@@ -144,8 +136,7 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
          .conditional = plan_.stops() && cycle > 0,
          .tolerance = plan_.cycle_tolerance},
         [&] { bins_.record(commands, guide_, state); },
-        [&] { bins_.record_source_term(commands, state, plan_.measures_bins); },
-        {list(), plan_.tiles() ? &active_.around() : nullptr});
+        [&] { bins_.record_source_term(commands, state, plan_.measures_bins); });
 }
 
 void IntrinsicDecomposition::make_plan(const Params& params, const FrameInfo& info) {
@@ -162,16 +153,13 @@ void IntrinsicDecomposition::make_plan(const Params& params, const FrameInfo& in
        .chroma = params.prior.chroma_weight > 0,
        .anchor = params.anchor.anchor_weight > 0,
        .tolerances = params.tolerances,
-       .cut_fraction = params.anchor.cut_fraction,
        .cycles = params.cycles,
        // What moves begins far from its solution, which strokes must not show.
        .warm_cycles = strokes_.mask().moves() ? std::max(params.warm_cycles, params.cycles)
                                               : params.warm_cycles},
       {.history = has_history_ && !other_strokes_,
        .warm_start = start_layers_ != nullptr,
-       .layers_reusable = last_ != nullptr,
-       .repeated = info.repeated,
-       .changed = active_.take(info.changed)},
+       .repeated = info.repeated},
       found);
 }
 
@@ -181,9 +169,8 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   take_strokes(commands, input, info);
   depth_cue_.set(info.known, has_history_);
   make_plan(params, info);
-  list_tiles(commands, params);
-  if (info.light) info.light->record_move(commands, plan_.tiles());
-  guide_.record(commands, input->buffer, info.light ? info.light->state() : nullptr, list());
+  if (info.light) info.light->record_move(commands);
+  guide_.record(commands, input->buffer, info.light ? info.light->state() : nullptr);
   commands.stage("guide");
   if (start_layers_) start_from_layers(commands, input);
   evaluate_edges(commands, params);
@@ -195,8 +182,6 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   const PlanePtr intrinsic = write_layers(commands, input, params, slope);
   record_report(commands, params, slope);
   commands.stage("layers");
-  active_.advance(plan_.tiles());
-  last_ = plan_.whole() ? nullptr : intrinsic;
   if (strokes_.mask().unfilled() || (strokes_.mask().fills() && strokes_.mask().moves()))
     before_ = {input, intrinsic};
   has_history_ = true;
@@ -245,24 +230,12 @@ EdgePrior::Target IntrinsicDecomposition::prior_target() {
           .depth = depth_cue_.empty() ? nullptr : &depth_cue_};
 }
 
-void IntrinsicDecomposition::list_tiles(gpu::Commands& commands, const Params& params) {
-  if (!plan_.tiles()) return;
-  active_.record_list(commands, multigrid_.cell_correction(),
-                      plan_.all_tiles ? kAllTiles : plan_.tile_tolerance, params.anchor.hold,
-                      strokes_.changed());
-  multigrid_.record_residual(commands, active_.around_before());
-  commands.stage("tiles");
-}
-
 void IntrinsicDecomposition::evaluate_edges(gpu::Commands& commands, const Params& params) {
   EdgePrior::Params prior = params.prior;
   if (!plan_.bins) prior.chroma_weight = 0;
   const EdgePrior::Target target = prior_target();
   if (!has_history_ || other_strokes_ || depth_cue_.changed()) prior_.reset();
   switch (plan_.edges) {
-    case Plan::Edges::tiles:
-      prior_.record_tiles(commands, guide_, target, prior, active_.list());
-      break;
     case Plan::Edges::compare:
       prior_.record_changes(commands, guide_, target, prior, params.tolerances.edge);
       break;
@@ -281,43 +254,32 @@ void IntrinsicDecomposition::find_scale(gpu::Commands& commands, const Params& p
                 plan_.history                   ? History::decided
                 : has_history_ || start_layers_ ? History::taken
                                                 : History::none,
-                params.scale, plan_.tiles(), light ? light->state() : nullptr);
+                params.scale, light ? light->state() : nullptr);
 }
 
 PlanePtr IntrinsicDecomposition::write_layers(gpu::Commands& commands, const PlanePtr& input,
                                               const Params& params, const PlanePtr& slope) {
-  PlanePtr intrinsic = layers_plane(commands);
+  PlanePtr intrinsic = planes_.acquire();
   const auto& gray = plan_.compares_pixels ? anchored_layers_ : layers_;
   const auto& colored = plan_.compares_pixels ? anchored_colored_layers_ : colored_layers_;
-  (slope ? colored : gray)
-      .dispatch(commands, list(),
-                {.frame = input->buffer,
-                 .cells = guide_.cells(),
-                 .guide_coarse = guide_.guide_coarse(),
-                 .scale = scale_.value(),
-                 .start = start_,
-                 .before = anchor_.memory(),
-                 .now = anchor_.now(),
-                 .shading = multigrid_.field(),
-                 .memory = gpu::aliased(anchor_.now()),
-                 .new_shading = gpu::aliased(multigrid_.field()),
-                 .cell_history = anchor_.kept(),
-                 .intrinsic = intrinsic->buffer,
-                 .slope = slope ? slope->buffer : scale_.value()},
-                {.size = extent_, .texture = 1 / params.anchor.hold_texture},
-                line_of(guide_.cell_extent().pixels()));
-  if (!plan_.whole())
-    active_.record_activity(commands, anchor_.memory(), anchor_.now(), list(),
-                            plan_.tile_tolerance);
-  anchor_.advance(commands, list());
+  commands.dispatch(slope ? colored : gray,
+                    {.frame = input->buffer,
+                     .cells = guide_.cells(),
+                     .guide_coarse = guide_.guide_coarse(),
+                     .scale = scale_.value(),
+                     .start = start_,
+                     .before = anchor_.memory(),
+                     .now = anchor_.now(),
+                     .shading = multigrid_.field(),
+                     .memory = gpu::aliased(anchor_.now()),
+                     .new_shading = gpu::aliased(multigrid_.field()),
+                     .cell_history = anchor_.kept(),
+                     .intrinsic = intrinsic->buffer,
+                     .slope = slope ? slope->buffer : scale_.value()},
+                    {.size = extent_, .texture = 1 / params.anchor.hold_texture},
+                    line_of(guide_.cell_extent().pixels()));
+  anchor_.advance();
   return intrinsic;
-}
-
-PlanePtr IntrinsicDecomposition::layers_plane(gpu::Commands& commands) {
-  if (plan_.tiles() && last_.use_count() == 1) return last_;
-  PlanePtr plane = planes_.acquire();
-  if (plan_.tiles()) commands.copy(last_->buffer, plane->buffer, plane->buffer->bytes());
-  return plane;
 }
 
 void IntrinsicDecomposition::continue_from(gpu::Commands& commands,
@@ -378,15 +340,9 @@ void IntrinsicDecomposition::record_report(gpu::Commands& commands, const Params
   if (plan_.history) copy(anchor_.cut_decision(), &Numbers::cut_decision);
   copy(scale_.value(), &Numbers::scale);
   if (slope) copy(slope->buffer, &Numbers::slope);
-  if (plan_.tiles()) copy(active_.list().words(), &Numbers::active);
   if (plan_.edges == Plan::Edges::compare) copy(prior_.evaluated(), &Numbers::evaluated);
   if (plan_.measures_bins) copy(bins_.binding(), &Numbers::binding);
   if (plan_.measures_gate) copy(gate_total_, &Numbers::gates);
-  if (!plan_.whole()) {
-    copy(active_.moving(), &Numbers::moving);
-    copy(guide_.statistics(), &Numbers::statistics);
-    copy(prior_.kept_statistics(), &Numbers::kept_statistics);
-  }
   if (!strokes_.empty())
     parts.push_back({.source = strokes_.residuals(),
                      .bytes = strokes_.count() * sizeof(Numbers::strokes[0]),
@@ -401,7 +357,6 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
   using Progress = shaders::intrinsic_multigrid_convergence;
   using Cut = shaders::intrinsic_temporal_cut_decision;
   using Bins = shaders::intrinsic_chroma_source_term;
-  using Statistics = shaders::intrinsic_guide_frame;
   Findings findings;
   findings.plan = plan;
   findings.tiles = of.stats.tiles;
@@ -429,19 +384,8 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
   if (plan.measures_gate)
     findings.gate = std::sqrt(numbers.gates[shaders::intrinsic_energy_cell_terms::GATE_SQUARES] /
                               static_cast<float>(guide_.cell_extent().pixels()));
-  findings.tiles_active = plan.tiles() ? numbers.active : of.stats.tiles;
-  findings.tiles_evaluated = plan.tiles()                         ? findings.tiles_active
-                             : plan.edges == Plan::Edges::compare ? numbers.evaluated
-                                                                  : of.stats.tiles;
-  if (plan.whole()) return findings;
-  findings.tiles_moving = numbers.moving;
-  const auto drift = [&](size_t slot, size_t i) {
-    return std::abs(numbers.statistics[slot][i] - numbers.kept_statistics[slot][i]);
-  };
-  findings.mean_drift = drift(Statistics::STATISTICS_MEAN, 0);
-  for (size_t i = 0; i < 4; ++i)
-    if (const float other = drift(Statistics::STATISTICS_SIGMAS, i); !(other <= findings.drift))
-      findings.drift = std::isnan(findings.drift) ? findings.drift : other;
+  findings.tiles_evaluated =
+      plan.edges == Plan::Edges::compare ? numbers.evaluated : of.stats.tiles;
   return findings;
 }
 

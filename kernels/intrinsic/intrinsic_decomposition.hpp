@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
 
 #include "kernels/image/layers.hpp"
 #include "kernels/intrinsic/chroma/chroma_bins.hpp"
@@ -16,7 +15,6 @@
 #include "kernels/intrinsic/recall/recall.hpp"
 #include "kernels/intrinsic/strokes/strokes.hpp"
 #include "kernels/intrinsic/temporal/temporal_anchor.hpp"
-#include "kernels/intrinsic/tiles/active_tiles.hpp"
 #include "kernels/intrinsic_energy_assemble.spv.hpp"
 #include "kernels/intrinsic_energy_cell_terms.spv.hpp"
 #include "kernels/intrinsic_energy_warm_start.spv.hpp"
@@ -48,10 +46,7 @@ class IntrinsicDecomposition {
     bool operator==(const Params&) const = default;
   };
   struct FrameInfo {
-    bool reset = false;  ///< no relation to the frame before (discontinuity)
-    /// Of every tile of 16 x 16 pixels, row by row, 0 if its input is, bit by bit, that of the
-    /// frame before. Empty: not known.
-    std::span<const uint8_t> changed = {};
+    bool reset = false;           ///< no relation to the frame before (discontinuity)
     bool repeated = false;        ///< the picture is that of the frame before, bit by bit
     SceneLight* light = nullptr;  ///< what it measured of this frame; null: light is gray
     StrokesPtr strokes = {};      ///< of the user; other ones than before start the solve anew
@@ -79,14 +74,10 @@ class IntrinsicDecomposition {
   /// one must have been waited for.
   Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                 const FrameInfo& info);
-  /// The only tiles where a drawing of the last frame's layers, or of its input, may differ from
-  /// one of the frame before; null: all.
-  const TileList* drawn() const { return plan_.tiles() ? &active_.drawn() : nullptr; }
   /// Forgets the frames so far (flush, discontinuity).
   void reset() {
     has_history_ = false;
     start_layers_.reset();
-    last_.reset();
     before_ = {};
     strokes_.forget();
   }
@@ -107,7 +98,6 @@ class IntrinsicDecomposition {
   struct Findings : Planner::Found {
     float mismatch = 0;          ///< with the frame before, 0…1; 0 without one
     float scale = 0;             ///< ln of the factor from the solver's R to the layer's
-    uint32_t tiles_active = 0;   ///< that were worked on
     float slope = 0;             ///< of the color of light; 0: gray
     float slope_confidence = 1;  ///< 0…1
     SceneLight::Did slope_found = SceneLight::Did::reused;
@@ -129,12 +119,9 @@ class IntrinsicDecomposition {
   const Report& report(uint64_t frame) const { return reports_[frame]; }
   /// What the prior writes, and the strokes that change it.
   EdgePrior::Target prior_target();
-  /// The list of tiles that stages run on; null: on all.
-  const TileList* list() const { return plan_.tiles() ? &active_.list() : nullptr; }
   // The parts of `record`, in its order.
   void take_strokes(gpu::Commands& commands, const PlanePtr& input, const FrameInfo& info);
   void make_plan(const Params& params, const FrameInfo& info);
-  void list_tiles(gpu::Commands& commands, const Params& params);
   void start_from_layers(gpu::Commands& commands, const PlanePtr& input);
   void evaluate_edges(gpu::Commands& commands, const Params& params);
   void assemble(gpu::Commands& commands, const TemporalAnchor::Params& params,
@@ -143,8 +130,6 @@ class IntrinsicDecomposition {
   PlanePtr write_layers(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                         const PlanePtr& slope);
   void find_scale(gpu::Commands& commands, const Params& params, const SceneLight* light);
-  /// The plane for the layers: if only tiles are worked on, one that has the others.
-  PlanePtr layers_plane(gpu::Commands& commands);
   void record_report(gpu::Commands& commands, const Params& params, const PlanePtr& slope);
 
   std::shared_ptr<gpu::Device> device_;
@@ -159,11 +144,10 @@ class IntrinsicDecomposition {
   ChromaBins bins_;
   Multigrid multigrid_;
   OutputScale scale_;
-  ActiveTiles active_;
-  TileProgram<shaders::intrinsic_energy_cell_terms> terms_kernel_, anchored_terms_kernel_,
+  gpu::Program<shaders::intrinsic_energy_cell_terms> terms_kernel_, anchored_terms_kernel_,
       measuring_terms_kernel_;
-  TileProgram<shaders::intrinsic_energy_assemble> assemble_, anchored_assemble_;
-  TileProgram<shaders::intrinsic_output_layers> layers_, anchored_layers_, colored_layers_,
+  gpu::Program<shaders::intrinsic_energy_assemble> assemble_, anchored_assemble_;
+  gpu::Program<shaders::intrinsic_output_layers> layers_, anchored_layers_, colored_layers_,
       anchored_colored_layers_;
   gpu::Program<shaders::intrinsic_energy_warm_start> warm_start_;
   gpu::Program<shaders::solve_total> total_;
@@ -181,8 +165,7 @@ class IntrinsicDecomposition {
   Params params_;         // that the frames so far were found with
   bool cleared_ = false;  // unused slots of sums
   Planner planner_;
-  Plan plan_;      // of the frame being recorded
-  PlanePtr last_;  // the layers of the frame before, if the next one can reuse tiles of them
+  Plan plan_;  // of the frame being recorded
 };
 
 }  // namespace inverse

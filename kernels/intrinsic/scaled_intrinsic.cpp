@@ -67,10 +67,7 @@ ScaledIntrinsic::Solved ScaledIntrinsic::solve(gpu::Commands& commands, size_t h
     commands.keep(inputs[k + 1]);
   }
   if (halvings > 0) commands.stage("halve");
-  // Tiles are those of the full resolution.
-  FrameInfo here = info;
-  if (halvings > 0) here.changed = {};
-  const Layers layers = method(halvings).record(commands, inputs[halvings], params, here);
+  const Layers layers = method(halvings).record(commands, inputs[halvings], params, info);
   Solved solved{layers[Role::intrinsic], layers[Role::slope]};
   for (size_t k = halvings; k-- > 0;) {
     const PlanePtr finer = steps_[k]->layers.acquire();
@@ -148,7 +145,6 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
     past.stats.compared = true;
     past.stats.plan.run.emplace_back("other resolution: it is compared in this frame");
   }
-  full_frames_ = now == 0 && !crossed && shown == intrinsic ? std::min(full_frames_ + 1, 2U) : 0;
   was_ = now;
   ++recorded_;
   commands.keep(input);

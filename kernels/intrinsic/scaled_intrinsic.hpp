@@ -62,8 +62,6 @@ class ScaledIntrinsic {
   /// As IntrinsicDecomposition::record.
   Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                 const FrameInfo& info);
-  /// As IntrinsicDecomposition::drawn; null after a frame of another resolution.
-  const TileList* drawn() const { return full_frames_ > 1 ? methods_[0]->drawn() : nullptr; }
   /// Whether another run on the picture of `frame`, one of the last kFramesInFlight that is done,
   /// would change little: its last cycle did, no layers fade, and no stroke is filled.
   bool converged(uint64_t frame, const Params& params) const {
@@ -130,7 +128,6 @@ class ScaledIntrinsic {
   bool first_ = true;   // no frame is before the next one
   size_t was_ = 0;      // halvings of the frame before
   size_t min_halvings_;
-  unsigned full_frames_ = 0;  // in a row, up to 2, solved and shown at full resolution
 };
 
 }  // namespace inverse

@@ -2,7 +2,6 @@
 #pragma once
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -14,7 +13,7 @@ class LightPlanner {
   enum class Light : uint8_t {
     measure,       ///< measured
     measure_keep,  ///< measured, and kept for the next frames
-    reuse,         ///< that of the frame before, but for tiles that changed
+    reuse,         ///< that of the frame before
   };
   struct Plan {
     Light light = Light::measure;
@@ -31,35 +30,23 @@ class LightPlanner {
     /// back, or if parameters ask for light anyway.
     std::optional<bool> had_color;
     bool light_asked = false;  ///< by parameters, whatever the colors are
-    /// Of every tile of 16 x 16 pixels, row by row, 0 if its input is that of the frame before;
-    /// empty if that is not known.
-    std::span<const uint8_t> changed;
-    uint32_t columns = 0;  ///< tiles in a row
+    bool repeated = false;     ///< the picture is that of the frame before
   };
 
   Plan next(const Frame& frame);
-  void reset() { static_frames_ = gray_frames_ = 0; }
-  /// Of the last frame: the tiles that changed and those beside them, whose chroma is interpolated
-  /// from them.
-  const std::vector<uint8_t>& tiles() const { return tiles_; }
+  void reset() { repeats_ = gray_frames_ = 0; }
 
   /// Frames in a row without color after which only that is measured.
   static constexpr uint32_t kGrayFrames = 8;
-  /// Frames in a row, each with at most kMaxChangedTiles, after which light is reused.
-  static constexpr uint32_t kStaticFrames = 12;
-  /// Frames for which light is reused, and the share of tiles that may change in that time. Then it
-  /// is measured for some frames.
-  static constexpr uint32_t kReuseFrames = 64, kMeasureFrames = 4;
-  static constexpr float kMaxEverChanged = 0.4F;
+  /// Repeats of a picture after which its light is reused.
+  static constexpr uint32_t kRepeats = 12;
 
  private:
   bool gray(const Frame& frame);
   /// Returns why light is measured; null if it is reused.
   const char* reason_to_measure(const Frame& frame);
 
-  uint32_t gray_frames_ = 0, static_frames_ = 0;  // in a row
-  std::vector<uint8_t> tiles_;
-  std::vector<uint8_t> ever_changed_;  // tiles, since light was measured
+  uint32_t gray_frames_ = 0, repeats_ = 0;  // in a row
 };
 
 }  // namespace inverse

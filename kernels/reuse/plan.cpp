@@ -7,8 +7,8 @@
 
 namespace inverse {
 
-// Numbers in the reasons.
-static_assert(gpu::kFramesInFlight == 3 && Planner::kAllEvery == 32);
+// A number in the reasons.
+static_assert(gpu::kFramesInFlight == 3);
 
 bool Planner::old_enough() const { return since_restart_ >= gpu::kFramesInFlight; }
 
@@ -25,40 +25,6 @@ bool Planner::may_stop(float tolerance, const std::optional<Found>& found) const
   if (found->cycles < found->plan.cycles) return true;
   // A cycle changes about a third of what the one before it did.
   return found->change < tolerance / 3;
-}
-
-const char* Planner::choose_mode(Plan& plan, const Params& params, const Frame& frame,
-                                 const std::optional<Found>& found) {
-  const auto whole = [&](const char* reason) {
-    static_frames_ = 0;
-    return reason;
-  };
-  if (!params.adaptive) return whole(kNotAdaptive);
-  if (!(params.tolerances.tile > 0)) return whole("tile-tolerance is 0");
-  if (!(plan.tile_tolerance > 0))
-    return whole("repeated picture: all are solved until they converge");
-  if (frame.warm_start) return whole("the resolution changed");
-  if (!plan.compares_pixels || !compared_pixels_)
-    return whole("the temporal anchor of pixels was off in this or the last frame");
-  // If so many tiles change that they make a cut, skipping the others is not worth it.
-  if (frame.changed > std::min(kMaxChangedTiles, 0.9F * params.cut_fraction))
-    return whole(
-        frame.changed < 1
-            ? "too many of them changed"
-            : "all of them changed, or it is unknown which (always so at half resolution)");
-  // Skipped tiles reuse what was decided for them.
-  if (!frame.layers_reusable || since_restart_ == 0 || (params.chroma && bins_matter_) != bins_)
-    static_frames_ = 0;
-  plan.mode = Plan::Mode::watched;
-  if (static_frames_++ < gpu::kFramesInFlight || !found)
-    return "few of them changed, but for fewer than 3 frames, or chroma bins were switched";
-  if (static_cast<float>(found->tiles_moving) > kMaxMoving * static_cast<float>(found->tiles))
-    return "too many of them have not converged";
-  const float tolerance = params.tolerances.edge;
-  if (!(found->drift <= tolerance && found->mean_drift <= kMeanDrift * tolerance))  // nor for NaN
-    return "statistics of the whole frame changed";
-  plan.mode = Plan::Mode::tiles;
-  return "few of them changed";
 }
 
 Plan Planner::next(const Params& params, const Frame& frame, const std::optional<Found>& found) {
@@ -78,28 +44,18 @@ Plan Planner::next(const Params& params, const Frame& frame, const std::optional
       frame.repeated ? std::min(tolerances.cycle, tolerances.repeat) : tolerances.cycle;
   if (params.adaptive && (!plan.history || may_stop(tolerance, found)))
     plan.cycle_tolerance = tolerance;
-  plan.tile_tolerance = frame.repeated && repeated_ ? 0 : tolerances.tile;
-  repeated_ = frame.repeated;
-  const char* mode_reason = choose_mode(plan, params, frame, found);
-  tile_frames_ = plan.tiles() ? tile_frames_ + 1 : 0;
-  plan.all_tiles = tile_frames_ % kAllEvery == kAllEvery - 1;
-  if (plan.tiles())
-    plan.edges = Plan::Edges::tiles;
-  else if (params.adaptive && (!many_edges_change_ || since_restart_ % kCompareEvery == 0))
+  if (params.adaptive && (!many_edges_change_ || since_restart_ % kCompareEvery == 0))
     plan.edges = Plan::Edges::compare;
   else if (params.adaptive && (since_restart_ + 1) % kCompareEvery == 0)
     plan.edges = Plan::Edges::all_save;
-  // A frame of Mode::tiles measures nothing of the whole.
   const bool measure =
-      !plan.tiles() && params.adaptive &&
+      params.adaptive &&
       (since_restart_ == kMeasureSoon ||  // the first one with a converged history
        since_restart_ % (bins_matter_ && gate_matters_ ? kMeasureEvery : kMeasureSoon) == 0);
   ++since_restart_;
   plan.bins = params.chroma && (!params.adaptive || bins_matter_ || measure);
   plan.measures_bins = measure && params.chroma;
   plan.measures_gate = measure && plan.history;
-  compared_pixels_ = plan.compares_pixels;
-  bins_ = plan.bins;
 
   const auto skip = [&](const std::string& stage, const char* reason) {
     plan.skipped.push_back(stage + ": " + reason);
@@ -122,10 +78,6 @@ Plan Planner::next(const Params& params, const Frame& frame, const std::optional
     run("chroma bins", plan.measures_bins ? "their effect is measured"
                        : params.adaptive  ? "their effect is not known to be below its tolerance"
                                           : kNotAdaptive);
-  if (plan.tiles() && !plan.all_tiles)
-    skip("tiles", "their input is unchanged and they have converged");
-  else
-    run("all tiles", plan.all_tiles ? "once in 32 frames that skip tiles" : mode_reason);
   if (plan.edges == Plan::Edges::all || plan.edges == Plan::Edges::all_save)
     run("edges of all tiles", params.adaptive ? "most of them changed" : kNotAdaptive);
   if (!plan.stops())

@@ -12,26 +12,16 @@ namespace inverse {
 /// What of a frame of IntrinsicDecomposition is run, and what is skipped. A plain value: stages
 /// obey it.
 struct Plan {
-  /// How tiles are worked on.
-  enum class Mode : uint8_t {
-    whole,    ///< all
-    watched,  ///< all, and it is measured which of them still move: the input of few changed
-    tiles,    ///< only those that need work
-  };
   /// What is done about the weights of edges.
   enum class Edges : uint8_t {
     all,       ///< evaluated
     all_save,  ///< evaluated, and saved for the next frame to compare with
     compare,   ///< evaluated in tiles that changed, reused in others
-    tiles,     ///< evaluated in the tiles of Mode::tiles
   };
-  Mode mode = Mode::whole;
-  bool all_tiles = false;  ///< Mode::tiles: this time all of them
   Edges edges = Edges::all;
   bool history = false;          ///< the frame before is part of the energy
   uint32_t cycles = 0;           ///< of the multigrid, at most
   float cycle_tolerance = 0;     ///< no cycle follows one that changes less; 0: all run
-  float tile_tolerance = 0;      ///< estimated error of a tile above which it is worked on
   bool compares_pixels = false;  ///< with those of the frame before
   bool bins = true;              ///< the chroma bins are part of the energy
   bool measures_bins = false, measures_gate = false;
@@ -39,11 +29,6 @@ struct Plan {
   std::vector<std::string> skipped, run;
 
   bool stops() const { return cycle_tolerance > 0; }  ///< cycles end if they change little
-  bool whole() const { return mode == Mode::whole; }
-  bool tiles() const { return mode == Mode::tiles; }
-  /// The tiles of Mode::tiles solve one cycle on cells: the others' problem there is that of the
-  /// frame before, and its solution so far is reused.
-  bool one_cell_cycle() const { return tiles() && !all_tiles; }
   bool operator==(const Plan&) const = default;
 };
 
@@ -56,16 +41,13 @@ class Planner {
   struct Params {
     bool adaptive = true, chroma = true, anchor = true;  ///< chroma, anchor: have a weight
     Tolerances tolerances;
-    float cut_fraction = 1;
     uint32_t cycles = 4, warm_cycles = 2;
   };
   /// What is known of a frame before anything of it is recorded.
   struct Frame {
-    bool history = false;          ///< there is a frame before, and it is compared with that
-    bool warm_start = false;       ///< the one before is of another resolution
-    bool layers_reusable = false;  ///< the layers of the one before are still there
-    bool repeated = false;         ///< the picture is that of the frame before
-    float changed = 1;             ///< share of tiles, with those beside them; 1: not known
+    bool history = false;     ///< there is a frame before, and it is compared with that
+    bool warm_start = false;  ///< the one before is of another resolution
+    bool repeated = false;    ///< the picture is that of the frame before
   };
   /// What the frame kFramesInFlight before it found.
   struct Found {
@@ -76,10 +58,6 @@ class Planner {
     uint32_t tiles = 0, tiles_evaluated = 0;  ///< all, and those whose edges were evaluated
     float binding = 0;  ///< with Plan::measures_bins: effect of the chroma bins, rms log shading
     float gate = 0;     ///< with Plan::measures_gate: the anchor's gate, rms over cells
-    uint32_t tiles_moving = 0;  ///< not with Mode::whole: that moved by more than tile_tolerance
-    /// Of its statistics from those that edges were evaluated with: of the mean log intensity, and
-    /// the largest of the others.
-    float mean_drift = 0, drift = 0;
   };
 
   /// The next frame is the first one of its kind: without a past, or with other parameters.
@@ -92,27 +70,15 @@ class Planner {
   /// Frames from one comparison of tiles to the next if edges of most tiles are evaluated:
   /// comparing then costs more than it saves.
   static constexpr uint64_t kCompareEvery = 8;
-  /// Share of tiles that need work above which a list of them saves too little.
-  static constexpr float kMaxMoving = 0.5F;
-  /// How many times as far as the other statistics their mean may drift.
-  static constexpr float kMeanDrift = 4;
-  /// Frames of Mode::tiles from one that works on all tiles to the next.
-  static constexpr uint64_t kAllEvery = 32;
 
  private:
   void learn(const Params& params, const Found& found);
   /// Whether cycles are likely to end early, so that measuring their change is worth it.
   bool may_stop(float tolerance, const std::optional<Found>& found) const;
-  /// Sets the mode; returns the reason.
-  const char* choose_mode(Plan& plan, const Params& params, const Frame& frame,
-                          const std::optional<Found>& found);
   bool old_enough() const;
 
   uint64_t since_restart_ = 0;  // frames
   bool bins_matter_ = true, gate_matters_ = true, many_edges_change_ = false;
-  uint64_t static_frames_ = 0;  // in a row, watched or tiles
-  uint64_t tile_frames_ = 0;    // Mode::tiles since the last other one
-  bool compared_pixels_ = false, bins_ = true, repeated_ = false;  // the frame before
 };
 
 }  // namespace inverse

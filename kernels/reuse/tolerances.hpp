@@ -4,8 +4,8 @@
 namespace inverse {
 
 /// Thresholds up to which work is skipped; 0 never skips. Initializers are shares of kSkipError.
-/// Independent errors of half resolution, tiles (up to twice their tolerance), chroma bins and
-/// cycles add up to .8 of it; those of edges and gate are changes of what an error depends on.
+/// Independent errors of half resolution, chroma bins and cycles add up to .64 of it; those of
+/// edges and gate are changes of what an error depends on.
 struct Tolerances {
   /// The target for the error of all skipping by default, rms log shading.
   static constexpr float kSkipError = 0.1F;
@@ -13,9 +13,6 @@ struct Tolerances {
   /// Distance between half and full resolution, rms log shading (LayerDistance), 0…1, below which
   /// half is chosen.
   float half = 0.06F;
-  /// Estimated error of a skipped tile, rms log shading, 0…1, above which it is computed again.
-  /// Only tiles whose input is unchanged are skipped.
-  float tile = 0.02F;
   /// Effect of the chroma bins, rms log shading of cell means, weighted by the value prior, 0…1,
   /// below which they are skipped.
   float chroma = 0.02F;
@@ -34,8 +31,7 @@ struct Tolerances {
   /// Makes them the same shares of another error.
   void scale_to(float skip_error) {
     const float factor = skip_error / kSkipError;
-    for (float* tolerance : {&half, &tile, &chroma, &cycle, &repeat, &edge, &gate})
-      *tolerance *= factor;
+    for (float* tolerance : {&half, &chroma, &cycle, &repeat, &edge, &gate}) *tolerance *= factor;
   }
   bool operator==(const Tolerances&) const = default;
 };

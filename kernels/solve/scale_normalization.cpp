@@ -88,8 +88,7 @@ void ScaleNormalization::record(gpu::Commands& commands, const Frame& frame) {
                     {.size = cells_,
                      .count = follows ? points : 0,
                      .log_white = std::log(frame.white_level),
-                     .history = static_cast<uint32_t>(frame.history),
-                     .frozen = frame.frozen},
+                     .history = static_cast<uint32_t>(frame.history)},
                     {});
   if (follows) ++frames_;
   before_.swap(now_);

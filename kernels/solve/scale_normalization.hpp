@@ -29,7 +29,6 @@ class ScaleNormalization {
     gpu::BufferPtr decision;  ///< vec4, with History::decided: its second number is 0 at a cut
     History history = History::none;
     float white_level = 1;  ///< of reflectance, > 0
-    bool frozen = false;    ///< the scale stays that of the frame before
     /// vec4: slope k of the color of light, m at which it is white, by which the cells' color was
     /// corrected; null: it was not.
     gpu::BufferPtr light;

@@ -18,7 +18,6 @@ layout(push_constant) uniform Push {
   uint count;       // 0: none were followed
   float log_white;  // ln of the white level
   uint history;     // 0: no frame before; 1: one, on which `decision` decides; 2: one without a decision
-  uint frozen;      // 1: the scale stays
 } push;
 
 const int kRounds = 10;
@@ -80,7 +79,7 @@ void main() {
   float before = state.y, offset = center_of.x, exposure = LOAD(scale, SCALE_LIGHT).x;
 
   bool tracked = known && found > kMinFound;
-  float shift = 0.0, brighter = tracked && goal.y > 0.0 && push.frozen == 0u ? center_of.y - exposure : 0.0;
+  float shift = 0.0, brighter = tracked && goal.y > 0.0 ? center_of.y - exposure : 0.0;
   float white = state.w + brighter;
   STORE(scale, SCALE_LIGHT, vec4(exposure + brighter, FETCH(light, 0).xy, brighter));
 
@@ -94,7 +93,7 @@ void main() {
   if (!known) {
     offset = goal.x;
     white = goal.z - offset;
-  } else if (push.frozen == 1u || push.count == 0u) {
+  } else if (push.count == 0u) {
     offset = now.z;
   } else if (!tracked) {
     offset = mix(now.z, goal.x, kFollow);

@@ -13,16 +13,13 @@ PLANE_IN(2, scene);
 PLANE_IN(3, tau);     // divide_tint.comp
 PLANE_OUT(4, light);  // may be the same buffer
 SCALAR_OUT(5, memory);
-#define TILE_CONSTANT 1
-#define TILE_BINDING 6
-#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   ivec2 size;
   uint first_row;
 } push;
 
 void main() {
-  ivec2 first = ivec2(tile_position(uint(push.size.x + 3) / 4u)) * ivec2(4, 1) + ivec2(0, push.first_row);
+  ivec2 first = ivec2(grid_position(uint(push.size.x + 3) / 4u)) * ivec2(4, 1) + ivec2(0, push.first_row);
   if (first.y >= push.size.y) return;
   vec3 white = color_of(FETCH(scene, SCENE_WHITE).xy);
   int last = min(first.x + 4, push.size.x);

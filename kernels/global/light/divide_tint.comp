@@ -20,9 +20,6 @@ PLANE_IN(7, scene);
 PLANE_IN(8, light_state);  // light.glsl
 PLANE_OUT(9, plain);
 PLANE_OUT(10, light);
-#define TILE_CONSTANT 2
-#define TILE_BINDING 11
-#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   SIZES
   float white_level, residual_sigma, tint_sigma;
@@ -36,7 +33,7 @@ const float kMinTau = 0.02;  // of a channel
 #define BLEND(name) mix(mix(name[0], name[1], u.y), mix(name[2], name[3], u.y), v.y)
 
 void main() {
-  ivec2 first = ivec2(tile_position(uint(push.size.x + 3) / 4u)) * ivec2(4, 1) + ivec2(0, push.first_row);
+  ivec2 first = ivec2(grid_position(uint(push.size.x + 3) / 4u)) * ivec2(4, 1) + ivec2(0, push.first_row);
   if (first.y >= push.size.y) return;
   vec4 known = FETCH(scene, SCENE_AMOUNT), statistics = FETCH(scene, SCENE_TINT);
   bool cut = FETCH(scene, SCENE_TIME)[TIME_CUT] > 0.0;

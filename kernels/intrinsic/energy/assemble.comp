@@ -19,14 +19,11 @@ PLANE_IN(5, last_shading);  // its solution
 PLANE_OUT(6, system);       // SYSTEM_FINE_STRIDE
 PLANE_OUT(7, shading);      // the same buffer as the last frame's
 PLANE_OUT(8, now);          // m
-#define TILE_CONSTANT 2
-#define TILE_BINDING 9
-#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push { uvec2 size; } push;
 
 void main() {
   uint packs = PACK4(push.size.x);
-  uvec2 position = tile_position(packs);
+  uvec2 position = grid_position(packs);
   if (position.y >= push.size.y) return;
   int at = int(position.y * packs + position.x);
   vec4 right = FETCH(flux, FLUX_STRIDE * at + FLUX_RIGHT);

@@ -23,10 +23,6 @@ PLANE_OUT(9, start);
 PLANE_INOUT(10, source_term);  // of the last frame: a good initial value if this frame continues it
 PLANE_OUT(11, sums);
 #define GATE_SQUARES 0   // sum of gate^2
-PLANE_IN(12, activity);  // of tiles (activity.glsl)
-#define TILE_CONSTANT 3
-#define TILE_BINDING 13
-#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;    // of level 2
   float anchor;  // t without motion
@@ -81,29 +77,18 @@ vec4 make(uint packs, uvec2 position) {
   vec4 from = kAnchored ? mix(target, FETCH(means, at) + FETCH(correction, at), decision[CUT_ANCHORED] * cell_gate) : target;
   STORE(start, START_STRIDE * at + START_VALUE, from - max_channel);
   STORE(start, START_STRIDE * at + START_GATE, gate);
-  vec4 hold = gate * push.hold / (1.0 + change * change), share = vec4(1.0);
-  if (kAnchored && kTileAcross > 0u) {
-    // For a tile that was skipped for n frames: reflectance moves as far as in n frames, hold^n of it is kept, and the gate is opened n
-    // times as wide for slow parts of the solution, of which each frame passes only (1 - hold).
-    float n = FETCH(activity, tile).y;
-    if (n > 1.0) {
-      vec4 hold_n = pow(hold, vec4(n));
-      share = (1.0 - hold_n) / (n * (1.0 - hold));
-      hold = hold_n;
-    }
-  }
-  STORE(start, START_STRIDE * at + START_HOLD, hold);
+  STORE(start, START_STRIDE * at + START_HOLD, gate * push.hold / (1.0 + change * change));
   vec4 source_before = kAnchored ? gate * LOAD(source_term, SOURCE_STRIDE * at + SOURCE_VALUE) : vec4(0.0);
   STORE(source_term, SOURCE_STRIDE * at + SOURCE_VALUE, MASKED(source_before, inside));
   STORE(source_term, SOURCE_STRIDE * at + SOURCE_SCREENING, v + g);
   float weight = push.anchor * min(decision[CUT_FRAMES] / push.frames, 1.0);
-  STORE(source_term, SOURCE_STRIDE * at + SOURCE_ANCHOR, weight * MASKED(share * gate, inside));
+  STORE(source_term, SOURCE_STRIDE * at + SOURCE_ANCHOR, weight * MASKED(gate, inside));
   return MASKED(gate, inside);
 }
 
 void main() {
   uint packs = PACK4(push.size.x);
-  uvec2 position = tile_position(packs);
+  uvec2 position = grid_position(packs);
   vec4 gate = vec4(0.0);
   if (position.y < push.size.y) gate = make(packs, position);
   vec4 sum = vec4(0.0);

@@ -9,9 +9,6 @@
 // The guide's level 2 from its level 0: means over 4 x 4 pixels, and how active they are. One cell an invocation.
 PLANE_IN(0, fine);
 PLANE_OUT(1, cells);
-#define TILE_CONSTANT 1
-#define TILE_BINDING 2
-#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push { uvec2 size; } push;  // of level 0
 
 ivec2 last = ivec2(push.size) - 1;
@@ -23,7 +20,7 @@ vec4 pixel(int x, int y) {
 vec2 activity(vec4 step) { return vec2(abs(step.x), length(step.yz)); }
 
 void main() {
-  uvec2 half_size = (push.size + 1u) / 2u, cell_size = (half_size + 1u) / 2u, cell = tile_position(cell_size.x);
+  uvec2 half_size = (push.size + 1u) / 2u, cell_size = (half_size + 1u) / 2u, cell = grid_position(cell_size.x);
   if (cell.y >= cell_size.y) return;
   ivec2 first = ivec2(4u * cell);
   uvec2 count = min(push.size - 4u * cell, uvec2(4u));

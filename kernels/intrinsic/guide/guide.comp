@@ -12,13 +12,10 @@ PLANE_IN(0, frame);
 PLANE_IN(1, light);  // light.glsl
 PLANE_OUT(2, fine);
 PLANE_OUT(3, coarse);
-#define TILE_CONSTANT 2
-#define TILE_BINDING 4
-#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push { uvec2 size; } push;
 
 void main() {
-  uvec2 cells = (push.size + 1u) / 2u, cell = tile_position(cells.x);
+  uvec2 cells = (push.size + 1u) / 2u, cell = grid_position(cells.x);
   if (cell.y >= cells.y) return;
   vec4 sum = vec4(0.0), now = kColored ? FETCH(light, LIGHT_NOW) : vec4(0.0);
   for (uint k = 0u; k < 4u; ++k) {

@@ -20,10 +20,10 @@ Guide::Guide(const std::shared_ptr<gpu::Device>& device, Extent extent)
       extent1_(half_of(extent)),
       extent2_(half_of(extent1_)),
       extent4_(half_of(half_of(extent2_))),
-      guide_(device, {}, 8, 8),
-      colored_guide_(device, {.colored = true}, 8, 8),
-      cells_kernel_(device, {}, 4, 4),
-      guide_coarse_kernel_(device, {}, 1, 1),
+      guide_(device),
+      colored_guide_(device, {.colored = true}),
+      cells_kernel_(device),
+      guide_coarse_kernel_(device),
       sum_(device, {.rows = kRows}),
       frame_(device, {}, shaders::intrinsic_guide_frame::kSumLanes),
       colored_frame_(device, {.colored = true}, shaders::intrinsic_guide_frame::kSumLanes) {
@@ -41,19 +41,18 @@ Guide::Guide(const std::shared_ptr<gpu::Device>& device, Extent extent)
 }
 
 void Guide::record(gpu::Commands& commands, const gpu::BufferPtr& frame,
-                   const gpu::BufferPtr& light, const TileList* listed) {
+                   const gpu::BufferPtr& light) {
   if (!cleared_)
     for (const auto& sums : sums_) commands.fill(sums);
   cleared_ = true;
-  (light ? colored_guide_ : guide_)
-      .dispatch(
-          commands, listed,
-          {.frame = frame, .light = light ? light : frame, .fine = level0_, .coarse = level1_},
-          {.size = extent_}, line_of(extent1_.pixels()));
-  cells_kernel_.dispatch(commands, listed, {.fine = level0_, .cells = cells_}, {.size = extent_},
-                         line_of(extent2_.pixels()));
-  guide_coarse_kernel_.dispatch(commands, listed, {.cells = cells_, .guide_coarse = guide_coarse_},
-                                {.size = extent2_}, line_of(extent4_.pixels()));
+  commands.dispatch(
+      light ? colored_guide_ : guide_,
+      {.frame = frame, .light = light ? light : frame, .fine = level0_, .coarse = level1_},
+      {.size = extent_}, line_of(extent1_.pixels()));
+  commands.dispatch(cells_kernel_, {.fine = level0_, .cells = cells_}, {.size = extent_},
+                    line_of(extent2_.pixels()));
+  commands.dispatch(guide_coarse_kernel_, {.cells = cells_, .guide_coarse = guide_coarse_},
+                    {.size = extent2_}, line_of(extent4_.pixels()));
   commands.dispatch(sum_,
                     {.level = level1_,
                      .intensity_sums = sums_[0],

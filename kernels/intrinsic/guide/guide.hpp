@@ -2,8 +2,8 @@
 #pragma once
 #include <memory>
 
+#include "kernels/gpu/commands.hpp"
 #include "kernels/image/pack4.hpp"
-#include "kernels/image/tiles/tile_list.hpp"
 #include "kernels/intrinsic_guide_cells.spv.hpp"
 #include "kernels/intrinsic_guide_frame.spv.hpp"
 #include "kernels/intrinsic_guide_guide.spv.hpp"
@@ -19,10 +19,8 @@ class Guide {
   /// Throws Error(limit) if the planes do not fit the device.
   Guide(const std::shared_ptr<gpu::Device>& device, Extent extent);
   /// Records the guide of a frame in light of the color `light` (SceneLight::state); null: gray
-  /// light. If `listed` is not null, only of its tiles; statistics of the frame are then of these
-  /// and of the old others.
-  void record(gpu::Commands& commands, const gpu::BufferPtr& frame, const gpu::BufferPtr& light,
-              const TileList* listed = nullptr);
+  /// light.
+  void record(gpu::Commands& commands, const gpu::BufferPtr& frame, const gpu::BufferPtr& light);
 
   Extent extent() const { return extent_; }
   Extent extent1() const { return extent1_; }
@@ -42,9 +40,9 @@ class Guide {
 
  private:
   Extent extent_, extent1_, extent2_, extent4_;
-  TileProgram<shaders::intrinsic_guide_guide> guide_, colored_guide_;
-  TileProgram<shaders::intrinsic_guide_cells> cells_kernel_;
-  TileProgram<shaders::intrinsic_guide_guide_coarse> guide_coarse_kernel_;
+  gpu::Program<shaders::intrinsic_guide_guide> guide_, colored_guide_;
+  gpu::Program<shaders::intrinsic_guide_cells> cells_kernel_;
+  gpu::Program<shaders::intrinsic_guide_guide_coarse> guide_coarse_kernel_;
   gpu::Program<shaders::intrinsic_guide_statistics> sum_;
   gpu::Program<shaders::intrinsic_guide_frame> frame_, colored_frame_;
   gpu::BufferPtr level0_, level1_, cells_, guide_coarse_, statistics_;

@@ -8,13 +8,10 @@
 // The guide's level 4 from its level 2. One cell of level 4 an invocation.
 PLANE_IN(0, cells);
 PLANE_OUT(1, guide_coarse);
-#define TILE_CONSTANT 1
-#define TILE_BINDING 2
-#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push { uvec2 size; } push;  // of level 2
 
 void main() {
-  uvec2 half_size = (push.size + 1u) / 2u, wide_size = (half_size + 1u) / 2u, cell = tile_position(wide_size.x);
+  uvec2 half_size = (push.size + 1u) / 2u, wide_size = (half_size + 1u) / 2u, cell = grid_position(wide_size.x);
   if (cell.y >= wide_size.y) return;
   vec4 sum = vec4(0.0);
   for (uint k = 0u; k < 16u; ++k) {

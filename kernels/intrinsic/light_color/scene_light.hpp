@@ -52,9 +52,9 @@ class SceneLight {
               bool first);
   /// The next frame has no relation to those so far: frames between are not recorded.
   void restart() { frames_ = 0; }
-  /// Records taking that over for the frame, unless it reuses layers, whose light must stay what it
-  /// was. The first call for a frame decides: that of the solver whose layers are shown.
-  void record_move(gpu::Commands& commands, bool reuses);
+  /// Records taking that over for the frame, unless it reuses the light of the frame before. The
+  /// first call for a frame decides: that of the solver whose layers are shown.
+  void record_move(gpu::Commands& commands, bool reuses = false);
   /// Of the frame recorded last (light.glsl).
   const gpu::BufferPtr& state() const { return light_; }
   /// What the layers of that frame carry, one vec4 (Role::slope). `scale`:

@@ -15,9 +15,6 @@ layout(constant_id = 3) const bool kTerms = false;
 PLANE_IN(0, system);
 PLANE_IN(1, source_term);  // of packs of cells
 PLANE_OUT(2, coarse_system);
-#define TILE_CONSTANT 4
-#define TILE_BINDING 3
-#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;  // of the fine level
   uvec2 finest;  // size of level 0
@@ -31,7 +28,7 @@ void main() {
   uvec2 half_size = (push.size + 1u) / 2u;
   int packs = int(PACK4(push.size.x));
   uint half_packs = PACK4(half_size.x);
-  uvec2 position = tile_position(half_packs);
+  uvec2 position = grid_position(half_packs);
   if (position.y >= half_size.y) return;
   int x = 2 * int(position.x), second = x + 1 < packs ? 1 : 0, third = x + 2 < packs ? 2 : 0;
   vec4 across = vec4(0.0), inside = vec4(0.0), next = vec4(0.0), along[3], mass = vec4(0.0);  // along: of three rows

@@ -14,9 +14,6 @@ PLANE_IN(2, before);  // s_(k-1)
 PLANE_OUT(3, next);   // the same buffer as `now`
 PLANE_OUT(4, next_start);  // the same buffer as `before`, or as `start` if that is s_(k-1), too
 PLANE_OUT(5, sums);
-#define TILE_CONSTANT 2
-#define TILE_BINDING 6
-#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 packs;  // a row, rows
   float w;
@@ -25,7 +22,7 @@ layout(push_constant) uniform Push {
 } push;
 
 void main() {
-  uvec2 position = tile_position(push.packs.x);
+  uvec2 position = grid_position(push.packs.x);
   vec4 change = vec4(0.0);
   if (position.y < push.packs.y) {
     uint i = position.y * push.packs.x + position.x;

@@ -16,7 +16,6 @@ constexpr uint64_t kCoarseStride =
     shaders::intrinsic_multigrid_smooth::SYSTEM_COARSE_STRIDE;  // vec4 a pack from level 2 on
 constexpr float kMinMass = 1e-6F;  // keeps a frame of one pixel regular
 constexpr size_t kCells = 2;       // the cells' level
-constexpr uint64_t kTilePacks = TileList::kTile / 4 * TileList::kTile;  // packs a tile
 
 /// Packs of a level and all coarser ones.
 uint64_t packs_from(Extent extent) {
@@ -30,22 +29,20 @@ uint32_t stride_of(size_t level) { return level < kCells ? Multigrid::kFineStrid
 }  // namespace
 
 Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
-    : smooth_{{device, {.stride = kFineStride, .cell_pixels = 4}, 2, 4},
-              {device, {.stride = kFineStride, .cell_pixels = 2}, 1, 2}},
-      correct_{{device, {.stride = kFineStride, .correct = true, .cell_pixels = 4}, 2, 4},
-               {device, {.stride = kFineStride, .correct = true, .cell_pixels = 2}, 1, 2},
-               {device, {.stride = kCoarseStride, .correct = true}, 0, 0}},
-      coarsen_{
-          {device, {.stride = kFineStride, .coarse_stride = kFineStride}, 2, 8},
-          {device, {.stride = kFineStride, .coarse_stride = kCoarseStride, .terms = true}, 1, 4},
-          {device, {.stride = kCoarseStride, .coarse_stride = kCoarseStride}, 0, 0}},
-      restrict_{{device, {.stride = kFineStride, .means = 1}, 2, 8},
-                {device, {.stride = kFineStride, .means = 2}, 1, 4},
-                {device, {.stride = kCoarseStride}, 0, 0},
-                {device, {.stride = kCoarseStride, .from_zero = true}, 0, 0}},
-      extrapolate_(device, {}, 4, 16),
-      measure_(device, {.measure = true}, 4, 16),
-      copy_tiles_(device, {}, 4, 16) {
+    : smooth_{{device, {.stride = kFineStride, .cell_pixels = 4}},
+              {device, {.stride = kFineStride, .cell_pixels = 2}}},
+      correct_{{device, {.stride = kFineStride, .correct = true, .cell_pixels = 4}},
+               {device, {.stride = kFineStride, .correct = true, .cell_pixels = 2}},
+               {device, {.stride = kCoarseStride, .correct = true}}},
+      coarsen_{{device, {.stride = kFineStride, .coarse_stride = kFineStride}},
+               {device, {.stride = kFineStride, .coarse_stride = kCoarseStride, .terms = true}},
+               {device, {.stride = kCoarseStride, .coarse_stride = kCoarseStride}}},
+      restrict_{{device, {.stride = kFineStride, .means = 1}},
+                {device, {.stride = kFineStride, .means = 2}},
+                {device, {.stride = kCoarseStride}},
+                {device, {.stride = kCoarseStride, .from_zero = true}}},
+      extrapolate_(device),
+      measure_(device, {.measure = true}) {
   const uint32_t lanes = device->variant().lone_workgroup;
   coarse_setup_ = {device, {.setup = true}, lanes};
   coarse_cycle_ = {device, {}, lanes};
@@ -63,10 +60,7 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   levels_.push_back(
       {extent, buffer(packs_from(extent) * kCoarseStride), buffer(pack4_count(extent)), 0});
   half_means_ = buffer(pack4_count(levels_[1].extent));
-  const Extent finest = levels_[0].extent;
-  const uint64_t listed = uint64_t{TileList::count(finest)} * kTilePacks;
-  sums_ =
-      buffer(gpu::partial_count(*measure_.whole(), line_of(std::max(pack4_count(finest), listed))));
+  sums_ = buffer(gpu::partial_count(*measure_.kernel(), line_of(pack4_count(levels_[0].extent))));
   progress_ = gpu::Buffer::create(device, gpu::Element::vec4, 1);
   for (auto& start : starts_) start = buffer(pack4_count(levels_[0].extent));
   cell_means_ = buffer(pack4_count(levels_[kCells].extent));
@@ -74,34 +68,33 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   cell_source_term_ = buffer(pack4_count(levels_[kCells].extent) * kSourceStride);
 }
 
-void Multigrid::relax(gpu::Commands& commands, size_t i, bool corrects,
-                      const TileList* listed) const {
+void Multigrid::relax(gpu::Commands& commands, size_t i, bool corrects) const {
   const Level& level = levels_[i];
   const auto& program = corrects ? correct_[std::min(i, kCells)] : smooth_[i];
   for (const uint32_t pass : {0U, 1U}) {
     const uint32_t color = corrects ? 1 - pass : pass;
-    program.dispatch(commands, listed,
-                     {.system = level.system,
-                      .now = level.field,
-                      .coarse = corrects ? levels_[i + 1].field : level.field,
-                      .source_term = cell_source_term_,
-                      .improved = gpu::aliased(level.field)},
-                     {.size = level.extent,
-                      .finest = levels_[0].extent,
-                      .color = color,
-                      .mass = level.mass,
-                      .around = static_cast<float>(color)},
-                     line_of(static_cast<uint64_t>((pack4_count(level.extent.width) + 1) / 2) *
-                             ((level.extent.height + 3) / 4)));
+    commands.dispatch(program,
+                      {.system = level.system,
+                       .now = level.field,
+                       .coarse = corrects ? levels_[i + 1].field : level.field,
+                       .source_term = cell_source_term_,
+                       .improved = gpu::aliased(level.field)},
+                      {.size = level.extent,
+                       .finest = levels_[0].extent,
+                       .color = color,
+                       .mass = level.mass,
+                       .around = static_cast<float>(color)},
+                      line_of(static_cast<uint64_t>((pack4_count(level.extent.width) + 1) / 2) *
+                              ((level.extent.height + 3) / 4)));
   }
 }
 
-void Multigrid::restrict_to(gpu::Commands& commands, size_t i, const TileList* listed) const {
+void Multigrid::restrict_to(gpu::Commands& commands, size_t i) const {
   const Level &fine = levels_[i], &coarse = levels_[i + 1];
   const bool to_cells = i + 1 == kCells;
   // From level 3 on the correction is zero here; level 2 keeps that of the last V-cycle.
-  restrict_[std::min(i, std::size(restrict_) - 1)].dispatch(
-      commands, listed,
+  commands.dispatch(
+      restrict_[std::min(i, std::size(restrict_) - 1)],
       {.system = fine.system,
        .now = fine.field,
        .finer_means = gpu::aliased(half_means_),
@@ -117,12 +110,11 @@ void Multigrid::restrict_to(gpu::Commands& commands, size_t i, const TileList* l
       line_of(pack4_count(coarse.extent)));
 }
 
-void Multigrid::record_operators(gpu::Commands& commands, const Params& params,
-                                 const TileList* listed) const {
+void Multigrid::record_operators(gpu::Commands& commands, const Params& params) const {
   for (size_t i = 0; i + 1 < levels_.size(); ++i) {
     const Level &fine = levels_[i], &coarse = levels_[i + 1];
-    coarsen_[std::min(i, kCells)].dispatch(
-        commands, i < kCells ? listed : nullptr,
+    commands.dispatch(
+        coarsen_[std::min(i, kCells)],
         {.system = fine.system, .source_term = cell_source_term_, .coarse_system = coarse.system},
         {.size = fine.extent,
          .finest = levels_[0].extent,
@@ -137,10 +129,6 @@ void Multigrid::record_operators(gpu::Commands& commands, const Params& params,
       {.size = last.extent, .scale = params.scale}, {});
 }
 
-void Multigrid::record_residual(gpu::Commands& commands, const TileList* around) const {
-  for (size_t i = 0; i < kCells; ++i) restrict_to(commands, i, around);
-}
-
 void Multigrid::cell_cycle(gpu::Commands& commands, const Params& params) const {
   for (size_t i = kCells; i + 1 < levels_.size(); ++i) restrict_to(commands, i);
   const Level& last = levels_.back();
@@ -152,29 +140,27 @@ void Multigrid::cell_cycle(gpu::Commands& commands, const Params& params) const 
 }
 
 void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k,
-                            const Progress& progress, const TileList* listed) {
+                            const Progress& progress) {
   // Errors of x <- V(x) shrink by factors between 0 and `slowest`: Varga, Matrix Iterative
   // Analysis, 5.1.
   const float ratio = slowest / (2 - slowest);
   float w = 1;
   for (uint32_t i = 0; i < k; ++i) w = 1 / (1 - ratio * ratio * w * (i == 0 ? 0.5F : 0.25F));
-  // How many slots a list of tiles fills is found on the device.
-  if (!cleared_ || (listed && progress.measured)) commands.fill(sums_);
+  if (!cleared_) commands.fill(sums_);
   cleared_ = true;
   const Extent extent = levels_[0].extent;
-  (progress.measured ? measure_ : extrapolate_)
-      .dispatch(commands, listed,
-                {.now = field(),
-                 .start = starts_[k % 2],
-                 .before = starts_[(k == 0 || slowest <= 0 ? k : k + 1) % 2],
-                 .next = gpu::aliased(field()),
-                 .next_start = gpu::aliased(starts_[(k + 1) % 2]),
-                 .sums = sums_},
-                {.packs = {pack4_count(extent.width), extent.height},
-                 .w = w,
-                 .c = 2 / (2 - slowest),
-                 .last = progress.last},
-                line_of(pack4_count(extent)));
+  commands.dispatch(progress.measured ? measure_ : extrapolate_,
+                    {.now = field(),
+                     .start = starts_[k % 2],
+                     .before = starts_[(k == 0 || slowest <= 0 ? k : k + 1) % 2],
+                     .next = gpu::aliased(field()),
+                     .next_start = gpu::aliased(starts_[(k + 1) % 2]),
+                     .sums = sums_},
+                    {.packs = {pack4_count(extent.width), extent.height},
+                     .w = w,
+                     .c = 2 / (2 - slowest),
+                     .last = progress.last},
+                    line_of(pack4_count(extent)));
   if (!progress.measured) return;
   commands.dispatch(convergence_, {.sums = sums_, .progress = progress_},
                     {.count = static_cast<uint32_t>(sums_->count()),
@@ -186,21 +172,15 @@ void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k,
 
 void Multigrid::record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,
                              const Progress& progress, const std::function<void()>& before,
-                             const std::function<void()>& after, const Tiles& tiles) {
-  const TileList* listed = tiles.listed;
+                             const std::function<void()>& after) {
   const bool from_start = params.slowest > 0 || progress.measured;
   const bool has_start = k > 0 && keeps_start_;
   keeps_start_ = from_start && !progress.last;
-  if (from_start && !has_start && listed)
-    copy_tiles_.dispatch(
-        commands, listed, {.from = field(), .to = starts_[k % 2]},
-        {.packs = {pack4_count(levels_[0].extent.width), levels_[0].extent.height}}, {});
-  else if (from_start && !has_start)
-    commands.copy(field(), starts_[k % 2], field()->bytes());
+  if (from_start && !has_start) commands.copy(field(), starts_[k % 2], field()->bytes());
   const auto cycle = [&] {
     for (size_t i = 0; i < kCells; ++i) {
-      relax(commands, i, false, listed);
-      restrict_to(commands, i, tiles.around);
+      relax(commands, i, false);
+      restrict_to(commands, i);
     }
     commands.stage("descend");
     for (uint32_t inner = 0; inner < params.cell_cycles; ++inner) {
@@ -209,8 +189,8 @@ void Multigrid::record_cycle(gpu::Commands& commands, const Params& params, uint
     }
     after();
     commands.stage("cells");
-    for (size_t i = kCells; i-- > 0;) relax(commands, i, true, listed);
-    if (from_start) extrapolate(commands, params.slowest, k, progress, listed);
+    for (size_t i = kCells; i-- > 0;) relax(commands, i, true);
+    if (from_start) extrapolate(commands, params.slowest, k, progress);
     commands.stage("ascend");
   };
   constexpr uint64_t kGoesOn =

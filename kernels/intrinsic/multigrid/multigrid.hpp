@@ -4,9 +4,8 @@
 #include <functional>
 #include <vector>
 
+#include "kernels/gpu/commands.hpp"
 #include "kernels/image/pack4.hpp"
-#include "kernels/image/tiles/tile_list.hpp"
-#include "kernels/image_tiles_copy_tiles.spv.hpp"
 #include "kernels/intrinsic_multigrid_coarse.spv.hpp"
 #include "kernels/intrinsic_multigrid_coarsen.spv.hpp"
 #include "kernels/intrinsic_multigrid_convergence.spv.hpp"
@@ -70,25 +69,13 @@ class Multigrid {
   const gpu::BufferPtr& cell_residual() const { return cell_residual_; }
   const gpu::BufferPtr& cell_system() const { return levels_[2].system; }
 
-  /// Of a frame that is not worked on as a whole: its tiles, and these and all beside them; else
-  /// null. Levels 0 and 1 are solved for the listed ones only. Levels from the cells on are always
-  /// solved as a whole: for tiles that are not `around` they use the last residual, and corrections
-  /// reach listed tiles only. The residuals of two tiles must have the same flux between them, or
-  /// the solution diverges where edges are strong.
-  struct Tiles {
-    const TileList *listed, *around;
-  };
   /// Records the coarse operators, once a frame, from `system` and `cell_source_term`.
-  void record_operators(gpu::Commands& commands, const Params& params,
-                        const TileList* listed = nullptr) const;
-  /// Records the residual of pixels for cells, due before a frame of tiles: of those around the
-  /// tiles of the frame before, or of all.
-  void record_residual(gpu::Commands& commands, const TileList* around) const;
+  void record_operators(gpu::Commands& commands, const Params& params) const;
   /// Records cycle number `k` of a frame, from 0; `before` records the cells' right-hand side,
   /// `after` their source term after the last correction.
   void record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,
                     const Progress& progress, const std::function<void()>& before,
-                    const std::function<void()>& after, const Tiles& tiles = {});
+                    const std::function<void()>& after);
   /// One vec4, of the last measured cycle (convergence.comp), log units².
   const gpu::BufferPtr& progress() const { return progress_; }
   /// How many levels there are, the single pixel included.
@@ -101,22 +88,19 @@ class Multigrid {
     float mass;  // of every pixel, if the system has no plane of masses
   };
   /// Relaxes a level, both colors; `corrects` adds the correction from below first.
-  void relax(gpu::Commands& commands, size_t level, bool corrects,
-             const TileList* listed = nullptr) const;
-  void restrict_to(gpu::Commands& commands, size_t level, const TileList* listed = nullptr) const;
-  void extrapolate(gpu::Commands& commands, float slowest, uint32_t k, const Progress& progress,
-                   const TileList* listed);
+  void relax(gpu::Commands& commands, size_t level, bool corrects) const;
+  void restrict_to(gpu::Commands& commands, size_t level) const;
+  void extrapolate(gpu::Commands& commands, float slowest, uint32_t k, const Progress& progress);
   void cell_cycle(gpu::Commands& commands, const Params& params) const;
 
   std::vector<Level> levels_;  // the last one stands for all that run in one dispatch
   uint32_t depth_ = 1;
   // On levels 0, 1, further down; between levels 0-1, 1-2, further down; and between 0-1, 1-2, 2-3,
   // further down.
-  TileProgram<shaders::intrinsic_multigrid_smooth> smooth_[2], correct_[3];
-  TileProgram<shaders::intrinsic_multigrid_coarsen> coarsen_[3];
-  TileProgram<shaders::intrinsic_multigrid_restrict> restrict_[4];
-  TileProgram<shaders::intrinsic_multigrid_extrapolate> extrapolate_, measure_;
-  TileProgram<shaders::image_tiles_copy_tiles> copy_tiles_;
+  gpu::Program<shaders::intrinsic_multigrid_smooth> smooth_[2], correct_[3];
+  gpu::Program<shaders::intrinsic_multigrid_coarsen> coarsen_[3];
+  gpu::Program<shaders::intrinsic_multigrid_restrict> restrict_[4];
+  gpu::Program<shaders::intrinsic_multigrid_extrapolate> extrapolate_, measure_;
   gpu::Program<shaders::intrinsic_multigrid_coarse> coarse_setup_, coarse_cycle_;
   gpu::Program<shaders::intrinsic_multigrid_convergence> convergence_;
   gpu::BufferPtr starts_[2];  // of this cycle and the one before

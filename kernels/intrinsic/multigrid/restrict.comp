@@ -17,9 +17,6 @@ PLANE_IN(3, source_term);  // of packs of cells: their pixels' mass
 PLANE_OUT(4, target);
 PLANE_OUT(5, coarse);
 PLANE_OUT(6, means);
-#define TILE_CONSTANT 4
-#define TILE_BINDING 7
-#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;          // of the fine level
   uvec2 finest;  // size of level 0
@@ -46,7 +43,7 @@ float rows_of(int y) { return kMeans == 1 ? 1.0 : float(clamp(int(push.finest.y)
 void main() {
   uvec2 half_size = (push.size + 1u) / 2u;
   uint half_packs = PACK4(half_size.x);
-  ivec2 position = ivec2(tile_position(half_packs));
+  ivec2 position = ivec2(grid_position(half_packs));
   if (position.y >= int(half_size.y)) return;
   vec4 sum = vec4(0.0), mean = vec4(0.0);
   int top = 2 * position.y, count = min(int(push.size.y) - top, 2);

@@ -24,9 +24,6 @@ PLANE_IN(1, now);
 PLANE_IN(2, coarse);
 PLANE_IN(3, source_term);      // of packs of cells
 PLANE_OUT(4, improved);  // the same buffer as `now`
-#define TILE_CONSTANT 4
-#define TILE_BINDING 5
-#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;
   uvec2 finest;  // size of level 0
@@ -69,7 +66,7 @@ vec4 of_cells(int x, int y, int slot) {
   u[k] = solve_pack(diagonal[k], right[k], rhs[k] + fall[k] * (up) + fall[k + 1] * (down))
 
 void main() {
-  ivec2 position = ivec2(tile_position(uint(packs + 1) / 2u)), last = ivec2(packs, push.size.y) - 1;
+  ivec2 position = ivec2(grid_position(uint(packs + 1) / 2u)), last = ivec2(packs, push.size.y) - 1;
   int x = 2 * position.x + ((position.y + int(push.color)) & 1), first = 4 * position.y;
   if (x > last.x || first > last.y) return;
   int next = min(x + 1, last.x), before = max(x - 1, 0), top = max(first - 1, 0);

@@ -26,9 +26,6 @@ PLANE_OUT(9, new_shading);  // the same buffer as `shading`
 PLANE_INOUT(10, cell_history);
 PLANE_OUT(11, intrinsic);
 PLANE_IN(12, slope);
-#define TILE_CONSTANT 3
-#define TILE_BINDING 13
-#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;
   float texture;  // 1 / (difference between the changes of a pixel and its cell that halves the kept share)
@@ -43,7 +40,7 @@ vec3 holds_of(ivec2 cell, int y) {
 }
 
 void main() {
-  uvec2 cell = tile_position(packs);
+  uvec2 cell = grid_position(packs);
   uint first = 4u * cell.y;
   if (first >= push.size.y) return;
   uvec2 count = min(push.size - 4u * cell, uvec2(4u));

@@ -19,7 +19,7 @@ void OutputScale::take(gpu::Commands& commands, const OutputScale& other) {
 
 void OutputScale::record(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& shading,
                          const gpu::BufferPtr& decision, History history, const Params& params,
-                         bool frozen, const gpu::BufferPtr& light) {
+                         const gpu::BufferPtr& light) {
   if (!cleared_) commands.fill(counts_);
   cleared_ = true;
   commands.dispatch(count_,
@@ -31,8 +31,8 @@ void OutputScale::record(gpu::Commands& commands, const Guide& guide, const gpu:
                     {.size = guide.extent()}, line_of(guide.cell_extent().pixels()));
   commands.dispatch(target_kernel_, {.counts = counts_, .target = target_},
                     {.quantile = std::clamp(params.white_quantile, 0.0F, 1.0F)}, {});
-  normalization_.record(commands, {target_, decision, history,
-                                   std::clamp(params.white_level, 0.05F, 1.0F), frozen, light});
+  normalization_.record(
+      commands, {target_, decision, history, std::clamp(params.white_level, 0.05F, 1.0F), light});
 }
 
 }  // namespace inverse

@@ -25,11 +25,11 @@ class OutputScale {
   OutputScale(const std::shared_ptr<gpu::Device>& device, Extent cells);
 
   /// Records finding the scale for `shading`, the solution in packs of four. `decision` is
-  /// TemporalAnchor's cut_decision, which counts with History::decided. `frozen`: the scale stays.
-  /// `light`: the guide's, or null.
+  /// TemporalAnchor's cut_decision, which counts with History::decided. `light`: the guide's, or
+  /// null.
   void record(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& shading,
               const gpu::BufferPtr& decision, History history, const Params& params,
-              bool frozen = false, const gpu::BufferPtr& light = nullptr);
+              const gpu::BufferPtr& light = nullptr);
   /// Records taking over the scale of another size.
   void take(gpu::Commands& commands, const OutputScale& other);
   /// As ScaleNormalization::value: ln c first.

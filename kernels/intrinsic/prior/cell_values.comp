@@ -14,9 +14,6 @@ PLANE_IN(2, statistics);
 PLANE_IN(3, tuning);
 PLANE_IN(4, fields);  // network/fields.glsl
 PLANE_OUT(5, value);
-#define TILE_CONSTANT 2
-#define TILE_BINDING 6
-#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   ivec2 size;  // of level 2
   float value_weight;
@@ -42,7 +39,7 @@ vec3 learned(ivec2 cell) {
 
 void main() {
   int packs = int(PACK4(uint(push.size.x)));
-  ivec2 position = ivec2(tile_position(uint(packs)));
+  ivec2 position = ivec2(grid_position(uint(packs)));
   if (position.y >= push.size.y) return;
   int wide_columns = ((push.size.x + 1) / 2 + 1) / 2;
   float mean = FETCH(statistics, STATISTICS_MEAN).x;

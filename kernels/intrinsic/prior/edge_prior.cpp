@@ -10,7 +10,7 @@ EdgePrior::EdgePrior(const std::shared_ptr<gpu::Device>& device, Extent extent)
       fold_biases_(device),
       change_(device, {}, device->variant().area_workgroup()),
       edges_{{device, {.down = false}, 4, 4}, {device, {.down = true}, 4, 4}},
-      values_(device, {}, 1, 4),
+      values_(device),
       save_reference_(device, {}, 8, 8),
       changes_(device, extent),
       same_(gpu::make_table(device, gpu::Element::word, std::vector<uint32_t>{0})),
@@ -21,7 +21,7 @@ EdgePrior::EdgePrior(const std::shared_ptr<gpu::Device>& device, Extent extent)
 
 EdgePrior::Learned::Learned(const std::shared_ptr<gpu::Device>& device, Extent extent,
                             const PriorModelPtr& model)
-    : network(device, extent, model), values(device, {.learned = true}, 1, 4) {}
+    : network(device, extent, model), values(device, {.learned = true}) {}
 
 void EdgePrior::prepare(const PriorModelPtr& network) {
   if (!network)
@@ -64,34 +64,23 @@ void EdgePrior::record_edges(gpu::Commands& commands, const Guide& guide, const 
 }
 
 void EdgePrior::record_values(gpu::Commands& commands, const Guide& guide, const Target& target,
-                              const Params& params, const TileList* listed) const {
+                              const Params& params) const {
   const Extent cells = guide.cell_extent();
   const PriorPicture* picture = learned_ ? &learned_->network.picture() : nullptr;
-  (learned_ ? learned_->values : values_)
-      .dispatch(commands, listed,
-                {.cells = guide.cells(),
-                 .guide_coarse = guide.guide_coarse(),
-                 .statistics = guide.statistics(),
-                 .tuning = biases_,
-                 .fields = learned_ ? learned_->network.fields() : biases_,
-                 .value = target.value},
-                {.size = cells,
-                 .value_weight = params.value_weight,
-                 .chroma_weight = params.chroma_weight,
-                 .network_size = picture ? picture->extent : Extent{},
-                 .network_level = picture ? static_cast<int32_t>(picture->level) : 0},
-                line_of(pack4_count(cells)));
-  if (target.strokes) target.strokes->record_values(commands, guide, target.value, listed);
-}
-
-void EdgePrior::record_keep(gpu::Commands& commands, const Guide& guide,
-                            const TileList& listed) const {
-  save_reference_.dispatch(commands, &listed,
-                           {.level1 = guide.level1(),
-                            .statistics = guide.statistics(),
-                            .kept = kept_,
-                            .kept_statistics = kept_statistics_},
-                           {.size = guide.extent1(), .tiles = tiles()}, {});
+  commands.dispatch(learned_ ? learned_->values : values_,
+                    {.cells = guide.cells(),
+                     .guide_coarse = guide.guide_coarse(),
+                     .statistics = guide.statistics(),
+                     .tuning = biases_,
+                     .fields = learned_ ? learned_->network.fields() : biases_,
+                     .value = target.value},
+                    {.size = cells,
+                     .value_weight = params.value_weight,
+                     .chroma_weight = params.chroma_weight,
+                     .network_size = picture ? picture->extent : Extent{},
+                     .network_level = picture ? static_cast<int32_t>(picture->level) : 0},
+                    line_of(pack4_count(cells)));
+  if (target.strokes) target.strokes->record_values(commands, guide, target.value);
 }
 
 void EdgePrior::record(gpu::Commands& commands, const Guide& guide, const Target& target,
@@ -105,7 +94,7 @@ void EdgePrior::record(gpu::Commands& commands, const Guide& guide, const Target
   }
   record_frame(commands, guide, params, nullptr);
   record_edges(commands, guide, target, params, nullptr);
-  record_values(commands, guide, target, params, nullptr);
+  record_values(commands, guide, target, params);
 }
 
 void EdgePrior::record_changes(gpu::Commands& commands, const Guide& guide, const Target& target,
@@ -129,19 +118,16 @@ void EdgePrior::record_changes(gpu::Commands& commands, const Guide& guide, cons
   changes_.record(commands);
   record_frame(commands, guide, params, &changes_);
   record_edges(commands, guide, target, params, &changes_);
-  record_keep(commands, guide, changes_);
-  record_values(commands, guide, target, params, nullptr);
+  save_reference_.dispatch(commands, &changes_,
+                           {.level1 = guide.level1(),
+                            .statistics = guide.statistics(),
+                            .kept = kept_,
+                            .kept_statistics = kept_statistics_},
+                           {.size = guide.extent1(), .tiles = tiles()}, {});
+  record_values(commands, guide, target, params);
   known_ = true;
   known_params_ = params;
   known_system_ = target.system;
-}
-
-void EdgePrior::record_tiles(gpu::Commands& commands, const Guide& guide, const Target& target,
-                             const Params& params, const TileList& listed) {
-  record_frame(commands, guide, params, &listed);
-  record_edges(commands, guide, target, params, &listed);
-  record_keep(commands, guide, listed);
-  record_values(commands, guide, target, params, &listed);
 }
 
 }  // namespace inverse

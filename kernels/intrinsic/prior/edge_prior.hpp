@@ -70,9 +70,6 @@ class EdgePrior {
   /// another target or other params.
   void record_changes(gpu::Commands& commands, const Guide& guide, const Target& target,
                       const Params& params, float tolerance);
-  /// Records the edges and values of listed tiles only.
-  void record_tiles(gpu::Commands& commands, const Guide& guide, const Target& target,
-                    const Params& params, const TileList& listed);
   /// Forgets the saved guide, and what the network said.
   void reset() {
     known_ = false;
@@ -85,12 +82,10 @@ class EdgePrior {
   uint32_t tiles() const { return changes_.tiles(); }
   /// Words; the first is how many tiles the last `record_changes` evaluated.
   const gpu::BufferPtr& evaluated() const { return changes_.words(); }
-  /// Guide::statistics of the frame on which all edges were evaluated last.
-  const gpu::BufferPtr& kept_statistics() const { return kept_statistics_; }
 
  private:
   using Edges = TileProgram<shaders::intrinsic_prior_edges>;
-  using Values = TileProgram<shaders::intrinsic_prior_cell_values>;
+  using Values = gpu::Program<shaders::intrinsic_prior_cell_values>;
   /// What takes the place of `values_` with a network.
   struct Learned {
     Learned(const std::shared_ptr<gpu::Device>& device, Extent extent, const PriorModelPtr& model);
@@ -103,8 +98,7 @@ class EdgePrior {
   void record_edges(gpu::Commands& commands, const Guide& guide, const Target& target,
                     const Params& params, const TileList* listed) const;
   void record_values(gpu::Commands& commands, const Guide& guide, const Target& target,
-                     const Params& params, const TileList* listed) const;
-  void record_keep(gpu::Commands& commands, const Guide& guide, const TileList& listed) const;
+                     const Params& params) const;
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;

@@ -15,7 +15,7 @@ Strokes::Strokes(const std::shared_ptr<gpu::Device>& device, Extent extent)
       average_(device, {}, device->variant().area_workgroup()),
       measure_(device, {}, device->variant().area_workgroup()),
       edges_(device, {}, 4, 16),
-      values_(device, {}, 1, 4),
+      values_(device),
       mask_(device, extent),
       means_(gpu::Buffer::create(device, gpu::Element::vec4, kMaxStrokes)),
       residuals_(gpu::Buffer::create(device, gpu::Element::vec4, kMaxStrokes)) {}
@@ -65,7 +65,7 @@ void Strokes::record_edges(gpu::Commands& commands, const Guide& guide,
 }
 
 void Strokes::record_values(gpu::Commands& commands, const Guide& guide,
-                            const gpu::BufferPtr& value, const TileList* listed) const {
+                            const gpu::BufferPtr& value) const {
   if (empty()) return;
   commands.dispatch(average_,
                     {.cell_mask = cell_mask_,
@@ -74,13 +74,13 @@ void Strokes::record_values(gpu::Commands& commands, const Guide& guide,
                      .value = value,
                      .means = means_},
                     {.size = cells_}, line_of(uint64_t{count()} * average_.kernel()->workgroup()));
-  values_.dispatch(commands, listed,
-                   {.cell_mask = cell_mask_,
-                    .strokes = mask_.strokes(),
-                    .means = means_,
-                    .cells = guide.cells(),
-                    .value = value},
-                   {.size = cells_}, line_of(pack4_count(cells_)));
+  commands.dispatch(values_,
+                    {.cell_mask = cell_mask_,
+                     .strokes = mask_.strokes(),
+                     .means = means_,
+                     .cells = guide.cells(),
+                     .value = value},
+                    {.size = cells_}, line_of(pack4_count(cells_)));
 }
 
 void Strokes::record_residuals(gpu::Commands& commands, const Guide& guide,

@@ -38,8 +38,8 @@ class Strokes {
   void record_edges(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& system,
                     const gpu::BufferPtr& flux, const TileList* listed) const;
   /// So for the values of cells.
-  void record_values(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& value,
-                     const TileList* listed) const;
+  void record_values(gpu::Commands& commands, const Guide& guide,
+                     const gpu::BufferPtr& value) const;
   /// Measures how far a solution is from one value in every stroke.
   void record_residuals(gpu::Commands& commands, const Guide& guide,
                         const gpu::BufferPtr& shading) const;
@@ -56,7 +56,7 @@ class Strokes {
   gpu::Program<shaders::intrinsic_strokes_means> average_;
   gpu::Program<shaders::intrinsic_strokes_residuals> measure_;
   TileProgram<shaders::intrinsic_strokes_edges> edges_;
-  TileProgram<shaders::intrinsic_strokes_values> values_;
+  gpu::Program<shaders::intrinsic_strokes_values> values_;
   StrokeMask mask_;
   gpu::BufferPtr cell_mask_, means_, residuals_, nothing_;
   bool followed_ = false;  // in this frame

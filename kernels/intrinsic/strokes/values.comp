@@ -13,14 +13,11 @@ PLANE_IN(1, strokes);
 PLANE_IN(2, means);
 PLANE_IN(3, cells);
 PLANE_INOUT(4, value);
-#define TILE_CONSTANT 1
-#define TILE_BINDING 5
-#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push { uvec2 size; } push;  // of the cells
 
 void main() {
   uint packs = PACK4(push.size.x);
-  uvec2 position = tile_position(packs);
+  uvec2 position = grid_position(packs);
   if (position.y >= push.size.y) return;
   int at = int(position.y * packs + position.x);
   vec4 mask = FETCH(cell_mask, at);

@@ -12,7 +12,6 @@ layout(push_constant) uniform Push {
   float cells;
   float cut_fraction;
   float continues;  // 1, or 0 for the first frame that has one before
-  float whole;      // 1, or 0 if only listed tiles were compared
 } push;
 
 const uint kSumLanes = 64u;
@@ -30,7 +29,7 @@ void main() {
   float expected = push.continues > 0.0 ? LOAD(cut_decision, 1).x : 0.0;
   vec4 decision;
   float mismatch = sum.x / push.cells;
-  bool sudden = push.whole > 0.0 && frames >= SUDDEN_FRAMES && mismatch >= max(SUDDEN_SHARE * push.cut_fraction, SUDDEN_RATIO * expected);
+  bool sudden = frames >= SUDDEN_FRAMES && mismatch >= max(SUDDEN_SHARE * push.cut_fraction, SUDDEN_RATIO * expected);
   decision[CUT_MISMATCH] = mismatch;
   decision[CUT_ANCHORED] = mismatch < push.cut_fraction && !sudden ? 1.0 : 0.0;
   decision[CUT_MOVED] = sum.y / max(sum.z, 1e-20);

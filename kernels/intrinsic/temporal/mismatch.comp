@@ -15,9 +15,6 @@ PLANE_IN(2, level0);
 PLANE_IN(3, before);  // cell_state
 PLANE_IN(4, memory);  // of packs of pixels
 PLANE_OUT(5, mismatch);  // difference, structure that moved, structure, -
-#define TILE_CONSTANT 1
-#define TILE_BINDING 6
-#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;  // of level 0
   float detail;
@@ -34,7 +31,7 @@ float variance(float sum, float squares, float share) {
 }
 
 void main() {
-  uvec2 cell_size = ((push.size + 1u) / 2u + 1u) / 2u, cell = tile_position(cell_size.x);
+  uvec2 cell_size = ((push.size + 1u) / 2u + 1u) / 2u, cell = grid_position(cell_size.x);
   if (cell.y >= cell_size.y) return;
   uvec2 first = 4u * cell, count = min(push.size - first, uvec2(4u));
   vec3 sum = vec3(0.0), squares = vec3(0.0);  // of the change, this frame and the one before

@@ -15,8 +15,7 @@ constexpr uint64_t tiles_of(Extent cells) {
 TemporalAnchor::TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : extent_(extent),
       cells_(half_of(half_of(extent))),
-      compare_(device, {}, 4, 4),
-      copy_tiles_(device, {.stride = kMemoryStride}, 4, 16),
+      compare_(device),
       static_tiles_(device),
       decide_(device, {}, shaders::intrinsic_temporal_cut_decision::kSumLanes),
       kept_(gpu::Buffer::create(device, gpu::Element::vec4, cells_.pixels())),
@@ -31,10 +30,10 @@ TemporalAnchor::TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Exten
                                         shaders::intrinsic_temporal_cut_decision::CUT_STRIDE)) {}
 
 void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const Params& params,
-                            bool continues, const TileList* listed) {
+                            bool continues) {
   if (!cleared_) commands.fill(sums_);
   cleared_ = true;
-  compare_.dispatch(commands, listed,
+  commands.dispatch(compare_,
                     {.cells = guide.cells(),
                      .guide_coarse = guide.guide_coarse(),
                      .level0 = guide.level0(),
@@ -52,17 +51,8 @@ void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const P
                     {.count = static_cast<uint32_t>(sums_->count()),
                      .cells = static_cast<float>(cells_.pixels()),
                      .cut_fraction = params.cut_fraction,
-                     .continues = continues ? 1.0F : 0.0F,
-                     .whole = listed ? 0.0F : 1.0F},
+                     .continues = continues ? 1.0F : 0.0F},
                     {});
-}
-
-void TemporalAnchor::advance(gpu::Commands& commands, const TileList* listed) {
-  if (listed)
-    copy_tiles_.dispatch(commands, listed, {.from = now_, .to = memory_},
-                         {.packs = {pack4_count(extent_.width), extent_.height}}, {});
-  else
-    memory_.swap(now_);
 }
 
 }  // namespace inverse

@@ -2,7 +2,6 @@
 #pragma once
 #include <memory>
 
-#include "kernels/image_tiles_copy_tiles.spv.hpp"
 #include "kernels/intrinsic/guide/guide.hpp"
 #include "kernels/intrinsic_temporal_cut_decision.spv.hpp"
 #include "kernels/intrinsic_temporal_mismatch.spv.hpp"
@@ -52,9 +51,8 @@ class TemporalAnchor {
   TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
   /// Records the mismatch of the frame of `guide` with the frame before; needs `kept` and `memory`
-  /// of that. `continues`: that frame had a frame before, too. With `listed`, only of its tiles.
-  void record(gpu::Commands& commands, const Guide& guide, const Params& params, bool continues,
-              const TileList* listed = nullptr);
+  /// of that. `continues`: that frame had a frame before, too.
+  void record(gpu::Commands& commands, const Guide& guide, const Params& params, bool continues);
   const gpu::BufferPtr& kept() const {
     return kept_;
   }  ///< vec4 a cell: d, c0, c1, m'; layers.comp writes it
@@ -64,9 +62,8 @@ class TemporalAnchor {
   const gpu::BufferPtr& now() const {
     return now_;
   }  ///< the same of the frame at work: assemble.comp writes its m, layers.comp all
-  /// Ends a frame: its history is that of the next one. If it worked on `listed` tiles only,
-  /// records copying theirs.
-  void advance(gpu::Commands& commands, const TileList* listed = nullptr);
+  /// Ends a frame: its history is that of the next one.
+  void advance() { memory_.swap(now_); }
   const gpu::BufferPtr& mismatch() const { return mismatch_; }  ///< vec4 a cell (mismatch.comp)
   const gpu::BufferPtr& tiles() const {
     return tiles_;
@@ -77,8 +74,7 @@ class TemporalAnchor {
 
  private:
   Extent extent_, cells_;
-  TileProgram<shaders::intrinsic_temporal_mismatch> compare_;
-  TileProgram<shaders::image_tiles_copy_tiles> copy_tiles_;
+  gpu::Program<shaders::intrinsic_temporal_mismatch> compare_;
   gpu::Program<shaders::intrinsic_temporal_static_tiles> static_tiles_;
   gpu::Program<shaders::intrinsic_temporal_cut_decision> decide_;
   gpu::BufferPtr kept_, memory_, now_, mismatch_, tiles_, sums_, cut_decision_;

@@ -13,8 +13,8 @@ namespace inverse::bench {
 
 /// Turns all skipping off.
 inline void leave_nothing_out(ScaledIntrinsic::Params& params) {
-  params.tolerances.tile = params.tolerances.edge = params.tolerances.cycle = 0;
-  params.tolerances.chroma = params.tolerances.gate = params.tolerances.half = 0;
+  params.tolerances.edge = params.tolerances.cycle = params.tolerances.chroma = 0;
+  params.tolerances.gate = params.tolerances.half = 0;
 }
 
 /// A mode by its name: "off" and "on" are in every run, with enough frames for a ratio within a

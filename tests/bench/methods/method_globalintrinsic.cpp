@@ -3,7 +3,6 @@
 #include "adaptive_settings.hpp"
 #include "kernels/global/global_levels.hpp"
 #include "quality_level_settings.hpp"
-#include "tests/changed_tiles.hpp"
 
 namespace inverse::bench {
 namespace {
@@ -20,14 +19,12 @@ class GlobalSolver final : public Solver {
         method_(session.device(), {uint32_t(size.width), uint32_t(size.height)}) {}
 
   Decomposition run(const Image& frame, bool continues, Cost& cost) override {
-    const auto changed = continues ? changed_tiles(size_t(frame.width), size_t(frame.channels),
-                                                   before_.data, frame.data)
-                                   : std::vector<std::uint8_t>();
+    const bool repeated = continues && before_.data == frame.data;
     before_ = frame;
     return session_.run(
         frame,
         [&](gpu::Commands& commands, const PlanePtr& input) {
-          return method_.record(commands, input, params_, {!continues, shares_, changed});
+          return method_.record(commands, input, params_, {!continues, shares_, repeated});
         },
         cost);
   }

@@ -7,7 +7,6 @@
 #include "adaptive_settings.hpp"
 #include "kernels/intrinsic/intrinsic_levels.hpp"
 #include "quality_level_settings.hpp"
-#include "tests/changed_tiles.hpp"
 
 namespace inverse::bench {
 namespace {
@@ -24,14 +23,12 @@ class IntrinsicSolver final : public Solver {
         method_(session.device(), {uint32_t(size.width), uint32_t(size.height)}) {}
 
   Decomposition run(const Image& frame, bool continues, Cost& cost) override {
-    const auto changed = continues ? changed_tiles(size_t(frame.width), size_t(frame.channels),
-                                                   before_.data, frame.data)
-                                   : std::vector<std::uint8_t>();
+    const bool repeated = continues && before_.data == frame.data;
     before_ = frame;
     return session_.run(
         frame,
         [&](gpu::Commands& commands, const PlanePtr& input) {
-          return method_.record(commands, input, params_, {!continues, changed});
+          return method_.record(commands, input, params_, {!continues, repeated});
         },
         cost);
   }
@@ -189,7 +186,6 @@ class Settings {
     const std::pair<const char*, void (*)(Params&)> modes[] = {
         {"off", [](Params& p) { p.adaptive = false; }},
         {"on", [](Params&) {}},
-        {"tiles", [](Params& p) { only(p, &Tolerances::tile); }},
         {"edges of tiles", [](Params& p) { only(p, &Tolerances::edge); }},
         {"cycles", [](Params& p) { only(p, &Tolerances::cycle); }},
         {"chroma bins", [](Params& p) { only(p, &Tolerances::chroma); }},

@@ -5,14 +5,11 @@
 //   plan-facts build/tests/bench/scenes > tests/kernels/reuse/recorded_facts.csv
 #include <cstdio>
 #include <exception>
-#include <numeric>
 #include <string>
 
-#include "kernels/image/tiles/tile_list.hpp"
 #include "kernels/intrinsic/intrinsic_decomposition.hpp"
 #include "tests/bench/support/device_session.hpp"
 #include "tests/bench/support/scene.hpp"
-#include "tests/changed_tiles.hpp"
 
 namespace inverse::bench {
 namespace {
@@ -26,44 +23,32 @@ void record(DeviceSession& session, const Scene& scene) {
   std::vector<Image> frames;
   for (const TruthFrame& frame : scene.frames) frames.push_back(through_8_bits(frame.input));
   const Image* before = nullptr;
-  bool layers = false;
   for (size_t k = 0; k < kFrames; ++k) {
     const Image& frame = frames[to_and_fro(k, frames.size())];
-    const auto changed = before ? changed_tiles(size_t(frame.width), size_t(frame.channels),
-                                                before->data, frame.data)
-                                : std::vector<uint8_t>();
-    const auto affected = dilate_tiles(changed, TileList::along(extent.width));
-    const auto count = std::accumulate(affected.begin(), affected.end(), 0U);
-    const bool repeated = before && count == 0;
+    const bool repeated = before && before->data == frame.data;
     Cost cost;
     session.run(
         frame,
         [&](gpu::Commands& commands, const PlanePtr& input) {
-          return method.record(commands, input, {}, {false, changed, repeated});
+          return method.record(commands, input, {}, {.repeated = repeated});
         },
         cost);
     const auto found = method.findings();
     const Plan& plan = found.plan;
-    std::printf(
-        "%s,%d,%d,%d,%.9g,%u,%.9g,%d,%u,%u,%.9g,%.9g,%u,%.9g,%d,%d,%d,%u,%.9g,%.9g,%d,%d,%d,%d\n",
-        scene.name.c_str(), before != nullptr, layers, repeated,
-        before ? double(count) / double(affected.size()) : 1, found.cycles, double(found.change),
-        found.cut, found.tiles, found.tiles_evaluated, double(found.binding), double(found.gate),
-        found.tiles_moving, double(std::max(found.drift, found.mean_drift / Planner::kMeanDrift)),
-        int(plan.mode), plan.all_tiles, int(plan.edges), plan.cycles, double(plan.cycle_tolerance),
-        double(plan.tile_tolerance), plan.compares_pixels, plan.bins, plan.measures_bins,
-        plan.measures_gate);
+    std::printf("%s,%d,%d,%u,%.9g,%d,%u,%u,%.9g,%.9g,%d,%u,%.9g,%d,%d,%d,%d\n", scene.name.c_str(),
+                before != nullptr, repeated, found.cycles, double(found.change), found.cut,
+                found.tiles, found.tiles_evaluated, double(found.binding), double(found.gate),
+                int(plan.edges), plan.cycles, double(plan.cycle_tolerance), plan.compares_pixels,
+                plan.bins, plan.measures_bins, plan.measures_gate);
     before = &frame;
-    layers = !plan.whole();
   }
 }
 
 int main(const std::string& folder) {
   DeviceSession session("");
   std::printf(
-      "scene,history,layers_reusable,repeated,changed,cycles,change,cut,tiles,tiles_evaluated,"
-      "binding,gate,tiles_moving,drift,mode,all_tiles,edges,plan_cycles,cycle_tolerance,"
-      "tile_tolerance,compares_pixels,bins,measures_bins,measures_gate\n");
+      "scene,history,repeated,cycles,change,cut,tiles,tiles_evaluated,binding,gate,edges,"
+      "plan_cycles,cycle_tolerance,compares_pixels,bins,measures_bins,measures_gate\n");
   for (const Scene& scene : read_scenes(folder))
     if (scene.video) record(session, scene);
   return 0;

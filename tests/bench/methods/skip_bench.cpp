@@ -18,7 +18,6 @@
 #include "tests/bench/support/device_session.hpp"
 #include "tests/bench/support/scene.hpp"
 #include "tests/bench/support/timing.hpp"
-#include "tests/changed_tiles.hpp"
 
 namespace inverse::bench {
 namespace {
@@ -51,15 +50,12 @@ struct Run {
 
   Run(DeviceSession& session, Extent extent, const Params& with)
       : method(session.device(), extent), params(with) {}
-  void step(DeviceSession& session, const TruthFrame& frame, bool reset,
-            const std::vector<uint8_t>& changed = {}) {
+  void step(DeviceSession& session, const TruthFrame& frame, bool reset, bool repeated = false) {
     Cost spent;
     now = session.run(
         frame.input,
         [&](gpu::Commands& commands, const PlanePtr& input) {
-          const bool repeated = !changed.empty() && std::none_of(changed.begin(), changed.end(),
-                                                                 [](uint8_t c) { return c != 0; });
-          return method.record(commands, input, params, {reset, changed, repeated});
+          return method.record(commands, input, params, {.reset = reset, .repeated = repeated});
         },
         spent);
     cost.push_back(spent.processor);
@@ -171,13 +167,10 @@ void error(DeviceSession& session, const Scene& scene, size_t frames) {
   for (size_t k = 0; k < frames; ++k) {
     TruthFrame frame = frame_at(scene, k);
     frame.input = through_8_bits(frame.input);
-    const auto changed =
-        k > 0 ? changed_tiles(size_t(frame.input.width), size_t(frame.input.channels),
-                              before.input.data, frame.input.data)
-              : std::vector<uint8_t>();
+    const bool repeated = k > 0 && before.input.data == frame.input.data;
     all.step(session, frame, k == 0);
     for (size_t i = 0; i < some.size(); ++i) {
-      some[i]->step(session, frame, k == 0, changed);
+      some[i]->step(session, frame, k == 0, repeated);
       apart[i].push_back(distance(frame.input, all.now.shading, some[i]->now.shading));
     }
     before = frame;

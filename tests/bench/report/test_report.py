@@ -72,13 +72,13 @@ class ThroughElements(unittest.TestCase):
     def test_ratios_are_of_the_same_scene_and_size(self):
         def sample(setting, times, width=640, element="intrinsicdecomp"):
             return {"element": element, "scene": "ball", "width": width, "height": 480, "frames": 3, "setting": setting, "wall_ms": times, "processor_ms": times}
-        rows = [sample("off", [10, 20, 30]), sample("on", [1, 2, 3]), sample("tiles", [5, 10, 15]), sample("on", [1, 1, 1], 1280)]
+        rows = [sample("off", [10, 20, 30]), sample("on", [1, 2, 3]), sample("edges", [5, 10, 15]), sample("on", [1, 1, 1], 1280)]
         other = [sample("off", [2, 2], element="globalintrinsic"), sample("on", [1, 1], element="globalintrinsic")]
         both = summary.against_off(rows + other)
         self.assertEqual([(e["element"], e["pairs"]) for e in both], [("intrinsicdecomp", 3)] * 2 + [("globalintrinsic", 2)])
         self.assertAlmostEqual(both[2]["processor_ratio"][1], 0.5)
         found = summary.against_off(rows)
-        self.assertEqual([e["setting"] for e in found], ["on", "tiles"])
+        self.assertEqual([e["setting"] for e in found], ["on", "edges"])
         self.assertAlmostEqual(found[0]["processor_ratio"][1], 0.1)
         self.assertEqual(found[0]["wall_ms"], [20, 2])
         text = brief.skipped({"through_elements": both[:1] + both[2:]})

@@ -46,7 +46,7 @@ TEST(Log, ReportsWhyWorkIsNotSkipped) {
   for (unsigned i = 2; i < 8; ++i) harness.process(random_frame(kCaps, i));
   for (const char* reason :
        {"decomposed: adaptive is off or skip-error is 0.", "decomposed: the picture changed.",
-        "all tiles: adaptive is off or skip-error is 0", "all tiles: all of them changed",
+        "edges of all tiles: adaptive is off or skip-error is 0",
         "chroma bins: their effect is measured", "full resolution: not compared yet"})
     EXPECT_GE(log.count(GST_LEVEL_DEBUG, reason), 1u) << reason;
 }

@@ -243,6 +243,37 @@ TEST_P(RepeatedFrames, ComeOutOfAnEditingChainAsTheFirstOfThem) {
     EXPECT_LE(largest_difference(harness.process(picture), converged), 1);
 }
 
+// A software device builds a kernel when it is first used: half a second where nothing is cached.
+TEST(KernelsOfDecomposers, AreBuiltBeforeFramesCome) {
+  const NewDevice none_built;
+  for (const std::string element : {"intrinsicdecomp", "globalintrinsic"})
+    for (const char* format : {"RGBA", "NV12"}) {
+      const std::string caps = VideoHarness::caps(format, 320, 240);
+      VideoHarness harness(element, caps, caps);
+      const auto kernels = [&] { return stat<guint64>(harness.find(element), "kernels"); };
+      const auto still = random_frame(caps, 1);
+      auto moving = still;
+      harness.process(still);
+      const uint64_t first = kernels();
+      EXPECT_GT(first, 60U);
+      for (unsigned k = 0; k < 8; ++k) {
+        moving[moving.size() / 3] ^= uint8_t(k + 1);
+        harness.process(moving);
+      }
+      for (int k = 0; k < 24; ++k) harness.process(still);  // whose light, then layers are reused
+      // Quality falls if no time is enough.
+      g_object_set(harness.find(element), "latency-budget", 0.01, nullptr);
+      unsigned levels = 0;
+      for (unsigned k = 0; k < 12; ++k) {
+        harness.process(random_frame(caps, k));
+        levels |= 1U << stat<guint>(harness.find(element), "halvings");
+      }
+      EXPECT_TRUE(levels & 4U) << "quarter resolution must have come";
+      EXPECT_EQ(kernels(), first) << element << " " << format;
+      EXPECT_TRUE(harness.errors().empty());
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, RepeatedFrames, ::testing::ValuesIn(kDecomposers),
                          [](const auto& info) { return std::string(info.param); });
 

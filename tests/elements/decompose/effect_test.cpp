@@ -80,14 +80,25 @@ std::set<std::string> tuning_of(const char* factory) {
 const std::vector<std::string> kProperties = {
     "light-color-slope=0.5", "reflectance-weight=2", "shading-weight=2", "temporal-weight=3",
     "temporal-hold=0.3",     "white-level=0.5",      "skip-error=0"};
-const std::vector<std::string> kTuning = {
-    "cycles=1",          "warm-cycles=1",           "half-resolution=true",
-    "value-weight=3",    "chroma-weight=0.2",       "white-quantile=0.5",
-    "temporal-frames=1", "temporal-motion=0.05",    "temporal-chroma=0.01",
-    "temporal-detail=1", "temporal-texture=0.01",   "temporal-hold-light=1",
-    "cut-fraction=1",    "temporal-hold-texture=2", "cycle-tolerance=0.5",
-    "edge-tolerance=1",  "tile-tolerance=1",        "gate-tolerance=1",
-    "half-tolerance=1",  "repeat-tolerance=0.1"};
+const std::vector<std::string> kTuning = {"cycles=1",
+                                          "warm-cycles=1",
+                                          "half-resolution=true",
+                                          "value-weight=3",
+                                          "chroma-weight=0.2",
+                                          "white-quantile=0.5",
+                                          "temporal-frames=1",
+                                          "temporal-motion=0.05",
+                                          "temporal-chroma=0.01",
+                                          "temporal-detail=1",
+                                          "temporal-texture=0.01",
+                                          "temporal-hold-light=1",
+                                          "cut-fraction=1",
+                                          "temporal-hold-texture=2",
+                                          "cycle-tolerance=0.5",
+                                          "edge-tolerance=1",
+                                          "gate-tolerance=1",
+                                          "half-tolerance=1",
+                                          "repeat-tolerance=0.1"};
 const std::vector<std::string> kLight = {
     "typical-amount=2", "measurement-weight=0", "white-balance=1", "base-colors=1",
     "reach=0.05",       "near-share=0",         "update-rate=1",   "cut-chroma=1"};

@@ -152,10 +152,10 @@ TEST_P(SkipError, ZeroSkipsNothingThatChangesTheResult) {
 
 TEST_P(SkipError, ScalesTolerancesThatAreNotSet) {
   const std::string caps = VideoHarness::caps("RGBA", 32, 24), name = GetParam();
-  VideoHarness harness(name + " quality=high skip-error=0.2 tuning=tile-tolerance=0.03", caps,
+  VideoHarness harness(name + " quality=high skip-error=0.2 tuning=chroma-tolerance=0.03", caps,
                        caps);
   ASSERT_FALSE(harness.process(std::vector<uint8_t>(size_t{4} * 32 * 24, 99)).empty());
-  for (const auto& [field, value] : {std::pair{"tile-tolerance", 0.03F},
+  for (const auto& [field, value] : {std::pair{"chroma-tolerance", 0.03F},
                                      {"cycle-tolerance", 0.006F},
                                      {"edge-tolerance", 0.1F},
                                      {"half-tolerance", 0.12F},
@@ -172,14 +172,14 @@ TEST_P(SkipError, BoundsTheErrorAndMoreSkipsMore) {
   for (const char* error : {"0.3", "0.1", "0.02"}) {
     VideoHarness harness(name + " show=shading skip-error=" + error, caps, caps);
     double worst = 0;
-    guint64 skipped = 0;  // tiles
+    guint64 skipped = 0;  // tiles whose edges were not evaluated
     size_t k = 0;
     for (const auto& frame : mixed_video()) {
       update_max(worst, log_difference(harness.process(frame), wanted[k++]));
       GstElement* element = harness.find(name);
       const bool kept = stat<bool>(element, "reused");
       const guint tiles = stat<guint>(element, "tiles");
-      skipped += kept ? tiles : tiles - stat<guint>(element, "tiles-active");
+      skipped += kept ? tiles : tiles - stat<guint>(element, "tiles-evaluated");
     }
     std::printf("%s skip-error=%s: at most %.4f rms log shading, %" G_GUINT64_FORMAT
                 " tiles skipped\n",

@@ -68,7 +68,7 @@ void Method::reset() {
   first_ = true;
 }
 
-Output Method::decompose(const Pixels& frame, std::span<const uint8_t> changed) {
+Output Method::decompose(const Pixels& frame) {
   const PlanePtr input = lab_.plane(extent_, frame);
   Layers layers;
   uint64_t number = 0;
@@ -79,11 +79,11 @@ Output Method::decompose(const Pixels& frame, std::span<const uint8_t> changed) 
   first_ = false;
   lab_.run([&](gpu::Commands& commands) {
     if (scaled_)
-      layers = scaled_->record(commands, input, params_, {false, changed});
+      layers = scaled_->record(commands, input, params_, {});
     else if (intrinsic_)
-      layers = intrinsic_->record(commands, input, params_, {false, changed});
+      layers = intrinsic_->record(commands, input, params_, {});
     else if (global_)
-      layers = global_->record(commands, input, params_, {false, true, changed});
+      layers = global_->record(commands, input, params_, {.shares = true});
     else if (thesis_)
       number = thesis_->record(commands, *input, layers);
     else
@@ -120,8 +120,8 @@ Output Method::decompose(const Pixels& frame, std::span<const uint8_t> changed) 
   return got;
 }
 
-Output Method::decompose_unscaled(const Pixels& frame, std::span<const uint8_t> changed) {
-  Output got = decompose(frame, changed);
+Output Method::decompose_unscaled(const Pixels& frame) {
+  Output got = decompose(frame);
   const float scale = std::exp(scale_);
   for (size_t i = 0; i < got.intrinsic.size(); ++i)
     got.intrinsic[i] *= i % 4 == 3 ? scale : 1 / scale;

@@ -3,7 +3,6 @@
 #pragma once
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "kernels/global/global_intrinsic.hpp"
@@ -43,10 +42,9 @@ class Method {
   void set(const Case& one);
 
   /// The next frame of a video. globalintrinsicthesis finds the colors of its first frame before.
-  /// The other two may receive the changed tiles (FrameInfo::changed).
-  Output decompose(const Pixels& frame, std::span<const uint8_t> changed = {});
+  Output decompose(const Pixels& frame);
   /// The same in the solver's own scale.
-  Output decompose_unscaled(const Pixels& frame, std::span<const uint8_t> changed = {});
+  Output decompose_unscaled(const Pixels& frame);
   void reset();
 
   /// Of the last frame of intrinsicdecomp or, what globalintrinsic solves, globalintrinsic.

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "inputs.hpp"
-#include "tests/changed_tiles.hpp"
 
 namespace inverse::extremes {
 

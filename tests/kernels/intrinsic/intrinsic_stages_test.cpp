@@ -239,7 +239,7 @@ TEST_F(IntrinsicTest, OutputScaleAgreesWithReference) {
       const auto field = upload(packs), judged = upload({0, frame.same, 0, 0});
       run([&](gpu::Commands& commands) {
         guide.record(commands, input.buffer, lit);
-        scale.record(commands, guide, field, judged, frame.history, params, false, lit);
+        scale.record(commands, guide, field, judged, frame.history, params, lit);
       });
       const bool carries =
           frame.history == History::taken || (frame.history == History::decided && frame.same > 0);

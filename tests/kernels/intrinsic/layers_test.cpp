@@ -3,7 +3,6 @@
 #include "tests/reference/intrinsic/layers.hpp"
 
 #include "kernels/image/pack4.hpp"
-#include "kernels/image/tiles/tile_list.hpp"
 #include "kernels/intrinsic/resolution/layer_fade.hpp"
 #include "kernels/intrinsic_output_layers.spv.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
@@ -35,7 +34,7 @@ class LayersTest : public GpuTest {};
 
 TEST_F(LayersTest, OutputScaleAgreesWithReference) {
   using Shader = shaders::intrinsic_output_layers;
-  const TileProgram<Shader> gray(device, {}, 0, 0), colored(device, {.colored = true}, 0, 0);
+  const gpu::Program<Shader> gray(device), colored(device, {.colored = true});
   for (const Extent size : kSizes)
     for (const auto& [log_scale, light] : {std::pair{0.0F, reference::LightColor{}},
                                            {0.7F, {}},
@@ -51,22 +50,21 @@ TEST_F(LayersTest, OutputScaleAgreesWithReference) {
       const auto memory = zeros(packs * Shader::MEMORY_STRIDE);
       const auto intrinsic = zeros(size.pixels());
       run([&](gpu::Commands& commands) {
-        (light.slope != 0 ? colored : gray)
-            .dispatch(commands, nullptr,
-                      {.frame = plane(size, frame).buffer,
-                       .cells = zeros(size.pixels() * Shader::CELL_STRIDE),
-                       .guide_coarse = zeros(size.pixels()),
-                       .scale = upload({log_scale, 1, 0, 0}),
-                       .start = zeros(packs * Shader::START_STRIDE),
-                       .before = zeros(packs * Shader::MEMORY_STRIDE),
-                       .now = memory,
-                       .shading = field,
-                       .memory = gpu::aliased(memory),
-                       .new_shading = gpu::aliased(field),
-                       .cell_history = zeros(size.pixels()),
-                       .intrinsic = intrinsic,
-                       .slope = upload({float(light.slope), float(light.white), 1, 0})},
-                      {.size = size, .texture = 1}, line_of(packs));
+        commands.dispatch(light.slope != 0 ? colored : gray,
+                          {.frame = plane(size, frame).buffer,
+                           .cells = zeros(size.pixels() * Shader::CELL_STRIDE),
+                           .guide_coarse = zeros(size.pixels()),
+                           .scale = upload({log_scale, 1, 0, 0}),
+                           .start = zeros(packs * Shader::START_STRIDE),
+                           .before = zeros(packs * Shader::MEMORY_STRIDE),
+                           .now = memory,
+                           .shading = field,
+                           .memory = gpu::aliased(memory),
+                           .new_shading = gpu::aliased(field),
+                           .cell_history = zeros(size.pixels()),
+                           .intrinsic = intrinsic,
+                           .slope = upload({float(light.slope), float(light.white), 1, 0})},
+                          {.size = size, .texture = 1}, line_of(packs));
       });
       reference::Plane expected = to_reference(size, frame);
       for (int y = 0; y < expected.height; ++y)

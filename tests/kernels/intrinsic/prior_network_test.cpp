@@ -5,9 +5,7 @@
 
 #include "intrinsic_fixture.hpp"
 #include "prior_graph.hpp"
-#include "tests/changed_tiles.hpp"
 #include "tests/expect_error.hpp"
-#include "tests/update_max.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -223,58 +221,6 @@ TEST_F(PriorNetworkTest, ANetworkOfZerosIsTheFittedPrior) {
     EXPECT_EQ(download(zero.value), download(fitted.value)) << name_of(extent);
     EXPECT_NE(download(other.value), download(fitted.value)) << name_of(extent);
   }
-}
-
-TEST_F(PriorNetworkTest, ListedTilesAreEvaluatedAsTheFrameIs) {
-  for (const Extent extent : kSizes) {
-    const PriorModelPtr model = prior_model(12);
-    const Run made = run_network(extent, scene(extent, 6), model);
-    const EdgePrior::Target whole = prior_of(made, model), listed = prior_target(extent);
-    TileList all(device, extent, gpu::Memory::upload);
-    all.assign(std::vector<uint8_t>(all.tiles(), 1));
-    EdgePrior prior(device, extent);
-    EdgePrior::Params params;
-    params.network = model;
-    run([&](gpu::Commands& commands) {
-      for (const auto& part : {listed.system, listed.flux, listed.value}) commands.fill(part);
-      prior.record_tiles(commands, *made.guide, listed, params, all);
-    });
-    EXPECT_EQ(download(listed.system), download(whole.system)) << name_of(extent);
-    EXPECT_EQ(download(listed.flux), download(whole.flux)) << name_of(extent);
-    EXPECT_EQ(download(listed.value), download(whole.value)) << name_of(extent);
-  }
-}
-
-TEST_F(PriorNetworkTest, WorkByTilesStaysNearTheWholeSolve) {
-  const Extent extent{349, 287};
-  IntrinsicDecomposition some(device, extent), whole(device, extent);
-  IntrinsicDecomposition::Params params, all;
-  params.prior.network = all.prior.network = prior_model(13);
-  all.adaptive = false;
-  unsigned listed = 0;
-  double worst = 0;
-  Pixels last;
-  for (size_t k = 0; k < 24; ++k) {
-    Pixels frame = scene(extent, 21);  // and a gray patch that moves, and stops
-    for (size_t y = 60; y < 84; ++y)
-      for (size_t x = 40 + 5 * std::min<size_t>(k, 18); x < 64 + 5 * std::min<size_t>(k, 18); ++x)
-        for (size_t c = 0; c < 3; ++c) frame[4 * (y * extent.width + x) + c] = 0.5F;
-    const auto changed =
-        last.empty() ? std::vector<uint8_t>() : changed_tiles(extent.width, 4, last, frame);
-    last = frame;
-    const auto solve = [&](IntrinsicDecomposition& method, const auto& of,
-                           std::span<const uint8_t> tiles) {
-      Layers layers;
-      run([&](gpu::Commands& commands) {
-        layers = method.record(commands, input(extent, frame), of, {false, tiles});
-      });
-      return download(layers[Role::intrinsic]);
-    };
-    update_max(worst, shading_distance(solve(some, params, changed), solve(whole, all, {})));
-    listed += last_stats(some).plan.tiles();
-  }
-  EXPECT_GT(listed, 12U);
-  EXPECT_LT(worst, 0.06);
 }
 
 TEST_F(PriorNetworkTest, WholeSolveAgreesWithReference) {

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <limits>
 #include <map>
 #include <sstream>
 #include <string>
@@ -18,13 +17,11 @@
 namespace inverse::testing {
 namespace {
 
-using Mode = Plan::Mode;
-
 /// A policy and the video that it plans.
 struct Video {
   Planner policy;
-  Planner::Params params{.cut_fraction = 0.3F};
-  Planner::Frame frame{.history = true, .layers_reusable = true, .changed = 0};
+  Planner::Params params;
+  Planner::Frame frame{.history = true};
   Planner::Found found;
   unsigned frames = 0;
 
@@ -36,7 +33,7 @@ struct Video {
   }
   Plan next() {
     Planner::Frame now = frame;
-    if (frames == 0) now.history = now.layers_reusable = false;
+    if (frames == 0) now.history = false;
     const bool known = frames++ >= 3;
     return policy.next(params, now, known ? std::optional(found) : std::nullopt);
   }
@@ -48,57 +45,9 @@ struct Video {
 
 }  // namespace
 
-TEST(Plan, AStaticVideoIsSolvedByTilesAndSometimesWhole) {
-  Video video;
-  EXPECT_EQ(video.next().mode, Mode::whole) << "there is no frame before";
-  EXPECT_EQ(video.next().mode, Mode::whole) << "which held nothing";
-  for (int k = 0; k < 3; ++k) EXPECT_EQ(video.next().mode, Mode::watched) << k;
-  unsigned all = 0, since = 0;
-  for (unsigned k = 1; k <= 4 * Planner::kAllEvery; ++k) {
-    const auto plan = video.next();
-    ASSERT_EQ(plan.mode, Mode::tiles);
-    EXPECT_FALSE(plan.measures_bins || plan.measures_gate);
-    since = plan.all_tiles ? 0 : since + 1;
-    EXPECT_LT(since, Planner::kAllEvery) << "no tile is left out for longer";
-    all += plan.all_tiles;
-  }
-  EXPECT_EQ(all, 4U);
-}
-
-TEST(Plan, AChangeOfMostTilesIsSolvedWhole) {
-  const auto mode = [](const auto& change) {
-    Video video;
-    EXPECT_EQ(video.after(8).mode, Mode::tiles);
-    change(video);
-    return video.next().mode;
-  };
-  EXPECT_EQ(mode([](Video&) {}), Mode::tiles);
-  EXPECT_EQ(mode([](Video& v) { v.frame.changed = 0.2F; }), Mode::tiles);
-  EXPECT_EQ(mode([](Video& v) { v.frame.changed = 0.26F; }), Mode::whole);
-  EXPECT_EQ(mode([](Video& v) {
-              v.frame.changed = 0.2F;
-              v.params.cut_fraction = 0.2F;  // so many make a cut
-            }),
-            Mode::whole);
-  EXPECT_EQ(mode([](Video& v) { v.params.adaptive = false; }), Mode::whole);
-  EXPECT_EQ(mode([](Video& v) { v.params.tolerances.tile = 0; }), Mode::whole);
-  EXPECT_EQ(mode([](Video& v) { v.frame.history = false; }), Mode::whole);
-  EXPECT_EQ(mode([](Video& v) { v.frame.warm_start = true; }), Mode::whole);
-  EXPECT_EQ(mode([](Video& v) { v.found.tiles_moving = 50; }), Mode::tiles);
-  EXPECT_EQ(mode([](Video& v) { v.found.tiles_moving = 51; }), Mode::watched);
-  EXPECT_EQ(mode([](Video& v) { v.found.drift = 0.06F; }), Mode::watched);
-  EXPECT_EQ(mode([](Video& v) { v.found.mean_drift = 0.19F; }), Mode::tiles);
-  EXPECT_EQ(mode([](Video& v) { v.found.mean_drift = 0.21F; }), Mode::watched);
-  EXPECT_EQ(mode([](Video& v) { v.found.drift = std::numeric_limits<float>::quiet_NaN(); }),
-            Mode::watched);
-  EXPECT_EQ(mode([](Video& v) { v.frame.layers_reusable = false; }), Mode::watched);
-  EXPECT_EQ(mode([](Video& v) { v.policy.restart(); }), Mode::watched);
-}
-
 TEST(Plan, SkippedBinsAndAnchorAreEstimatedMoreOften) {
-  const auto measured = [](bool binds, float changed) {
+  const auto measured = [](bool binds) {
     Video video;
-    video.frame.changed = changed;
     video.found.plan.measures_bins = video.found.plan.measures_gate = true;
     if (!binds) video.found.binding = 0;
     unsigned count = 0;
@@ -111,11 +60,9 @@ TEST(Plan, SkippedBinsAndAnchorAreEstimatedMoreOften) {
     }
     return count;
   };
-  EXPECT_EQ(measured(true, 1), 5U);    // the 4th, the 16th, … the 64th
-  EXPECT_EQ(measured(false, 1), 16U);  // every 4th
-  EXPECT_EQ(measured(true, 0), 1U) << "over tiles alone nothing of the whole is measured";
+  EXPECT_EQ(measured(true), 5U);    // the 4th, the 16th, … the 64th
+  EXPECT_EQ(measured(false), 16U);  // every 4th
   Video off;
-  off.frame.changed = 1;
   off.found.plan.measures_bins = off.found.plan.measures_gate = true;
   off.found.binding = off.found.gate = 0;
   off.after(5);
@@ -135,7 +82,6 @@ TEST(Plan, SkippedBinsAndAnchorAreEstimatedMoreOften) {
 
 TEST(Plan, EdgesAreComparedRarelyIfMostAreRecomputed) {
   Video video;
-  video.frame.changed = 1;
   video.found.plan.edges = Plan::Edges::compare;
   video.found.tiles_evaluated = 51;
   video.after(4);
@@ -158,7 +104,6 @@ TEST(Plan, EdgesAreComparedRarelyIfMostAreRecomputed) {
 
 TEST(Plan, CyclesEndEarlyWhereTheyDidOrWouldHave) {
   Video video;
-  video.frame.changed = 1;
   video.found.change = 0.004F;  // above a third of `cycle-tolerance`
   EXPECT_TRUE(video.after(3).stops()) << "nothing is known yet";
   EXPECT_FALSE(video.next().stops());
@@ -189,16 +134,12 @@ std::map<std::string, std::vector<RecordedFrame>> recorded_scenes() {
     std::replace(numbers.begin(), numbers.end(), ',', ' ');
     std::istringstream row(numbers);
     RecordedFrame r;
-    int mode = 0, edges = 0;
-    row >> r.frame.history >> r.frame.layers_reusable >> r.frame.repeated >> r.frame.changed >>
-        r.found.cycles >> r.found.change >> r.found.cut >> r.found.tiles >>
-        r.found.tiles_evaluated >> r.found.binding >> r.found.gate >> r.found.tiles_moving >>
-        r.found.drift >> mode >> r.found.plan.all_tiles >> edges >> r.found.plan.cycles >>
-        r.found.plan.cycle_tolerance >> r.found.plan.tile_tolerance >>
-        r.found.plan.compares_pixels >> r.found.plan.bins >> r.found.plan.measures_bins >>
-        r.found.plan.measures_gate;
+    int edges = 0;
+    row >> r.frame.history >> r.frame.repeated >> r.found.cycles >> r.found.change >> r.found.cut >>
+        r.found.tiles >> r.found.tiles_evaluated >> r.found.binding >> r.found.gate >> edges >>
+        r.found.plan.cycles >> r.found.plan.cycle_tolerance >> r.found.plan.compares_pixels >>
+        r.found.plan.bins >> r.found.plan.measures_bins >> r.found.plan.measures_gate;
     EXPECT_FALSE(row.fail()) << line;
-    r.found.plan.mode = Mode(mode);
     r.found.plan.edges = Plan::Edges(edges);
     r.found.plan.history = r.frame.history;
     scenes[line.substr(0, comma)].push_back(r);
@@ -217,9 +158,7 @@ TEST(Plan, RecordedFactsOfTheAdaptivityScenesLeadToTheRecordedPlans) {
     for (size_t k = 0; k < frames.size(); ++k) {
       std::optional<Planner::Found> found;
       if (k >= gpu::kFramesInFlight) found = frames[k - gpu::kFramesInFlight].found;
-      Plan plan = planner.next({.cut_fraction = defaults.anchor.cut_fraction,
-                                .cycles = defaults.cycles,
-                                .warm_cycles = defaults.warm_cycles},
+      Plan plan = planner.next({.cycles = defaults.cycles, .warm_cycles = defaults.warm_cycles},
                                frames[k].frame, found);
       plan.skipped.clear();  // reasons are not recorded
       plan.run.clear();

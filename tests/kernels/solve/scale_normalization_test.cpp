@@ -52,7 +52,7 @@ class ScaleNormalizationTest : public GpuTest {
   /// SCALE_… on the device, ln c first.
   Pixels record_state(ScaleNormalization& scale, const std::vector<ScaleCell>& cells,
                       const reference::ScaleNormalization::ScaleTarget& target, bool carries,
-                      float white_level, bool frozen, const Light& light) {
+                      float white_level, const Light& light) {
     std::vector<float> numbers;
     for (const ScaleCell& cell : cells)
       for (const double v : cell) numbers.push_back(static_cast<float>(v));
@@ -64,15 +64,15 @@ class ScaleNormalizationTest : public GpuTest {
     const auto decided = upload({0, carries ? 1.0F : 0.0F, 0, 0});
     run([&](gpu::Commands& commands) {
       commands.copy(uploaded, scale.cells(), uploaded->bytes());
-      scale.record(commands, {requested, decided, ScaleNormalization::History::decided, white_level,
-                              frozen, lit});
+      scale.record(commands,
+                   {requested, decided, ScaleNormalization::History::decided, white_level, lit});
     });
     return download(scale.value());
   }
   float record(ScaleNormalization& scale, const std::vector<ScaleCell>& cells,
                const reference::ScaleNormalization::ScaleTarget& target, bool carries,
-               float white_level = 0.9F, bool frozen = false) {
-    return record_state(scale, cells, target, carries, white_level, frozen, {})[0];
+               float white_level = 0.9F) {
+    return record_state(scale, cells, target, carries, white_level, {})[0];
   }
 };
 
@@ -82,17 +82,17 @@ TEST_F(ScaleNormalizationTest, AgreesWithReference) {
     reference::ScaleNormalization expected(static_cast<int>(extent.width),
                                            static_cast<int>(extent.height));
     for (int k = 0; k < 24; ++k) {
-      // A pan that gathers speed, light that changes, a cut, a dark frame, frozen ones.
+      // A pan that gathers speed, light that changes, a cut, a dark frame.
       View view{0.02 * k * k, 0.3 * k, 0.02 * k, 0.01 * k, 0.004 * k};
       const Light light{0.02 * (k % 7), -0.3 + 0.01 * k};
       if (k >= 12) view.x += 500;
-      const bool carries = k != 12, frozen = k == 7 || k == 8;
+      const bool carries = k != 12;
       const reference::ScaleNormalization::ScaleTarget target{-0.2 - 0.03 * k, k == 18, 0.1 * k};
       const float white = k < 20 ? 0.9F : 0.5F;
       const auto cells = cells_of(extent, view);
-      const Pixels got = record_state(scale, cells, target, carries, white, frozen, light);
+      const Pixels got = record_state(scale, cells, target, carries, white, light);
       const double want =
-          expected.update(cells, target, carries, static_cast<double>(white), frozen, light);
+          expected.update(cells, target, carries, static_cast<double>(white), light);
       ASSERT_NEAR(got[0], want, 1e-4) << name_of(extent) << ", frame " << k;
       ASSERT_NEAR(got[4 * State::SCALE_LIGHT], expected.exposure(), 1e-4)
           << name_of(extent) << ", frame " << k;
@@ -159,8 +159,7 @@ TEST_F(ScaleNormalizationTest, WhiteLightFollowsTheExposure) {
       brighter = 0.7 * std::clamp((k - 10) / 20.0, 0.0, 1.0);
       // As the guide has them: corrected by the color of light of their brightness.
       View view{0.4 * k, 0, brighter, 0, (shot.redder - light.slope) * brighter};
-      last = record_state(scale, cells_of(extent, view), {-0.1, false, 0.2}, k > 0, 1.0F, false,
-                          light);
+      last = record_state(scale, cells_of(extent, view), {-0.1, false, 0.2}, k > 0, 1.0F, light);
       if (k == 0) first = last;
     }
     const size_t white = 4 * State::SCALE_STATE + 3, exposure = 4 * State::SCALE_LIGHT;

@@ -68,7 +68,7 @@ double OutputScale::update(const Guide& guide, const std::vector<double>& log_sh
   target_ = {0, brightest.empty()};
   if (!target_.dark)
     target_ = {-bright_end(brightest, params_.quantile), false, weights > 0 ? white / weights : 0};
-  return normalization_->update(states, target_, carries, params_.white_level, false, light);
+  return normalization_->update(states, target_, carries, params_.white_level, light);
 }
 
 }  // namespace inverse::reference

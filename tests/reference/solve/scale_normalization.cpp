@@ -213,8 +213,7 @@ void ScaleNormalization::fit(Motion& motion, const std::vector<Sample>& samples,
 }
 
 double ScaleNormalization::update(const std::vector<ScaleCell>& input, const ScaleTarget& target,
-                                  bool carries, double white_level, bool frozen,
-                                  const LightColor& light) {
+                                  bool carries, double white_level, const LightColor& light) {
   const double log_white = log_white_ = std::log(white_level);
   const std::vector<ScaleCell> cells = smoothed(input);
   std::vector<Sample> samples;
@@ -266,14 +265,14 @@ double ScaleNormalization::update(const std::vector<ScaleCell>& input, const Sca
     return known ? log_white + offset_ : 0;
   }
   const bool tracked = known && found_ > kMinFound;
-  if (tracked && !frozen) {
+  if (tracked) {
     white_ += exposure - exposure_;
     exposure_ = exposure;
   }
   if (!known) {
     offset = target.offset;
     white_ = target.brightest - offset;
-  } else if (frozen || samples.empty()) {
+  } else if (samples.empty()) {
     offset = offset_;
   } else if (!tracked) {
     offset = mix(offset_, target.offset, kFollow);

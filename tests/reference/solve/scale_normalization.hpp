@@ -27,10 +27,10 @@ class ScaleNormalization {
     bool dark = false;
     double brightest = 0;
   };
-  /// ln c of a frame. `carries`: it continues the one before. `frozen`: the scale stays. `light`:
-  /// by which the color of the cells was corrected.
+  /// ln c of a frame. `carries`: it continues the one before. `light`: by which the color of the
+  /// cells was corrected.
   double update(const std::vector<ScaleCell>& cells, const ScaleTarget& target, bool carries,
-                double white_level, bool frozen = false, const LightColor& light = {});
+                double white_level, const LightColor& light = {});
   /// Log shading, in the output, of the brightest light of the scene's first frame; it follows the
   /// exposure, and rises if the scene lights up.
   double white() const { return white_ - log_white_; }
