@@ -15,7 +15,6 @@
 #include "gst/base/pads/side_pads.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/layers.hpp"
-#include "kernels/image/tiles/tile_list.hpp"
 #include "property_table.hpp"
 
 namespace inverse {
@@ -34,9 +33,6 @@ struct FrameContext {
   GstBuffer* in = nullptr;  ///< the buffer that came in, for its metas
   /// Its stream time; none if its segment is not in time.
   GstClockTime time = GST_CLOCK_TIME_NONE;
-  /// Of every tile of 16 x 16 pixels, row by row, 0 if its bytes are those of the frame before;
-  /// empty if that is not known.
-  std::span<const uint8_t> changed = {};
 
   /// Out: posted as element messages, also if `process` throws.
   std::vector<StructurePtr> messages = {};
@@ -45,8 +41,6 @@ struct FrameContext {
   /// Out: configuration warnings, posted on the bus; the filter adds each once.
   std::vector<std::string> warnings = {};
   Picture picture = {};  ///< out: what to draw
-  /// Out: the only tiles where the picture differs from the one drawn last; null: all may.
-  const TileList* drawn = nullptr;
   /// Out: adds metas of the filter's own to the buffer that goes out.
   std::function<void(GstBuffer*)> decorate = {};
 
@@ -101,8 +95,7 @@ class Filter {
   virtual void reset() {}
   /// Its further sink pads (ElementInfo::side_sinks); null if it has none.
   virtual SidePads* side_pads() { return nullptr; }
-  /// Whether frames are to be compared with the ones before them, for FrameContext::repeated and
-  /// `changed`.
+  /// Whether frames are to be compared with the ones before them, for FrameContext::repeated.
   virtual bool compares_frames() const { return false; }
   /// If so, pixels that are not square cause a warning that says what to do.
   virtual bool needs_square_pixels() const { return false; }

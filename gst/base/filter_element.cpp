@@ -6,13 +6,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
-#include <functional>
 #include <utility>
 
 #include "gst/base/frames/video_format.hpp"
 #include "gst/base/log/errors.hpp"
 #include "gst/base/meta/layers_meta.hpp"
-#include "kernels/reuse/tolerances.hpp"
 #include "report.hpp"
 #include "views.hpp"
 
@@ -121,10 +119,7 @@ void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {
   const Extent extent = extent_of(in_info_);
   slots_ = {};
   forget_repeats();
-  for (Slot& slot : slots_) {
-    slot.commands = std::make_unique<gpu::Commands>(device);
-    slot.tiles.emplace(device, extent, gpu::Memory::upload);
-  }
+  for (Slot& slot : slots_) slot.commands = std::make_unique<gpu::Commands>(device);
   planes_.emplace(device, extent);
   if (input_) input_->configure(device);
   if (output_) output_->configure(device);
@@ -214,17 +209,8 @@ void FilterElement::read_input(GstBuffer* in, Slot& slot, FrameContext& frame) {
   const bool compares = filter_->compares_frames();
   if (frame.fresh || !compares) forget_repeats();
   if (compares) {
-    frame.changed = input_->changed_tiles(in);
-    frame.repeated = !frame.changed.empty() &&
-                     std::none_of(frame.changed.begin(), frame.changed.end(), std::identity{});
+    frame.repeated = input_->repeats(in);
     repeats_.next(frame.repeated);
-    // Planes that no kernel can bind as a whole are written by rows, not by tiles.
-    const uint64_t plane_bytes =
-        planes_->extent().pixels() * gpu::element_bytes(gpu::Element::vec4);
-    if (!frame.repeated && plane_bytes > device_->limits().storage_buffer_bytes) {
-      every_tile_.assign(frame.changed.size(), 1);
-      frame.changed = every_tile_;
-    }
   }
   frame.keep_planes = repeats_.going_on();
   frame.layers.extent = planes_->extent();
@@ -237,22 +223,10 @@ void FilterElement::convert_input(GstBuffer* in, Slot& slot, FrameContext& frame
     plane = kept_input_;
     return;
   }
-  // Chroma is interpolated: a change shows one pixel further.
-  const auto affected = dilate_tiles(frame.changed, slot.tiles->columns());
-  const bool few_changed = !frame.changed.empty() &&
-                           static_cast<float>(std::count(affected.begin(), affected.end(), 1)) <
-                               kMaxChangedTiles * static_cast<float>(affected.size());
-  // If nothing else holds the frame before, this one may overwrite it.
-  if (few_changed && kept_input_ && kept_input_.use_count() == 1) {
-    plane = kept_input_;
-    slot.tiles->assign(affected);
-    input_->record(*slot.commands, in, slot.in, *plane, &*slot.tiles);
-  } else {
-    plane = planes_->acquire();
-    input_->record(*slot.commands, in, slot.in, *plane);
-  }
+  plane = planes_->acquire();
+  input_->record(*slot.commands, in, slot.in, *plane);
   slot.commands->stage("unpack");
-  kept_input_ = frame.keep_planes || few_changed ? plane : nullptr;
+  kept_input_ = frame.keep_planes ? plane : nullptr;
 }
 
 void FilterElement::send(GstBuffer* out, Slot& slot, FrameContext& frame) {
@@ -260,13 +234,10 @@ void FilterElement::send(GstBuffer* out, Slot& slot, FrameContext& frame) {
   gpu::BufferPtr direct;  // the memory of `out`, on the device
   if (!out_layers_ && !again) {
     // What goes out may be changed by others: the next frame's reuse needs a copy.
-    const bool reusable = frame.drawn || frame.same_picture;
-    if (!reusable) direct = output_->mapped(*device_, out);
-    const bool parts = frame.drawn && drawn_ && output_->waits();
-    if (!parts && !direct && !slot.out) slot.out = output_->make_buffer(device_);
-    if (!parts) drawn_ = direct ? nullptr : slot.out;
-    output_->record(*slot.commands, frame.picture, frame.layers, direct ? direct : drawn_, out,
-                    parts ? frame.drawn : nullptr);
+    if (!frame.same_picture) direct = output_->mapped(*device_, out);
+    if (!direct && !slot.out) slot.out = output_->make_buffer(device_);
+    drawn_ = direct ? nullptr : slot.out;
+    output_->record(*slot.commands, frame.picture, frame.layers, direct ? direct : drawn_, out);
     slot.commands->stage("pack");
     if (direct) slot.commands->keep({gst_buffer_ref(out), gst_buffer_unref});
   }

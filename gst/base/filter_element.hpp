@@ -84,9 +84,8 @@ class FilterElement {
  private:
   struct Slot {
     std::unique_ptr<gpu::Commands> commands;
-    gpu::BufferPtr in, out;         // the bytes of a frame, if it is copied
-    std::optional<TileList> tiles;  // of the input that are converted anew
-    uint64_t number = 0;            // FrameContext's
+    gpu::BufferPtr in, out;  // the bytes of a frame, if it is copied
+    uint64_t number = 0;     // FrameContext's
     double wall_ms = 0;
     bool pending = false;  // stats are yet to be published
   };
@@ -108,7 +107,7 @@ class FilterElement {
   GstAllocator* allocator_for(GstCaps* caps, const std::shared_ptr<gpu::Device>& device);
   void run_frame(GstBuffer* in, GstBuffer* out, const std::shared_ptr<gpu::Device>& device);
   void read_input(GstBuffer* in, Slot& slot, FrameContext& frame);
-  /// Converts a frame from memory, only the tiles that changed if possible.
+  /// Converts a frame from memory, unless it is repeated and its plane is kept.
   void convert_input(GstBuffer* in, Slot& slot, FrameContext& frame);
   /// Drops what a frame whose picture comes again could reuse.
   void forget_repeats();
@@ -153,9 +152,8 @@ class FilterElement {
   std::unique_ptr<FrameOutput> output_;
   std::optional<PlanePool> planes_;
   Repeats repeats_;
-  std::vector<uint8_t> every_tile_;  // FrameContext::changed of frames that change as a whole
-  PlanePtr kept_input_;              // of the frame before, while repeats go on or little changes
-  gpu::BufferPtr drawn_;             // the slot's buffer with the bytes of the frame before
+  PlanePtr kept_input_;   // of the frame before, while repeats go on
+  gpu::BufferPtr drawn_;  // the slot's buffer with the bytes of the frame before
   gpu::FrameRing<Slot> slots_;
   size_t next_slot_ = 0;
   uint64_t number_ = 0;  // frames since `configure`

@@ -55,7 +55,6 @@ RepeatPlanner::Decision Decomposer::decide(const FrameContext& frame,
   return repeats_.next(
       {.number = frame.number,
        .adaptive = settings.adaptive,
-       .compared = !frame.changed.empty(),
        .repeated = frame.repeated,
        .params_changed = settings.changed || method_->requested(),
        .layers_available = kept_ && !lacks_layer,
@@ -97,7 +96,6 @@ void Decomposer::draw(FrameContext& frame, const FrameSettings& settings, bool r
   // Clusters follow the last frames, also if those are alike.
   const bool steady = settings.view.show != Show::clusters && settings.view.show != Show::mosaic;
   frame.same_picture = reused && steady && drawn_ == settings.view;
-  if (!steady || drawn_ != settings.view) frame.drawn = nullptr;
   drawn_ = settings.view;
 }
 

@@ -12,7 +12,6 @@
 #include "gst/base/filter.hpp"
 #include "gst/base/models.hpp"
 #include "gst/material/meta/material_meta.hpp"
-#include "kernels/image/tiles/tile_list.hpp"
 #include "kernels/image/view/mosaic.hpp"
 #include "kernels/material/lime_material.hpp"
 #include "kernels/material/preview/material_preview.hpp"
@@ -90,22 +89,6 @@ const PropertyTable<Params>& table() {
                        "Standard error of a material below which estimates pause")),
   };
   return table;
-}
-
-/// Whether a tile of the frame that changed lies in the square.
-bool changed_within(std::span<const uint8_t> changed, Extent frame, const Square& square) {
-  if (changed.empty()) return true;
-  constexpr uint32_t kTile = TileList::kTile;
-  const uint32_t columns = (frame.width + kTile - 1) / kTile;
-  for (size_t i = 0; i < changed.size(); ++i) {
-    const size_t column = i % columns, row = i / columns;
-    const auto left = static_cast<float>(column * kTile), top = static_cast<float>(row * kTile);
-    const float right = left + kTile, bottom = top + kTile;
-    if (changed[i] && right > square.x && left < square.x + square.size && bottom > square.y &&
-        top < square.y + square.size)
-      return true;
-  }
-  return false;
 }
 
 class LimeElement final : public Filter {
@@ -209,11 +192,10 @@ class LimeElement final : public Filter {
     params.light.fit.memory = params.fusion.memory;
     written_ = false;
     const PlanePtr input = frame.layers[Role::input];
-    const bool still = !changed_within(frame.changed, extent_, method_->square());
     report_material(frame);
     warn(frame, params);
     const uint64_t number = method_->recorded();
-    method_->record(frame.commands, *input, params, still);
+    method_->record(frame.commands, *input, params, frame.repeated);
     frame.decorate = [object = method_->object(),
                       light = method_->light() ? light_bytes_ : nullptr](GstBuffer* buffer) {
       attach(buffer, object, light.get());

@@ -21,8 +21,7 @@ RepeatPlanner::Decision RepeatPlanner::next(const Frame& frame) {
   }
   ++shown_;
   if (!frame.adaptive) return {false, kNotAdaptive};
-  if (!frame.compared) return {false, "not compared with the frame before"};
-  if (!frame.repeated) return {false, "the picture changed"};
+  if (!frame.repeated) return {false, "the picture changed, or is not compared"};
   if (frame.params_changed) return {false, "parameters changed"};
   if (!frame.layers_available) return {false, "the layers of the frame before are not available"};
   if (*first_ == frame.number) return {false, "first frame of this picture"};

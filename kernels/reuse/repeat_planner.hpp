@@ -12,7 +12,6 @@ class RepeatPlanner {
   struct Frame {
     uint64_t number = 0;            ///< from 0, one more each time
     bool adaptive = true;           ///< the property
-    bool compared = false;          ///< with the frame before, byte by byte
     bool repeated = false;          ///< the picture is that of the frame before
     bool params_changed = false;    ///< the method's
     bool layers_available = false;  ///< those of the frame before

@@ -39,8 +39,4 @@ struct Tolerances {
 /// The reason why nothing is skipped: the property `adaptive`, or `skip-error`, which implies it.
 inline constexpr const char* kNotAdaptive = "adaptive is off or skip-error is 0";
 
-/// Share of tiles, with those beside them, that may change if the others are to be skipped: with
-/// more, a list of tiles saves too little.
-inline constexpr float kMaxChangedTiles = 0.25F;
-
 }  // namespace inverse

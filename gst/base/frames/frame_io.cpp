@@ -234,7 +234,7 @@ bool is_gap(GstBuffer* buffer) {
 }
 
 FrameInput::FrameInput(const GstVideoInfo& info)
-    : info_(info), format_(frame_format(info)), changed_(format_.format, format_.extent) {}
+    : info_(info), format_(frame_format(info)), last_frame_(format_.format, format_.extent) {}
 
 gpu::BufferPtr FrameInput::make_buffer(const std::shared_ptr<gpu::Device>& device) const {
   return gpu::Buffer::create_by_rows(device, gpu::Element::word, raw_words(format_),
@@ -245,26 +245,26 @@ void FrameInput::configure(const std::shared_ptr<gpu::Device>& device) {
   unpack_.emplace(device, format_);
 }
 
-std::span<const uint8_t> FrameInput::changed_tiles(GstBuffer* buffer) {
+bool FrameInput::repeats(GstBuffer* buffer) {
   const MappedFrame frame(info_, format_, buffer, GST_MAP_READ);
-  std::array<ChangedTiles::Rows, 4> planes{};
+  std::array<LastFrame::Rows, 4> planes{};
   const uint32_t count = format_.format.planes;
   for (uint32_t plane = 0; plane < count; ++plane)
     planes[plane] = {frame.data(plane), static_cast<ptrdiff_t>(frame.stride(plane))};
-  return changed_.next(std::span(planes).first(count));
+  return last_frame_.repeats(std::span(planes).first(count));
 }
 
 void FrameInput::record(gpu::Commands& commands, GstBuffer* buffer, gpu::BufferPtr& raw,
-                        const Plane& plane, const TileList* listed) const {
+                        const Plane& plane) const {
   if (const auto words = mapped_frame(info_, format_, *commands.device(), buffer)) {
     // Nobody else writes there meanwhile: the buffer is neither writable nor back in its pool.
     commands.keep({gst_buffer_ref(buffer), gst_buffer_unref});
-    unpack_->record(commands, words, plane, listed);
+    unpack_->record(commands, words, plane);
     return;
   }
   if (!raw) raw = make_buffer(commands.device());
   load(commands, buffer, raw);
-  unpack_->record(commands, raw, plane, listed);
+  unpack_->record(commands, raw, plane);
 }
 
 void FrameInput::load(gpu::Commands& commands, GstBuffer* buffer, const gpu::BufferPtr& raw) const {
@@ -300,14 +300,13 @@ gpu::BufferPtr FrameOutput::mapped(const gpu::Device& device, GstBuffer* buffer)
 }
 
 void FrameOutput::record(gpu::Commands& commands, const Picture& picture, const Layers& layers,
-                         const gpu::BufferPtr& raw, GstBuffer* buffer,
-                         const TileList* listed) const {
+                         const gpu::BufferPtr& raw, GstBuffer* buffer) const {
   if (!picture.plane) throw Error(ErrorKind::internal, "an element drew no picture");
   const PlanePtr& input = layers[Role::input];
   pack_->record(commands,
                 {*picture.plane, picture.scalar ? Drawing::Source::shading : Drawing::Source::color,
                  picture.gain, input ? input.get() : nullptr},
-                raw, listed);
+                raw);
   store(commands, raw, buffer);
 }
 

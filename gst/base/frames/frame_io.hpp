@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "kernels/gpu/commands.hpp"
-#include "kernels/image/format/changed_tiles.hpp"
 #include "kernels/image/format/convert.hpp"
+#include "kernels/image/format/last_frame.hpp"
 #include "kernels/image/layers.hpp"
 #include "picture.hpp"
 
@@ -43,18 +43,16 @@ class FrameInput {
   /// A buffer for the bytes of one frame on the device, for `record`.
   virtual gpu::BufferPtr make_buffer(const std::shared_ptr<gpu::Device>& device) const;
   void configure(const std::shared_ptr<gpu::Device>& device);
-  /// Which tiles of 16 x 16 pixels differ from the frame that was asked for before: a byte a tile,
-  /// row by row, 0 if all bytes are the same. Empty if there was none, or if the pixels
-  /// are not in system memory. Throws as `record`.
-  virtual std::span<const uint8_t> changed_tiles(GstBuffer* buffer);
+  /// Whether all bytes are those of the frame that was asked for before (LastFrame); false if the
+  /// pixels are not in system memory. Throws as `record`.
+  virtual bool repeats(GstBuffer* buffer);
   /// The next frame has none before it to be compared with.
-  void forget() { changed_.reset(); }
-  /// Records the conversion of `buffer` into `plane`; if tiles are `listed`, of these alone. Holds
-  /// a frame that lies on the device (frame_allocator) until the work is done; brings others into
-  /// `raw`, which must be idle, and is made if null. Throws Error(unsupported) if the buffer does
-  /// not match its caps.
-  void record(gpu::Commands& commands, GstBuffer* buffer, gpu::BufferPtr& raw, const Plane& plane,
-              const TileList* listed = nullptr) const;
+  void forget() { last_frame_.reset(); }
+  /// Records the conversion of `buffer` into `plane`. Holds a frame that lies on the device
+  /// (frame_allocator) until the work is done; brings others into `raw`, which must be idle, and is
+  /// made if null. Throws Error(unsupported) if the buffer does not match its caps.
+  void record(gpu::Commands& commands, GstBuffer* buffer, gpu::BufferPtr& raw,
+              const Plane& plane) const;
 
  protected:
   /// Copies the bytes at once, or records copying them.
@@ -65,7 +63,7 @@ class FrameInput {
 
  private:
   std::optional<Unpack> unpack_;
-  ChangedTiles changed_;
+  LastFrame last_frame_;
 };
 
 /// From planes to a buffer, in system memory unless a derived class writes other memory.
@@ -88,10 +86,9 @@ class FrameOutput {
   /// null otherwise. `write` must not follow.
   gpu::BufferPtr mapped(const gpu::Device& device, GstBuffer* buffer) const;
   /// Records drawing `picture` into `raw` and on to `buffer`, as far as the device does that. Alpha
-  /// comes from the input layer's w if there is one. If tiles are `listed`, `raw` has the
-  /// others already.
+  /// comes from the input layer's w if there is one.
   void record(gpu::Commands& commands, const Picture& picture, const Layers& layers,
-              const gpu::BufferPtr& raw, GstBuffer* buffer, const TileList* listed = nullptr) const;
+              const gpu::BufferPtr& raw, GstBuffer* buffer) const;
   /// Whether `write` has to follow, once the commands are done.
   virtual bool waits() const { return true; }
   /// Copies what was drawn into a writable buffer.

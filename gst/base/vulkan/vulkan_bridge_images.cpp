@@ -60,7 +60,7 @@ class ImageInput final : public FrameInput {
     return gpu::Buffer::create(device, gpu::Element::word, raw_words(format_));
   }
   // What lies on the device is not copied to the host to be checked.
-  std::span<const uint8_t> changed_tiles(GstBuffer*) override { return {}; }
+  bool repeats(GstBuffer*) override { return false; }
 
  protected:
   void load(gpu::Commands& commands, GstBuffer* buffer, const gpu::BufferPtr& raw) const override {

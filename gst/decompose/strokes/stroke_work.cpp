@@ -127,10 +127,7 @@ void StrokeWork::edit(FrameContext& frame) {
   select_->record(frame.commands, frame.layers, selects_, lists_.selected, {tracker(), seen_});
   if (lists_.selected) frame.commands.stage("select-strokes");
   recolor_->record(frame.commands, frame.layers, lists_.recolored, {tracker(), seen_});
-  const bool recolors = lists_.recolored != nullptr;
-  if (recolors) frame.commands.stage("recolor-strokes");
-  if (recolors || recolored_) frame.drawn = nullptr;
-  recolored_ = recolors;
+  if (lists_.recolored) frame.commands.stage("recolor-strokes");
 }
 
 std::vector<float> StrokeWork::residuals(const Frame& frame, const std::vector<float>& rms) {

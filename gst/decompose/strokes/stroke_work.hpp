@@ -80,7 +80,6 @@ class StrokeWork {
   bool followed_ = false;              // what the property said for it
   bool touches_ = false;               // the same
   bool selects_ = false;               // in this frame: there is a mask layer
-  bool recolored_ = false;             // the frame before
   gpu::FrameRing<Frame> frames_;
 };
 

@@ -11,7 +11,6 @@ namespace {
 
 using Push = shaders::image_format_pack_rgb::Push;  // the same in all these kernels
 constexpr uint32_t kStripRows = shaders::image_format_pack_rgb::ROWS;  // in all of them
-constexpr uint32_t kStrips = TileList::kTile / kStripRows;
 
 /// Words per plane.
 gpu::Vector<uint32_t, 4> words_of(const FrameFormat& format, const auto& bytes) {
@@ -162,18 +161,17 @@ Unpack::Unpack(const std::shared_ptr<gpu::Device>& device, const FrameFormat& fo
       shaders::image_format_unpack_yuv;
   switch (kernel_of(format.format)) {
     case Kernel::rgb:
-      rgb_.emplace(device, rgb_constants<image_format_unpack_rgb>(format), 4, kStrips);
+      rgb_.emplace(device, rgb_constants<image_format_unpack_rgb>(format));
       break;
     case Kernel::yuv:
-      yuv_.emplace(device, yuv_constants<image_format_unpack_yuv>(format), 4, kStrips);
+      yuv_.emplace(device, yuv_constants<image_format_unpack_yuv>(format));
       break;
     case Kernel::table:
-      table_.emplace(device, table_constants<image_format_unpack_table>(format), 4, kStrips);
+      table_.emplace(device, table_constants<image_format_unpack_table>(format));
   }
 }
 
-void Unpack::record(gpu::Commands& commands, const gpu::BufferPtr& raw, const Plane& linear,
-                    const TileList* listed) const {
+void Unpack::record(gpu::Commands& commands, const gpu::BufferPtr& raw, const Plane& linear) const {
   check_planes(format_, raw, &linear);
   const CodeScale luma = luma_codes(format_), chroma = chroma_codes(format_);
   const double kr = format_.matrix.kr, kb = format_.matrix.kb, kg = 1 - kr - kb;
@@ -196,8 +194,8 @@ void Unpack::record(gpu::Commands& commands, const gpu::BufferPtr& raw, const Pl
   const gpu::Rows rows{blocks(format_.extent.width, 4), format_.extent.height, kStripRows};
   const auto dispatch = [&](const auto& program) {
     if (program)
-      program->dispatch_rows(commands, listed, {.raw = raw, .linear = gpu::by_rows(linear.buffer)},
-                             push, rows);
+      commands.dispatch_rows(*program, {.raw = raw, .linear = gpu::by_rows(linear.buffer)}, push,
+                             rows);
   };
   dispatch(rgb_);
   dispatch(yuv_);
@@ -210,28 +208,24 @@ Pack::Pack(const std::shared_ptr<gpu::Device>& device, const FrameFormat& format
   using shaders::image_format_pack_rgb, shaders::image_format_pack_table,
       shaders::image_format_pack_yuv;
   const Gamut& gamut = format.gamut;
-  // 12 pixels do not fit a tile.
-  const uint32_t in_tile = TileList::kTile % across_ == 0 ? TileList::kTile / across_ : 0;
   switch (kernel_of(format.format)) {
     case Kernel::rgb:
       across_ = 4;
-      rgb_.emplace(device, with_gamut(rgb_constants<image_format_pack_rgb>(format), gamut), 4,
-                   kStrips);
+      rgb_.emplace(device, with_gamut(rgb_constants<image_format_pack_rgb>(format), gamut));
       break;
     case Kernel::yuv:
-      yuv_.emplace(device, with_gamut(yuv_constants<image_format_pack_yuv>(format), gamut), in_tile,
-                   kStrips);
+      yuv_.emplace(device, with_gamut(yuv_constants<image_format_pack_yuv>(format), gamut));
       break;
     case Kernel::table: {
       auto constants = with_gamut(table_constants<image_format_pack_table>(format), gamut);
       constants.across = across_;
-      table_.emplace(device, constants, in_tile, kStrips);
+      table_.emplace(device, constants);
     }
   }
 }
 
-void Pack::record(gpu::Commands& commands, const Drawing& drawing, const gpu::BufferPtr& raw,
-                  const TileList* listed) const {
+void Pack::record(gpu::Commands& commands, const Drawing& drawing,
+                  const gpu::BufferPtr& raw) const {
   check_planes(format_, raw, &drawing.picture);
   check_planes(format_, raw, drawing.alpha);
   using Shader = shaders::image_format_pack_rgb;
@@ -260,12 +254,12 @@ void Pack::record(gpu::Commands& commands, const Drawing& drawing, const gpu::Bu
   // Rows of several planes are not one part of a buffer.
   const gpu::Out to = format_.format.planes == 1 ? gpu::Out(gpu::by_rows(raw)) : gpu::Out(raw);
   if (rgb_)
-    rgb_->dispatch_rows(commands, listed, {.picture = picture, .alpha_plane = alpha, .raw = to},
-                        push, rows);
-  if (yuv_) yuv_->dispatch_rows(commands, listed, {.picture = picture, .raw = to}, push, rows);
+    commands.dispatch_rows(*rgb_, {.picture = picture, .alpha_plane = alpha, .raw = to}, push,
+                           rows);
+  if (yuv_) commands.dispatch_rows(*yuv_, {.picture = picture, .raw = to}, push, rows);
   if (table_)
-    table_->dispatch_rows(commands, TileList::kTile % across_ == 0 ? listed : nullptr,
-                          {.picture = picture, .alpha_plane = alpha, .raw = to}, push, rows);
+    commands.dispatch_rows(*table_, {.picture = picture, .alpha_plane = alpha, .raw = to}, push,
+                           rows);
 }
 
 }  // namespace inverse

@@ -5,7 +5,6 @@
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
-#include "kernels/image/tiles/tile_list.hpp"
 #include "kernels/image_format_pack_rgb.spv.hpp"
 #include "kernels/image_format_pack_table.spv.hpp"
 #include "kernels/image_format_pack_yuv.spv.hpp"
@@ -29,17 +28,15 @@ class Unpack {
   /// Throws Error(unsupported) for formats that validate() rejects and for frames that are not
   /// word-aligned: copy those with copy_plane() to their aligned_layout() first.
   Unpack(const std::shared_ptr<gpu::Device>& device, const FrameFormat& format);
-  /// `raw` holds the frame as at least raw_words() words; `linear` has the frame's extent. With a
-  /// list of tiles, only these are written.
-  void record(gpu::Commands& commands, const gpu::BufferPtr& raw, const Plane& linear,
-              const TileList* listed = nullptr) const;
+  /// `raw` holds the frame as at least raw_words() words; `linear` has the frame's extent.
+  void record(gpu::Commands& commands, const gpu::BufferPtr& raw, const Plane& linear) const;
   const FrameFormat& format() const { return format_; }
 
  private:
   FrameFormat format_;
-  std::optional<TileProgram<shaders::image_format_unpack_rgb>> rgb_;  // one of the three
-  std::optional<TileProgram<shaders::image_format_unpack_yuv>> yuv_;
-  std::optional<TileProgram<shaders::image_format_unpack_table>> table_;
+  std::optional<gpu::Program<shaders::image_format_unpack_rgb>> rgb_;  // one of the three
+  std::optional<gpu::Program<shaders::image_format_unpack_yuv>> yuv_;
+  std::optional<gpu::Program<shaders::image_format_unpack_table>> table_;
 };
 
 /// What to draw from planes.
@@ -63,17 +60,16 @@ class Pack {
   Pack(const std::shared_ptr<gpu::Device>& device, const FrameFormat& format);
   /// Writes whole words: up to three padding bytes after a row may change, nothing else. To copy
   /// defined padding, fill a new `raw` once. `raw` as for Unpack; the planes have the frame's
-  /// extent. With a list of tiles, only these are written; all if three samples share a word.
-  void record(gpu::Commands& commands, const Drawing& drawing, const gpu::BufferPtr& raw,
-              const TileList* listed = nullptr) const;
+  /// extent.
+  void record(gpu::Commands& commands, const Drawing& drawing, const gpu::BufferPtr& raw) const;
   const FrameFormat& format() const { return format_; }
 
  private:
   FrameFormat format_;
   uint32_t across_;  // pixels of a row that an invocation draws
-  std::optional<TileProgram<shaders::image_format_pack_rgb>> rgb_;  // one of the three
-  std::optional<TileProgram<shaders::image_format_pack_yuv>> yuv_;
-  std::optional<TileProgram<shaders::image_format_pack_table>> table_;
+  std::optional<gpu::Program<shaders::image_format_pack_rgb>> rgb_;  // one of the three
+  std::optional<gpu::Program<shaders::image_format_pack_yuv>> yuv_;
+  std::optional<gpu::Program<shaders::image_format_pack_table>> table_;
 };
 
 }  // namespace inverse

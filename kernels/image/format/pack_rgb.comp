@@ -13,9 +13,6 @@ layout(constant_id = 3) const bool BGR = false;
 layout(constant_id = 4) const bool ALPHA = true;
 PLANE_IN(1, alpha_plane);
 WORD_OUT(2, raw);
-#define TILE_CONSTANT 60
-#define TILE_BINDING 3
-#include "image/tiles/tiles.glsl"
 
 void store(uint row, uint index, uint word) {
   STORE(raw, push.offset.x + (row - push.first_row) * push.stride.x + index, word);
@@ -26,7 +23,7 @@ float alpha_at(uint row, uint column) {
 }
 
 void main() {
-  uvec2 place = kTileAcross == 0u ? gl_GlobalInvocationID.xy : listed_position(push.size.x);
+  uvec2 place = gl_GlobalInvocationID.xy;
   uint block = place.x;
   if (block * 4u >= push.size.x) return;
   uint count = push.size.x - block * 4u;

@@ -13,9 +13,6 @@
 layout(constant_id = 13) const uint ACROSS = 4u;
 PLANE_IN(1, alpha_plane);
 WORD_OUT(2, raw);
-#define TILE_CONSTANT 60
-#define TILE_BINDING 3
-#include "image/tiles/tiles.glsl"
 
 const uint kMaxAcross = 16u, kMaxWords = 8u;
 uint span() { return 1u << W_SUB; }  // pixels of a chroma sample
@@ -133,7 +130,7 @@ void store(uint row, uint block, uint lines) {
 }
 
 void main() {
-  uvec2 place = kTileAcross == 0u ? gl_GlobalInvocationID.xy : listed_position(push.size.x);
+  uvec2 place = gl_GlobalInvocationID.xy;
   uint block = place.x, first = block * ACROSS;
   if (first >= push.size.x) return;
   uint begin = push.first_row + place.y * ROWS, end = min(begin + ROWS, push.size.y);

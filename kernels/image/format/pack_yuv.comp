@@ -13,9 +13,6 @@
 const uint PAIRS = ROWS / 2u;
 const uint BLOCKS = LAYOUT == kPlanar && !DEEP ? 2u : 1u;
 WORD_OUT(1, raw);
-#define TILE_CONSTANT 60
-#define TILE_BINDING 2
-#include "image/tiles/tiles.glsl"
 
 void store(uint plane, uint row, uint index, uint word) {
   STORE(raw, push.offset[plane] + (row - push.first_row) * push.stride[plane] + index, word);
@@ -85,7 +82,7 @@ void store_chroma(uint pair, uint first, uvec4 u, uvec4 v) {
 }
 
 void main() {
-  uvec2 place = kTileAcross == 0u ? gl_GlobalInvocationID.xy : listed_position(push.size.x);
+  uvec2 place = gl_GlobalInvocationID.xy;
   uint first = place.x * BLOCKS * 4u;
   if (first >= push.size.x) return;
   uint begin = push.first_row / 2u + place.y * PAIRS;

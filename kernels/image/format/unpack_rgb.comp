@@ -12,9 +12,6 @@ layout(constant_id = 3) const bool BGR = false;
 layout(constant_id = 4) const bool ALPHA = true;
 WORD_IN(0, raw);
 PLANE_OUT(1, linear);
-#define TILE_CONSTANT 5
-#define TILE_BINDING 2
-#include "image/tiles/tiles.glsl"
 
 uint word(uint row, uint index) { return FETCH1(raw, word_index(0u, row, index)); }
 
@@ -31,7 +28,7 @@ vec4 light(uvec4 code) {
 }
 
 void main() {
-  uvec2 place = kTileAcross == 0u ? gl_GlobalInvocationID.xy : listed_position(push.size.x);
+  uvec2 place = gl_GlobalInvocationID.xy;
   uint block = place.x;
   if (block * 4u >= push.size.x) return;
   uint count = push.size.x - block * 4u;

@@ -11,9 +11,6 @@
 // reuses chroma rows from row to row; each component of four pixels is one vec4.
 WORD_IN(0, raw);
 PLANE_OUT(1, linear);
-#define TILE_CONSTANT 13
-#define TILE_BINDING 2
-#include "image/tiles/tiles.glsl"
 
 float code_at(uint c, uint row, uint sample_index) {
   uint at = sample_index * stride_of(c) + offset_of(c);
@@ -52,7 +49,7 @@ vec4 light(vec4 value) { return decode(clamp(value, 0.0, push.ceiling), push.cur
 vec4 light_of_codes(vec4 code) { return light((code - push.codes.x) * push.codes.y); }
 
 void main() {
-  uvec2 place = kTileAcross == 0u ? gl_GlobalInvocationID.xy : listed_position(push.size.x);
+  uvec2 place = gl_GlobalInvocationID.xy;
   uint x = place.x * 4u;
   if (x >= push.size.x) return;
   uint count = push.size.x - x;

@@ -11,9 +11,6 @@
 const uint PAIRS = ROWS / 2u;
 WORD_IN(0, raw);
 PLANE_OUT(1, linear);
-#define TILE_CONSTANT 7
-#define TILE_BINDING 2
-#include "image/tiles/tiles.glsl"
 
 uint word(uint plane, uint row, uint index) { return FETCH1(raw, word_index(plane, row, index)); }
 uvec2 codes_of(uint word) { return (halves_of(word) >> SHIFT) & 1023u; }
@@ -79,7 +76,7 @@ void draw(uint row, uint block, vec4 cb, vec4 cr) {
 }
 
 void main() {
-  uvec2 place = kTileAcross == 0u ? gl_GlobalInvocationID.xy : listed_position(push.size.x);
+  uvec2 place = gl_GlobalInvocationID.xy;
   uint block = place.x;
   if (block * 4u >= push.size.x) return;
   uint first = push.first_row / 2u + place.y * PAIRS;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include <memory>
-#include <span>
-#include <vector>
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
@@ -12,7 +10,7 @@
 namespace inverse {
 
 /// Tiles of 16 x 16 pixels to which work on a frame is limited: a list (tiles.glsl) with workgroup
-/// counts for indirect dispatch. Made on the device from flags, or on the host.
+/// counts for indirect dispatch. Made on the device from flags.
 class TileList {
  public:
   static constexpr uint32_t kTile = 16;  ///< pixels along a tile
@@ -21,23 +19,16 @@ class TileList {
   static constexpr uint32_t count(Extent extent) {
     return along(extent.width) * along(extent.height);
   }
-  /// Memory::upload for a list made on the host.
-  TileList(const std::shared_ptr<gpu::Device>& device, Extent extent,
-           gpu::Memory memory = gpu::Memory::device);
+  TileList(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// Number of tiles of a frame, and along its width.
+  /// Number of tiles of a frame.
   uint32_t tiles() const { return columns_ * rows_; }
-  uint32_t columns() const { return columns_; }
-  uint32_t rows() const { return rows_; }
   /// One word per tile, row by row: 1 to list it, else 0. Written by a kernel of the caller.
   const gpu::BufferPtr& flags() const { return flags_; }
   /// Records flagging also the tiles that `others` flags, and those beside them; null: none.
   void record_merge(gpu::Commands& commands, const gpu::BufferPtr& others) const;
   /// Records building the list from the flags.
   void record(gpu::Commands& commands) const;
-  /// Builds the list on the host from the tiles whose `flags`, row by row, are not 0. No submitted
-  /// work may use the list meanwhile.
-  void assign(std::span<const uint8_t> flags) const;
   /// The list; its first word is the number of tiles.
   const gpu::BufferPtr& words() const { return words_; }
   /// Byte offset in `words` of the workgroup counts for kernels with this number of invocations per
@@ -51,21 +42,16 @@ class TileList {
   gpu::BufferPtr flags_, words_;
 };
 
-/// Dilates flags by one tile, also diagonally; `columns` tiles per row.
-std::vector<uint8_t> dilate_tiles(std::span<const uint8_t> flags, uint32_t columns);
-
-/// A kernel that runs over a whole frame or over a list of tiles. A tile has `across` x `down`
-/// invocations; 0 if it only runs over whole frames.
+/// A kernel that runs over a whole frame or over a list of tiles, each with `across` x `down`
+/// invocations.
 template <typename Shader>
 class TileProgram {
  public:
-  TileProgram() = default;
   TileProgram(const std::shared_ptr<gpu::Device>& device, typename Shader::Constants constants,
               uint32_t across, uint32_t down)
       : whole_(device, constants),
         items_(across * down),
         nothing_(gpu::Buffer::create(device, gpu::Element::word, 1)) {
-    if (items_ == 0) return;
     constants.tile_across = across;
     constants.tile_down = down;
     listed_ = {device, constants};
@@ -82,16 +68,6 @@ class TileProgram {
     else
       commands.dispatch(whole_, buffers, push, whole);
   }
-  /// As `dispatch`; a whole frame as by Commands::dispatch_rows.
-  template <typename Push = typename Shader::Push>
-  void dispatch_rows(gpu::Commands& commands, const TileList* listed,
-                     typename Shader::Buffers buffers, const Push& push,
-                     const gpu::Rows& whole) const {
-    if (listed) return dispatch(commands, listed, buffers, push, {});
-    buffers.list = nothing_;
-    commands.dispatch_rows(whole_, buffers, push, whole);
-  }
-  const gpu::KernelPtr& whole() const { return whole_.kernel(); }
 
  private:
   gpu::Program<Shader> whole_, listed_;

@@ -22,7 +22,6 @@ struct Video {
     const bool completed = planner.completed(number).has_value();
     return planner.next({.number = number++,
                          .adaptive = adaptive,
-                         .compared = number > 1,
                          .repeated = repeated,
                          .params_changed = params_changed,
                          .layers_available = layers_available,
