@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "child_settings.hpp"
 
-#include <mutex>
+#include <memory>
 #include <string>
 
 #include "meta/registered_once.hpp"
@@ -13,26 +13,28 @@ constexpr guint kFirst = 1;  // id of the first property
 
 struct Child {
   GstObject parent;
-  std::mutex* mutex;
-  GstElement* owner;     // null: it is gone
-  PropertyStore* store;  // of it
+  GWeakRef owner;
+  PropertyStore* store;  // of the owner, while that exists
 };
 
 Child& child_of(gpointer object) { return *static_cast<Child*>(object); }
 gpointer parent_class = nullptr;
 
+/// The element that a child belongs to, kept alive; null if it is gone.
+std::unique_ptr<GstElement, void (*)(gpointer)> owner_of(GObject* child) {
+  return {static_cast<GstElement*>(g_weak_ref_get(&child_of(child).owner)), gst_object_unref};
+}
+
 void get_property(GObject* object, guint id, GValue* value, GParamSpec* spec) {
-  const std::lock_guard lock(*child_of(object).mutex);
-  if (child_of(object).owner)
+  if (const auto owner = owner_of(object))
     child_of(object).store->get(id - kFirst, value);
   else
     g_param_value_set_default(spec, value);
 }
 
 void set_property(GObject* object, guint id, const GValue* value, GParamSpec*) {
-  const std::lock_guard lock(*child_of(object).mutex);
-  if (GstElement* owner = child_of(object).owner)
-    set_parameter(log_of(owner), *child_of(object).store, id - kFirst, value);
+  if (const auto owner = owner_of(object))
+    set_parameter(log_of(owner.get()), *child_of(object).store, id - kFirst, value);
 }
 
 /// The type of the child `name` of elements like `owner`; `store` has their properties.
@@ -54,7 +56,7 @@ GType child_type(GstElement* owner, const PropertyStore& store, const std::strin
       object->get_property = get_property;
       object->set_property = set_property;
       object->finalize = [](GObject* child) {
-        delete child_of(child).mutex;
+        g_weak_ref_clear(&child_of(child).owner);
         G_OBJECT_CLASS(parent_class)->finalize(child);
       };
       static_cast<Data*>(all)->store.install(object, kFirst, static_cast<Data*>(all)->name);
@@ -62,7 +64,7 @@ GType child_type(GstElement* owner, const PropertyStore& store, const std::strin
     info.class_data = &data;
     info.instance_size = sizeof(Child);
     info.instance_init = [](GTypeInstance* instance, gpointer) {
-      child_of(instance).mutex = new std::mutex;
+      g_weak_ref_init(&child_of(instance).owner, nullptr);
     };
     const GType type = g_type_register_static(GST_TYPE_OBJECT, type_name.c_str(), &info,
                                               static_cast<GTypeFlags>(0));
@@ -77,7 +79,7 @@ ChildSettings::ChildSettings(GstElement* owner, PropertyStore& store) {
   for (const std::string& name : store.children()) {
     auto* child = static_cast<GstObject*>(
         g_object_new(child_type(owner, store, name), "name", name.c_str(), nullptr));
-    child_of(child).owner = owner;
+    g_weak_ref_set(&child_of(child).owner, owner);
     child_of(child).store = &store;
     gst_object_set_parent(child, GST_OBJECT(owner));  // takes the reference
     children_.push_back(child);
@@ -85,13 +87,7 @@ ChildSettings::ChildSettings(GstElement* owner, PropertyStore& store) {
 }
 
 ChildSettings::~ChildSettings() {
-  for (GstObject* child : children_) {
-    {
-      const std::lock_guard lock(*child_of(child).mutex);
-      child_of(child).owner = nullptr;
-    }
-    gst_object_unparent(child);
-  }
+  for (GstObject* child : children_) gst_object_unparent(child);
 }
 
 GObject* ChildSettings::at(guint index) const {

@@ -2,7 +2,6 @@
 #pragma once
 #include <gst/gst.h>
 
-#include <memory>
 #include <vector>
 
 #include "property_table.hpp"

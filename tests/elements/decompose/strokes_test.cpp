@@ -320,4 +320,18 @@ INSTANTIATE_TEST_SUITE_P(Elements, Strokes,
                                            "intrinsicdecompthesis"));
 
 }  // namespace
+TEST(StrokesChild, MayOutliveItsElement) {
+  GstElement* element = gst_element_factory_make("intrinsicdecomp", nullptr);
+  GObject* child = gst_child_proxy_get_child_by_name(GST_CHILD_PROXY(element), "strokes");
+  ASSERT_NE(child, nullptr);
+  g_object_set(child, "radius", 20.0F, nullptr);
+  EXPECT_EQ(property<float>(element, "strokes::radius"), 20);
+  gst_object_unref(element);
+  float radius = 0;
+  g_object_set(child, "radius", 30.0F, nullptr);
+  g_object_get(child, "radius", &radius, nullptr);
+  EXPECT_EQ(radius, 12) << "the default";
+  g_object_unref(child);
+}
+
 }  // namespace inverse::testing
